@@ -4,6 +4,8 @@
 import importlib
 from types import ModuleType
 
+from . import registration
+
 # Installed a moment ago, the folder of the package is new to Python.
 importlib.invalidate_caches()
 
@@ -72,15 +74,42 @@ else:
     from .store import preferences
     from .ui import (
         add_isosurface,
+        advanced_panel,
+        animation,
+        bake_panel,
         clip_outline,
+        clip_panel,
+        comparison_panel,
+        data_panel,
+        data_picture,
+        flatland_panel,
         handlers,
         header,
         isosurface_look,
-        panels,
+        label_panel,
+        look_panel,
         pick_isovalue,
+        slice_panel,
         smooth_volume,
+        stage_panel,
+        volume_panel,
     )
 
+    # Of the sidebar, from top to bottom.
+    PANELS = (
+        volume_panel,
+        data_panel,
+        flatland_panel,
+        stage_panel,
+        bake_panel,
+        advanced_panel,
+        look_panel,
+        clip_panel,
+        slice_panel,
+        animation,
+        label_panel,
+        comparison_panel,
+    )
     # In the order of registration: the properties are what all others draw and edit.
     _MODULES = (
         translations,
@@ -114,7 +143,8 @@ else:
         export_bake,
         pick_isovalue,
         smooth_volume,
-        panels,
+        data_picture,
+        *PANELS,
         clip_outline,
         header,
         handlers,
@@ -122,10 +152,8 @@ else:
 
 
 def register():
-    for module in _MODULES:
-        module.register()
+    registration.register(_MODULES)
 
 
 def unregister():
-    for module in reversed(_MODULES):
-        module.unregister()
+    registration.unregister(_MODULES)

@@ -31,12 +31,8 @@ class LEAFLIGHT_PT_refused(bpy.types.Panel):
         _draw(self.layout.column(align=True))
 
 
+CLASSES = (LeaflightRefused, LEAFLIGHT_PT_refused)
+
+
 def register():
-    bpy.utils.register_class(LeaflightRefused)
-    bpy.utils.register_class(LEAFLIGHT_PT_refused)
     print(f"Leaflight: {sentence}")
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_refused)
-    bpy.utils.unregister_class(LeaflightRefused)

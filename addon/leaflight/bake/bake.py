@@ -6,19 +6,17 @@ from dataclasses import replace
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import first_light, preview, surface_object, walls
 from ..stage import first_scene, scene_export, viewport
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
-
-LeaflightError = leaflight.LeaflightError
-
 
 # Of the time that a bake takes, at most one part in so many goes into showing its passes.
 _SHOWN_SHARE = 5
@@ -222,11 +220,7 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
         "Compute the light on every isosurface of the isovalue range at once, until its error is "
         "small enough. Esc stops it, and the light that is finished can be kept"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)
+    conditions = (jobs.is_free, stopped.is_decided, *checks.VOLUME)
 
     def invoke(self, context, event):
         if not bpy.app.background:
@@ -276,9 +270,4 @@ def _write(bake, path):
         raise
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_bake)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_bake)
+CLASSES = (LEAFLIGHT_OT_bake,)

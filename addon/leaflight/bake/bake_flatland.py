@@ -6,13 +6,11 @@ import uuid
 
 import bpy
 import leaflight
-from leaflight import flatland
+from leaflight import LeaflightError, flatland
 from leaflight.flatland.flat_scene import load_flat_scene
 
 from ..operators import background, checks, jobs
 from ..show import graph_object
-
-LeaflightError = leaflight.LeaflightError
 
 
 class FlatBakeJob(jobs.Job):
@@ -76,19 +74,17 @@ class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operat
     bl_idname = "leaflight.bake_flatland"
     bl_label = "Bake Isolines"
     bl_description = "Compute the light on every isoline at once, within the plane. Esc cancels"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_flatland(cls, context)
+    conditions = (
+        jobs.is_free,
+        checks.needs(
+            lambda context: context.object and context.object.leaflight_flat.is_flatland,
+            "Select the graph of an image first (File > Import > Image for Leaflight)",
+        ),
+        checks.in_object_mode,
+    )
 
     def start(self, context):
         return FlatBakeJob(context.object)
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_bake_flatland)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_bake_flatland)
+CLASSES = (LEAFLIGHT_OT_bake_flatland,)

@@ -5,9 +5,9 @@ import bpy
 
 from .. import versions
 from ..operators import background, checks
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import isovalues
-from . import bake, stopped
+from . import bake
 
 
 class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
@@ -17,17 +17,13 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
         "Bake every frame of the volume, one after the other, each in the scene as it is when the "
         "animation shows that frame. Esc ends it; the frames that are done stay"
     )
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)):
-            return False
-        if active_volume(context).leaflight.frames < 2:
-            cls.poll_message_set("The file of this volume holds one frame")
-            return False
-        return True
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.frames > 1,
+            "The file of this volume holds one frame",
+        ),
+    )
 
     def start(self, context):
         self._name, self._scene_frame = active_volume(context).name, context.scene.frame_current
@@ -71,9 +67,4 @@ def _volume(name):
     return bpy.context.scene.objects[name]
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_bake_frames)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_bake_frames)
+CLASSES = (LEAFLIGHT_OT_bake_frames,)

@@ -3,9 +3,10 @@
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 
-from ..operators import background, checks
-from ..operators.active_volume import active_volume
+from ..operators import background, checks, jobs
+from ..operators.checks import active_volume
 from ..show import lamps
 from ..stage import staleness
 from ..store import cache, preferences
@@ -35,6 +36,23 @@ class ContinueJob(bake.BakeJob):
         return leaflight.resume(self._previous, **arguments, **how)
 
 
+def _relit(obj):
+    if not lamps.factors_of(obj.leaflight):
+        return ""
+    return "Lamps have changed since the bake: set them back to continue it, or bake again"
+
+
+def _is_unchanged(operator, context):
+    obj = active_volume(context)
+    change = staleness.known_change(obj) or _relit(obj)
+    if change:
+        operator.poll_message_set(change)
+    return not change
+
+
+_BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
+
+
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
@@ -42,33 +60,21 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
         "Refine this bake until it reaches the target error or the time limit. Esc stops it, and "
         "the finished light can be kept"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)):
-            return False
-        obj = active_volume(context)
-        if not obj.leaflight.bake_outcome:
-            cls.poll_message_set("Only a bake that goes by its error can be continued")
-            return False
-        change = staleness.known_change(obj) or _relit(obj)
-        if change:
-            cls.poll_message_set(change)
-        return not change
+    conditions = (
+        *_BAKE,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.bake_outcome,
+            "Only a bake that goes by its error can be continued",
+        ),
+        _is_unchanged,
+    )
 
     def start(self, context):
         obj = active_volume(context)
         change = staleness.change_since_bake(context, obj) or _relit(obj)
         if change:
-            raise leaflight.LeaflightError(f"{change}.")
+            raise LeaflightError(f"{change}.")
         return ContinueJob(context, obj)
-
-
-def _relit(obj):
-    if not lamps.factors_of(obj.leaflight):
-        return ""
-    return "Lamps have changed since the bake: set them back to continue it, or bake again"
 
 
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
@@ -78,11 +84,7 @@ class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operato
         "Bake again with twice as many texels along each axis, which takes up to eight times the "
         "memory and the time"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)
+    conditions = _BAKE
 
     def start(self, context):
         obj = active_volume(context)
@@ -99,5 +101,4 @@ def suited(obj):
     return LEAFLIGHT_OT_finer_texels if settings.bake_needs_texels else LEAFLIGHT_OT_continue_bake
 
 
-_CLASSES = (LEAFLIGHT_OT_continue_bake, LEAFLIGHT_OT_finer_texels)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_continue_bake, LEAFLIGHT_OT_finer_texels)

@@ -7,7 +7,7 @@ from leaflight.bake.estimate import pilot
 
 from .. import session
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import bake_options
 from ..stage import scene_export
 from ..translations import iface_
@@ -98,18 +98,11 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
         "Estimate the seconds and the memory of Draft, Good and Final from the first passes of the "
         "bake. Esc cancels"
     )
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_volume(cls, context)
+    bl_options = set()
+    conditions = (jobs.is_free, *checks.VOLUME)
 
     def start(self, context):
         return EstimateJob(context, active_volume(context))
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_estimate_bake)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_estimate_bake)
+CLASSES = (LEAFLIGHT_OT_estimate_bake,)

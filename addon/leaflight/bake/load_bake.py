@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Load Bake and Relocate Bake: files of bakes that are not where their objects look."""
 
 import os
@@ -10,27 +9,26 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from mathutils import Matrix
 
 from ..operators import checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import isovalues, lamps, isosurfaces, surface_object
+from ..operators.checks import active_volume
+from ..show import isosurfaces, isovalues, lamps, surface_object
 from ..stage import same_scene, scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, source_files
 from . import lighting
 
-LeaflightError = leaflight.LeaflightError
 
-
-class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.load_bake"
     bl_label = "Load Bake"
     bl_description = (
         "Light the selected volume by a bake of it, made here or on the command line; without one, "
         "bring in the volumes of the bake and the scene that it was baked in"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
     walls: BoolProperty(
@@ -39,19 +37,11 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         default=True,
     )
 
-    @classmethod
-    def poll(cls, context):
-        return jobs.is_free(cls) and checks.in_object_mode(cls, context)
-
-    def execute(self, context):
+    def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
-        try:
-            bake = leaflight.load_bake(path)
-            columns = [atlases.write(g, path, bake.id, i) for i, g in enumerate(bake.grids)]
-            volumes = _matching(context, bake)
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        bake = leaflight.load_bake(path)
+        columns = [atlases.write(g, path, bake.id, i) for i, g in enumerate(bake.grids)]
+        volumes = _matching(context, bake)
         cache.keep_bake(bake)
         seconds = bake.statistics.seconds
         created = None in volumes
@@ -81,48 +71,38 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         staleness.forget()
         names = ", ".join(f'"{obj.name}"' for obj in volumes)
         self.report({"INFO"}, f"{path.name} lights {names}")
-        return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.relocate_bake"
     bl_label = "Relocate Bake"
     bl_description = "Show where the file of the bake that lights this volume has gone"
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        *checks.BAKE,
+        checks.needs(
+            lambda context: active_volume(context).library is None,
+            "The volume is linked from another file: relocate its bake there",
+        ),
+    )
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
 
-    @classmethod
-    def poll(cls, context):
-        if not checks.has_bake(cls, context):
-            return False
-        if active_volume(context).library is not None:
-            cls.poll_message_set("The volume is linked from another file: relocate its bake there")
-            return False
-        return True
-
-    def execute(self, context):
+    def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
         obj = active_volume(context)
         if obj is None:
-            self.report({"ERROR"}, "The volume was deleted meanwhile: undo that, or import it.")
-            return {"CANCELLED"}
+            raise LeaflightError("The volume was deleted meanwhile: undo that, or import it.")
         identifier = obj.leaflight.bake_id
-        try:
-            if bake_files.id_in(path) != identifier:
-                raise LeaflightError(
-                    f"{path}: this file holds another bake than the one that lights "
-                    f'"{obj.name}": choose that one, or use Load Bake.'
-                )
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if bake_files.id_in(path) != identifier:
+            raise LeaflightError(
+                f"{path}: this file holds another bake than the one that lights "
+                f'"{obj.name}": choose that one, or use Load Bake.'
+            )
         surface_object.forget()
         for lit in lighting.objects_lit_by(identifier):
             bake_files.remember(lit, path)
             surface_object.update_all(lit)
         staleness.forget()
-        return {"FINISHED"}
 
 
 def _matching(context, bake):
@@ -227,16 +207,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
 
 
-_CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

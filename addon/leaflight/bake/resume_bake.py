@@ -2,12 +2,12 @@
 """Resume: go on with a bake that ended with Blender, as if nothing had been."""
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 from leaflight.bake.checkpoint import read_recipe
 
 from ..operators import background, checks
-from ..operators.active_volume import active_volume
-from . import bake, stopped
+from ..operators.checks import active_volume
+from . import bake
 from .continue_bake import ContinueJob
 
 
@@ -18,16 +18,13 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
         "Go on with the bake that did not come to its end, because Blender or the computer "
         "stopped. It becomes what it would have been"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)):
-            return False
-        if not is_interrupted(active_volume(context)):
-            cls.poll_message_set("No bake of this volume was interrupted")
-            return False
-        return True
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: is_interrupted(active_volume(context)),
+            "No bake of this volume was interrupted",
+        ),
+    )
 
     def start(self, context):
         obj = active_volume(context)
@@ -36,7 +33,7 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
         if "previous" not in recipe:
             return bake.BakeJob(context, obj, resume=True)
         if recipe["previous"] != obj.leaflight.bake_id:
-            raise leaflight.LeaflightError(
+            raise LeaflightError(
                 f"{path}: the bake that this one went on with no longer lights the volume: bake "
                 "again."
             )
@@ -48,9 +45,4 @@ def is_interrupted(obj):
     return bake.checkpoint_path(obj).is_file()
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_resume_bake)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_resume_bake)
+CLASSES = (LEAFLIGHT_OT_resume_bake,)

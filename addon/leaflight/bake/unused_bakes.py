@@ -5,31 +5,29 @@ Those of .blends that were never saved are among them, once nothing can need the
 """
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
+from ..operators import checks
 from ..store import atlases, bake_files, frame_bakes
 from ..translations import iface_
-
-LeaflightError = leaflight.LeaflightError
 
 # Rows of the list before it is cut short.
 _MOST_ROWS = 12
 
 
-class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
+class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_unused_bakes"
     bl_label = "Remove Unused Bakes"
     bl_description = (
         "Delete the files of bakes in the folders of this .blend that light none of its volumes. "
         "Undo, and other .blend files that use them, then lose their light"
     )
-
-    @classmethod
-    def poll(cls, _context):
-        if not unused():
-            cls.poll_message_set("Every bake in the folders of this .blend lights a volume of it")
-            return False
-        return True
+    bl_options = set()
+    conditions = (
+        checks.needs(
+            lambda _: unused(), "Every bake in the folders of this .blend lights a volume of it"
+        ),
+    )
 
     def invoke(self, context, _event):
         return context.window_manager.invoke_props_dialog(self, width=500)
@@ -43,7 +41,7 @@ class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
         if len(found) > _MOST_ROWS:
             column.label(text=iface_("and %d more") % (len(found) - _MOST_ROWS), icon="BLANK1")
 
-    def execute(self, _context):
+    def run(self, _context):
         found = unused()
         size = megabytes(found)
         for path in found:
@@ -52,10 +50,8 @@ class LEAFLIGHT_OT_remove_unused_bakes(bpy.types.Operator):
                     file.unlink()
                 bake_files.remove_if_empty(path.parent)
             except OSError as error:
-                self.report({"ERROR"}, f"{path}: cannot delete it: {error.strerror}.")
-                return {"CANCELLED"}
+                raise LeaflightError(f"{path}: cannot delete it: {error.strerror}.") from None
         self.report({"INFO"}, f"Removed {len(found)} bakes, {size}")
-        return {"FINISHED"}
 
 
 def of_this_file():
@@ -82,9 +78,4 @@ def megabytes(paths):
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_remove_unused_bakes)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_remove_unused_bakes)
+CLASSES = (LEAFLIGHT_OT_remove_unused_bakes,)

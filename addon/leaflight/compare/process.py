@@ -12,6 +12,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 
 from ..operators import jobs
 
@@ -56,7 +57,7 @@ class ComparisonJob(jobs.Job):
             _save_copy(blend)
         except RuntimeError as error:
             self._files.cleanup()
-            raise leaflight.LeaflightError(
+            raise LeaflightError(
                 f"{blend}: cannot save a copy of the scene there to render it: {error}"
             ) from None
         self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
@@ -96,11 +97,11 @@ class ComparisonJob(jobs.Job):
                 child.wait()
                 child.stdout.close()
         if self.figures is None:
-            raise leaflight.LeaflightError(
+            raise LeaflightError(
                 f"The background Blender of the comparison ended without a result: {said}"
             )
         if "error" in self.figures:
-            raise leaflight.LeaflightError(self.figures["error"])
+            raise LeaflightError(self.figures["error"])
 
     def _follow(self, child, progress):
         """Reads until the child ends; returns its last words."""

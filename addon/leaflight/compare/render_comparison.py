@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Render Comparison: the baked surface beside the same surface path-traced by Cycles."""
 
 from pathlib import Path
 
 import bpy
-import leaflight
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import versions
-from ..operators import background, checks
-from ..operators.active_volume import active_volume
+from ..operators import background, checks, jobs
+from ..operators.checks import active_volume
 from ..stage import scene_export
 from ..store import bake_files
 from . import figures, files, process, stills
-
-LeaflightError = leaflight.LeaflightError
 
 
 class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Operator):
@@ -24,6 +20,12 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
     bl_description = (
         "Render the baked surface, the same surface path-traced by Cycles and by local shading, "
         "and measure the difference, in a background Blender. Esc cancels"
+    )
+    bl_options = set()
+    conditions = (
+        jobs.is_free,
+        *checks.BAKE,
+        checks.needs(lambda context: context.scene.camera, "Add a camera to the scene first"),
     )
 
     samples: IntProperty(
@@ -56,15 +58,6 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
     )
     asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and checks.has_bake(cls, context)):
-            return False
-        if context.scene.camera is None:
-            cls.poll_message_set("Add a camera to the scene first")
-            return False
-        return True
-
     def invoke(self, context, _event):
         if self.asked:
             return self.run_modal(context)
@@ -82,24 +75,22 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             names = ("samples", "baked_samples", "share", "folder")
             chosen = {name: getattr(self, name) for name in names}
             return self.invoke_again(bpy.ops.leaflight.render_comparison, **chosen)
+        return checks.LeaflightOperator.execute(self, context)
+
+    def run(self, context):
         isosurface = active_volume(context)
-        try:
-            found = rendered(
-                context,
-                isosurface,
-                _make_folder(isosurface, self.folder),
-                self.samples,
-                self.baked_samples,
-                self.share / 100.0,
-            )
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        found = rendered(
+            context,
+            isosurface,
+            _make_folder(isosurface, self.folder),
+            self.samples,
+            self.baked_samples,
+            self.share / 100.0,
+        )
         self.report({"INFO"}, found["report"])
         if found["doubt"]:
             self.report({"WARNING"}, found["doubt"])
         isosurface.leaflight.comparison = found["sentence"]
-        return {"FINISHED"}
 
     def start(self, context):
         isosurface = active_volume(context)
@@ -135,9 +126,4 @@ def _make_folder(isosurface, chosen):
     return folder
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_render_comparison)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_render_comparison)
+CLASSES = (LEAFLIGHT_OT_render_comparison,)

@@ -17,8 +17,8 @@ import contextlib
 import time
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.measure.flip import flip
 from leaflight.volume.setting_error import check_is_baked
 
@@ -27,8 +27,6 @@ from ..show import added, fill, isosurface, isovalues, surface_material, surface
 from ..stage import scene_export
 from . import render
 from .figures import mean_off, rms_percent
-
-LeaflightError = leaflight.LeaflightError
 
 _MASK_SAMPLES = 16
 _LOCAL_SAMPLES = 64

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Export > Leaflight: the light of the active volume for other programs."""
 
 import textwrap
@@ -10,15 +9,14 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
+from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
 from leaflight.export.page_size import estimated_bytes
 
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import isovalues, lamps
 from ..store import cache, source_files
-
-LeaflightError = leaflight.LeaflightError
 
 _FORMATS = (
     (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, unlit vertex colors"),
@@ -66,15 +64,13 @@ class ExportJob(jobs.Job):
 class _ExportOperator(background.BackgroundOperator, ExportHelper):
     """Asks for a file by Blender's file browser, then writes it in the background."""
 
+    bl_options = set()
+    conditions = (jobs.is_free, *checks.BAKE)
     check_extension = None
     # The suffix that a new name gets.
     file_type = ""
     # The properties that the file browser shows.
     shown: tuple[str, ...] = ()
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_bake(cls, context)
 
     def invoke(self, context, event):
         if self.asked:
@@ -278,16 +274,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_export_page.bl_idname, text="Leaflight Web Page (.html)")
 
 
-_CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.TOPBAR_MT_file_export.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_export.remove(_draw_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
+MENUS = (("TOPBAR_MT_file_export", _draw_menu),)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Import > Image for Leaflight: flatland."""
 
 import bpy
@@ -8,14 +7,14 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import flatland
 
+from ..operators import checks
 from ..show import graph_object
 
 
-class LEAFLIGHT_OT_import_image(bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.import_image"
     bl_label = "Import Image (Flatland)"
     bl_description = "Show an image as the graph of its brightness, with isolines on it"
-    bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default="*.png;*.jpg;*.jpeg;*.tif;*.tiff;*.exr", options={"HIDDEN"})
     source: EnumProperty(
@@ -53,30 +52,25 @@ class LEAFLIGHT_OT_import_image(bpy.types.Operator, ImportHelper):
         for name in ("size", "height", "count"):
             layout.prop(self, name)
 
-    def execute(self, context):
+    def run(self, context):
         path = bpy.path.abspath(self.filepath) if self.source == "IMAGE" else ""
-        try:
-            field = flatland.read_image(path) if path else flatland.bump_box_2d(self.nodes)
-            low, high = leaflight.default_isovalue_range(field)
-            settings = {
-                "source": path,
-                "nodes": self.nodes,
-                "height": self.height,
-                "count": self.count,
-                "low": low,
-                "high": high,
-            }
-            obj = graph_object.create(context, field, self.size, settings)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        field = flatland.read_image(path) if path else flatland.bump_box_2d(self.nodes)
+        low, high = leaflight.default_isovalue_range(field)
+        settings = {
+            "source": path,
+            "nodes": self.nodes,
+            "height": self.height,
+            "count": self.count,
+            "low": low,
+            "high": high,
+        }
+        obj = graph_object.create(context, field, self.size, settings)
         for other in context.selected_objects:
             other.select_set(False)
         obj.select_set(True)
         context.view_layer.objects.active = obj
         rows, columns = field.values.shape
         self.report({"INFO"}, f"{field.name}: {columns} x {rows} pixels")
-        return {"FINISHED"}
 
 
 def _draw_menu(menu, _context):
@@ -84,11 +78,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(name, text="Image for Leaflight, Flatland (.png, .jpg, .tif, .exr)")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_import_image)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    bpy.utils.unregister_class(LEAFLIGHT_OT_import_image)
+CLASSES = (LEAFLIGHT_OT_import_image,)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

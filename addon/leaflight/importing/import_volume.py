@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Import > Volume for Leaflight."""
 
 import textwrap
@@ -16,18 +15,17 @@ from bpy.props import (
     StringProperty,
 )
 from bpy_extras.io_utils import ImportHelper
-from leaflight import blender
+from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
 from ..show import isovalues, source_properties, surface_object, units
-from ..store import cache, source_files
 from ..stage import orientation
+from ..store import cache, source_files
 from ..translations import iface_
 from . import placing, stored_facts
-
 
 # Which files the browser lists.
 _BY_NAME = readers.name_patterns()
@@ -45,7 +43,6 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     bl_idname = "leaflight.import_volume"
     bl_label = "Import Volume"
     bl_description = "Read a scalar volume and show one of its isosurfaces"
-    bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
@@ -306,7 +303,7 @@ class ImportJob(jobs.Job):
         try:
             obj.leaflight.unit = self._stored.unit or self._unit
             placing.place(context, obj, volume, self._size_from, self._partner)
-        except leaflight.LeaflightError:
+        except LeaflightError:
             bpy.data.meshes.remove(obj.data)
             raise
 
@@ -366,11 +363,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(name, text="Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_import_volume)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    bpy.utils.unregister_class(LEAFLIGHT_OT_import_volume)
+CLASSES = (LEAFLIGHT_OT_import_volume,)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -9,6 +9,7 @@ import leaflight
 
 from ..translations import iface_
 from . import failures, jobs
+from .checks import LeaflightOperator
 from .jobs import BackgroundWork, Job
 
 # Makes a Job, or none.
@@ -18,13 +19,12 @@ Start = Callable[[bpy.types.Context], Optional[Job]]
 _left_behind: "tuple[type[BackgroundOperator], dict[str, Any]] | None" = None
 
 
-class BackgroundOperator:
+class BackgroundOperator(LeaflightOperator):
     """An operator whose work is a Job: modal for users, straight on for scripts.
 
     start(context) returns the job. Whatever it raises, or the job does, becomes a report.
     """
 
-    is_free = classmethod(jobs.is_free)
     # The BackgroundWork of this operator: None while only its dialog is open.
     _work: BackgroundWork | None = None
     # The present text of the status bar.
@@ -228,9 +228,4 @@ def _clear_status() -> None:
         workspace.status_text_set(None)
 
 
-def register() -> None:
-    bpy.utils.register_class(LEAFLIGHT_OT_go_on)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(LEAFLIGHT_OT_go_on)
+CLASSES = (LEAFLIGHT_OT_go_on,)

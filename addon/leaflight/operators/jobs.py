@@ -4,15 +4,19 @@
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import bpy
 import leaflight
+
+from .checks import needs
 
 T = TypeVar("T")
 
 # The one work in progress, for the panels and for Cancel.
 _running: "BackgroundWork | None" = None
+
+is_free = needs(lambda _: _running is None, "Leaflight is at work; Esc ends it")
 
 
 class Job:
@@ -111,13 +115,6 @@ class BackgroundWork:
         self._thread.join()
         if self._error is not None:
             raise self._error
-
-
-def is_free(operator: Any) -> bool:
-    """True if no work is in progress; otherwise a greyed button of the operator shows why."""
-    if _running is not None:
-        operator.poll_message_set("Leaflight is at work; Esc ends it")
-    return _running is None
 
 
 def running() -> BackgroundWork | None:

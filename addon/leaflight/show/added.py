@@ -8,7 +8,7 @@ Those cannot be selected: the volume's panel has them.
 import uuid
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
 from . import display
 
@@ -43,9 +43,7 @@ def added_to(volume):
 def add(volume, isovalue, opacity):
     """A new isosurface of a volume object, which has yet to be shown. Raises LeaflightError."""
     if len(added_to(volume)) + 1 >= MOST:
-        raise leaflight.LeaflightError(
-            f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.'
-        )
+        raise LeaflightError(f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.')
     obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
     display.mark(obj, _KIND)
     obj.parent = volume

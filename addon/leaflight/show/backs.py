@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Isosurfaces that are seen from their back, and are not lit there."""
 
-import leaflight
+from leaflight import LeaflightError
 from leaflight.volume.backs import MOSTLY, back_shares
 
 from .. import session
@@ -21,7 +21,7 @@ def note(volume):
     surfaces = (volume, *added.added_to(volume))
     try:
         data = cache.volume_of(volume)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return ""
     if any(_share(data, obj.leaflight.isovalue) > MOSTLY for obj in surfaces):
         return iface_(

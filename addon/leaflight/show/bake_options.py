@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """The part of Object.leaflight about the next bake."""
 
 from bpy.props import EnumProperty

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The faces of a clip box within a volume, with the slices of its data: they close the cut."""
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from ..store import cache
 from . import added, data_faces, look
@@ -39,7 +39,7 @@ def update(volume, depsgraph=None):
     local_from_box = np.array(owner.matrix_world.inverted_safe() @ box.matrix_world)
     try:
         data = cache.volume_of(volume)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return
     obj = obj or data_faces.new_child(volume, _KIND, "Cut")
     corners = np.array((cut.low, cut.high))

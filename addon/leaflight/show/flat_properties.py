@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """What the graph of an image remembers: Object.leaflight_flat."""
 
 import bpy
@@ -80,12 +79,5 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     is_flatland: BoolProperty(name="Leaflight Flatland")
 
 
-def register():
-    bpy.utils.register_class(LeaflightFlatSettings)
-    bpy.types.Object.leaflight_flat = PointerProperty(type=LeaflightFlatSettings)
-
-
-def unregister():
-    del bpy.types.Object.leaflight_flat
-    bpy.utils.unregister_class(LeaflightFlatSettings)
-    graph_object.forget()
+CLASSES = (LeaflightFlatSettings,)
+PROPERTIES = ((bpy.types.Object, "leaflight_flat", PointerProperty(type=LeaflightFlatSettings)),)

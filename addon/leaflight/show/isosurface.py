@@ -3,14 +3,12 @@
 
 from dataclasses import dataclass
 
-import leaflight
 import leaflight._core as _core
 import numpy as np
+from leaflight import LeaflightError
 
 from ..store import cache, source_files
 from . import added, lamps, preview
-
-LeaflightError = leaflight.LeaflightError
 
 # Colour attributes: what leaves the front of the surface, and the back where it is baked.
 RADIANCE = "radiance"

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How the isosurfaces of a volume object look, in the terms of the bake."""
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.scene.scene import Isosurfaces, is_color
 
 from ..store import cache
-
-LeaflightError = leaflight.LeaflightError
 
 
 def export_isosurfaces(obj, several):

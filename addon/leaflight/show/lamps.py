@@ -9,14 +9,11 @@ import dataclasses
 import json
 from typing import Any
 
-import leaflight
 from leaflight.bake.relit import scales_exactly, strengths_of
 from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 
 from .. import session
 from ..store import cache
-
-LeaflightError = leaflight.LeaflightError
 
 _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")

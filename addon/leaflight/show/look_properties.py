@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """How an isosurface is shown: Object.leaflight_look, of volumes and of what was added to them."""
 
 import bpy
@@ -166,11 +165,5 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
 
 
-def register():
-    bpy.utils.register_class(LeaflightLook)
-    bpy.types.Object.leaflight_look = PointerProperty(type=LeaflightLook)
-
-
-def unregister():
-    del bpy.types.Object.leaflight_look
-    bpy.utils.unregister_class(LeaflightLook)
+CLASSES = (LeaflightLook,)
+PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightLook)),)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """What an object remembers about its volume and its bake: Object.leaflight."""
 
 import bpy
@@ -69,18 +68,8 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-_CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings)
-    bpy.types.Scene.leaflight = bpy.props.PointerProperty(type=LeaflightSceneSettings)
-
-
-def unregister():
-    del bpy.types.Scene.leaflight
-    del bpy.types.Object.leaflight
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight", PointerProperty(type=LeaflightSettings)),
+    (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),
+)

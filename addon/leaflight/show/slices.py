@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Slices of a volume's data: planes across its axes, beside or within its isosurfaces."""
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from ..store import cache
 from . import data_faces
@@ -27,7 +27,7 @@ def update(volume, depsgraph=None):
         return
     try:
         data = cache.volume_of(volume)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return
     obj = obj or data_faces.new_child(volume, _KIND, "Slices")
     low, high = np.asarray(data.field().bounds, np.float64)

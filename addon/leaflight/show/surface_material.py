@@ -10,7 +10,7 @@ import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import added, lamps, isosurfaces, look, preview, shader
+from . import added, isosurfaces, lamps, look, preview, shader
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.

@@ -10,15 +10,13 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from ..store import bake_files
 from . import added, isosurface, lamps, preview, surface_material
 from .fill import colour, fill
-
-LeaflightError = leaflight.LeaflightError
 
 # About how many a surface has at most while its isovalue moves.
 MOVING_TRIANGLES = 150_000

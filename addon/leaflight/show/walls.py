@@ -7,13 +7,11 @@ the next bake still sees it.
 """
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from . import display, fill, lamps, preview, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
-
-LeaflightError = leaflight.LeaflightError
 
 COLLECTION = "Leaflight Walls"
 

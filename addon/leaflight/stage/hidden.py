@@ -66,32 +66,22 @@ def _hide(scene, obj, hidden):
             obj.hide_set(hidden, view_layer=layer)
 
 
-class LEAFLIGHT_OT_show_hidden(bpy.types.Operator):
+class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.show_hidden"
     bl_label = "Show Hidden"
     bl_description = (
         "Show and render the objects again that Stage has hidden. They then stand in the stage "
         "and are baked with it"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        checks.needs(lambda context: all_hidden(context.scene), "Stage has hidden no object"),
+        checks.in_object_mode,
+    )
 
-    @classmethod
-    def poll(cls, context):
-        if not all_hidden(context.scene):
-            cls.poll_message_set("Stage has hidden no object")
-            return False
-        return checks.in_object_mode(cls, context)
-
-    def execute(self, context):
+    def run(self, context):
         objects = all_hidden(context.scene)
         show(context.scene, objects)
         self.report({"INFO"}, f"Shown again: {names(objects)}")
-        return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_show_hidden)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_show_hidden)
+CLASSES = (LEAFLIGHT_OT_show_hidden,)

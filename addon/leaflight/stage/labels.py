@@ -2,15 +2,13 @@
 """A scale bar, and letters for a patient's sides: objects that render and that no bake sees."""
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from mathutils import Matrix
 
 from .. import versions
 from ..show import added, display, shader
 from ..store import cache, source_files
-
-LeaflightError = leaflight.LeaflightError
 
 _BAR, _LETTER = "scale bar", "letter"
 # Right, left, front, back, up and down in a patient's coordinates: (letter, axis, direction).

@@ -2,7 +2,7 @@
 """How strong the lamps of the scene are now, for what is shown by bakes of it."""
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
 from ..show import lamps
 from . import lights, scene_export
@@ -15,7 +15,7 @@ def follow(scene, depsgraph):
         return False
     try:
         present = [light for light in _present(depsgraph) if light is not None]
-    except leaflight.LeaflightError:
+    except LeaflightError:
         # Of a kind that cannot be baked; the panel says why.
         present = None
     if present is None:

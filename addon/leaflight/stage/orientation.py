@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Which axis of a volume points up, and which to the viewer: Object.leaflight_orientation.
 
 The object's transform alone holds the one; the other is kept beside it, since a stage turns to
@@ -12,10 +11,10 @@ from bpy.props import EnumProperty
 from mathutils import Matrix
 
 from ..operators import checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import isovalues, isosurfaces
-from ..store import source_files
+from ..operators.checks import active_volume
+from ..show import isosurfaces, isovalues
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
+from ..store import source_files
 
 AXES = {
     "POS_X": (1, 0, 0),
@@ -118,7 +117,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.turn_volume"
     bl_label = "Turn 90 Degrees"
     bl_description = "Turn the volume by 90 degrees as the viewer of a stage sees it"
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, *checks.VOLUME)
 
     way: EnumProperty(name="Way", items=_WAYS)
 
@@ -127,11 +126,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         texts = {key: text for key, _, text in _WAYS}
         return texts[properties.way]
 
-    @classmethod
-    def poll(cls, context):
-        return jobs.is_free(cls) and super().poll(context)
-
-    def execute(self, context):
+    def run(self, context):
         obj = active_volume(context)
         was_lit = bool(obj.leaflight.bake_id)
         orientation = obj.leaflight_orientation
@@ -142,7 +137,6 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         _turn(obj, *axes[self.way])
         if was_lit:
             self.report({"INFO"}, "The volume stands otherwise than in its bake: bake again")
-        return {"FINISHED"}
 
 
 def front_of(obj):
@@ -221,16 +215,7 @@ def _vector(number):
     return AXES[_NAMES[number]]
 
 
-_CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight_orientation = PointerProperty(type=LeaflightOrientation)
-
-
-def unregister():
-    del bpy.types.Object.leaflight_orientation
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight_orientation", PointerProperty(type=LeaflightOrientation)),
+)

@@ -5,8 +5,8 @@ It renders, and no bake sees it.
 """
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from mathutils import Matrix, Vector
 
 from .. import versions
@@ -30,7 +30,7 @@ def add_cube(context, volume):
     """Puts the cube into the camera's picture, for an earlier one. Raises LeaflightError."""
     camera = context.scene.camera
     if camera is None:
-        raise leaflight.LeaflightError(
+        raise LeaflightError(
             "The scene has no camera, in whose picture the cube would stand: stage it first."
         )
     is_patient = source_files.is_patient(volume.leaflight)

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """What a scene remembers about its stage: Scene.leaflight_stage."""
 
 import bpy
@@ -26,11 +25,5 @@ class LeaflightStage(bpy.types.PropertyGroup):
     own_camera: PointerProperty(type=bpy.types.Object)
 
 
-def register():
-    bpy.utils.register_class(LeaflightStage)
-    bpy.types.Scene.leaflight_stage = PointerProperty(type=LeaflightStage)
-
-
-def unregister():
-    del bpy.types.Scene.leaflight_stage
-    bpy.utils.unregister_class(LeaflightStage)
+CLASSES = (LeaflightStage,)
+PROPERTIES = ((bpy.types.Scene, "leaflight_stage", PointerProperty(type=LeaflightStage)),)

@@ -9,7 +9,7 @@ import dataclasses
 import time
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
 from .. import session
 from ..operators import jobs
@@ -101,7 +101,7 @@ def _look():
 def _change(context, obj):
     try:
         bake_files.locate(obj)
-    except leaflight.LeaflightError as error:
+    except LeaflightError as error:
         return str(error)
     if source_files.smoothing_changed(obj.leaflight):
         return "Smooth has changed since the bake: bake again"
@@ -110,7 +110,7 @@ def _change(context, obj):
     try:
         description, volumes, _ = scene_export.export_scene(context, obj)
         now = scene_export.fingerprint(volumes, description)
-    except leaflight.LeaflightError as error:
+    except LeaflightError as error:
         return f"The scene has changed since the bake: {error}"
     if obj.leaflight.bake_fingerprint == OTHER_SCENE:
         return _OTHER

@@ -22,13 +22,11 @@ import time
 from pathlib import Path
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 from leaflight.bake.provenance import read_bake_id
 
 from .. import session
 from . import preferences
-
-LeaflightError = leaflight.LeaflightError
 
 # Beside the .blend.
 FOLDER = "leaflight"

@@ -5,12 +5,10 @@ import os
 import shutil
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 from leaflight.io.output import replaced
 
 from . import atlases, bake_files, frame_bakes
-
-LeaflightError = leaflight.LeaflightError
 
 
 def move_along(objects):

@@ -10,13 +10,12 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
 from leaflight.volume import smoothing
 
 from .. import session
-
-LeaflightError = leaflight.LeaflightError
 
 # The properties that say which volume of a file was read, and how; of a frame or a channel -1 is
 # none chosen.

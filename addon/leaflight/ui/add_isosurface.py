@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Showing further isosurfaces of a volume, and a box that cuts them."""
 
 import bpy
-import leaflight
 import mathutils
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, StringProperty
+from leaflight import LeaflightError
 
 from ..operators import checks
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import added, isovalues, surface_object, whole_detail
 from ..store import cache
 from ..translations import iface_
@@ -21,6 +20,15 @@ _OPACITY = 0.3
 _LAYERS = 128
 
 
+def _has_room(operator, context):
+    if len(added.added_to(active_volume(context))) + 1 < added.MOST:
+        return True
+    operator.poll_message_set(
+        iface_("%d isosurfaces are shown already: remove one first") % added.MOST
+    )
+    return False
+
+
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_isosurface"
     bl_label = "Add Isosurface"
@@ -29,7 +37,14 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         "present one, which becomes translucent, where there is something inside. Isosurfaces that "
         "are shown together neither light nor shade each other"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).library is None,
+            "Make a library override of the linked volume first",
+        ),
+        _has_room,
+    )
 
     isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
     tissue: EnumProperty(
@@ -47,60 +62,37 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         max=1.0,
     )
 
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        volume = active_volume(context)
-        if volume.library is not None:
-            cls.poll_message_set("Make a library override of the linked volume first")
-            return False
-        if len(added.added_to(volume)) + 1 >= added.MOST:
-            cls.poll_message_set(
-                iface_("%d isosurfaces are shown already: remove one first") % added.MOST
-            )
-            return False
-        return True
-
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
         given = self.properties.is_property_set("isovalue")
-        try:
-            isovalue = self.isovalue if given else proposals.next_isovalue(volume, self.tissue)
-            # Those around it; a script says itself how opaque it is.
-            outer = [] if given else proposals.shown_outside(volume, isovalue)
-            obj = added.add(volume, isovalue, 1.0 if outer else self.opacity)
-            isovalues.limit(obj)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        isovalue = self.isovalue if given else proposals.next_isovalue(volume, self.tissue)
+        # Those around it; a script says itself how opaque it is.
+        outer = [] if given else proposals.shown_outside(volume, isovalue)
+        obj = added.add(volume, isovalue, 1.0 if outer else self.opacity)
+        isovalues.limit(obj)
         for one in outer:
             one.leaflight_look.opacity = min(one.leaflight_look.opacity, self.opacity)
         if not whole_detail.may_follow():
             obj.leaflight.isovalue = isovalue
-            return {"FINISHED"}
+            return
         # The window does not wait for the whole detail, which follows in the background.
         surface_object.update(obj, isovalue, moving=True)
         whole_detail.watch([obj])
-        return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_remove_isosurface(bpy.types.Operator):
+class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_isosurface"
     bl_label = "Remove Isosurface"
     bl_description = "Show this isosurface no more"
-    bl_options = {"REGISTER", "UNDO"}
 
     name: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    def execute(self, context):
+    def run(self, context):
         obj = context.scene.objects.get(self.name)
         if obj is None or not added.is_added(obj):
-            self.report({"ERROR"}, f'"{self.name}" is no isosurface that was added: choose one.')
-            return {"CANCELLED"}
+            raise LeaflightError(f'"{self.name}" is no isosurface that was added: choose one.')
         surface_object.problems.pop(obj.name_full, None)
         added.remove(obj)
-        return {"FINISHED"}
 
 
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
@@ -110,15 +102,10 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
         "Cut the isosurfaces by a box: an Empty, which you move, turn and scale as any object. It "
         "begins at the eighth of the volume that is nearest to the camera"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
-        try:
-            low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
         box = bpy.data.objects.new(f"{volume.name} Clip Box", None)
         box.empty_display_type = "CUBE"
         _place_nearest(box, volume.matrix_world, low, high)
@@ -130,7 +117,6 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
         cycles = getattr(context.scene, "cycles", None)
         if cycles is not None:
             cycles.transparent_max_bounces = max(cycles.transparent_max_bounces, _LAYERS)
-        return {"FINISHED"}
 
 
 def _place_nearest(box, volume_to_world, low, high):
@@ -148,9 +134,8 @@ def _place_nearest(box, volume_to_world, low, high):
     box.matrix_world = volume_to_world @ local
 
 
-_CLASSES = (
+CLASSES = (
     LEAFLIGHT_OT_add_isosurface,
     LEAFLIGHT_OT_remove_isosurface,
     LEAFLIGHT_OT_add_clip_box,
 )
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)

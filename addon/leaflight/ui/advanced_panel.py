@@ -4,7 +4,7 @@
 import bpy
 
 from ..bake import load_bake, photon_cloud, unused_bakes
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..translations import iface_
 from .sidebar import VolumePanel, optional, sentence, split
 
@@ -49,5 +49,4 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
             sentence(context, self.layout, text, icon="DISK_DRIVE")
 
 
-_CLASSES = (LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)

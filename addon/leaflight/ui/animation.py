@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Animations in one click: a sweep of the isovalue, a turntable, a wipe by the clip box."""
 
 import math
 
 import bpy
-import leaflight
 import mathutils
 import numpy as np
 from bpy.props import EnumProperty, IntProperty
-from leaflight import blender
+from leaflight import LeaflightError, blender
 
 from .. import versions
 from ..operators import checks
-from ..operators.active_volume import active_volume
-from ..show import added, isovalues, isosurfaces
+from ..operators.checks import active_volume
+from ..show import added, isosurfaces, isovalues
 from .sidebar import VolumePanel
 
 _PIVOT = "leaflight_turntable"
@@ -26,7 +24,6 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.animate"
     bl_label = "Animate"
     bl_description = "Keyframe an animation of the volume, over as many frames as chosen"
-    bl_options = {"REGISTER", "UNDO"}
 
     kind: EnumProperty(
         name="Animation",
@@ -42,14 +39,8 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     )
     frames: IntProperty(name="Frames", description="How long it is", default=120, min=2)
 
-    def execute(self, context):
-        volume = active_volume(context)
-        try:
-            _ANIMATIONS[self.kind](context, volume, self.frames)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def run(self, context):
+        _ANIMATIONS[self.kind](context, active_volume(context), self.frames)
 
 
 def _sweep(context, volume, frames):
@@ -61,7 +52,7 @@ def _turntable(context, volume, frames):
     scene = context.scene
     camera = scene.camera
     if camera is None:
-        raise leaflight.LeaflightError("The scene has no camera: add one, or use Stage.")
+        raise LeaflightError("The scene has no camera: add one, or use Stage.")
     pivot = camera.parent
     if pivot is None or _PIVOT not in pivot:
         middle = isosurfaces.world_box(volume).mean(axis=0)
@@ -127,7 +118,7 @@ def _wipe(context, volume, frames):
         bpy.ops.leaflight.add_clip_box()
     box, camera = look.box, context.scene.camera
     if box.type != "EMPTY":
-        raise leaflight.LeaflightError(
+        raise LeaflightError(
             f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
         )
     low, high = isosurfaces.world_box(volume)
@@ -168,5 +159,4 @@ class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
         self.layout.row(align=True).operator_enum(LEAFLIGHT_OT_animate.bl_idname, "kind")
 
 
-_CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)

@@ -6,7 +6,7 @@ import bpy
 from .. import versions
 from ..bake import bake, continue_bake, estimate_bake, live, resume_bake, stopped
 from ..operators import failures, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import bake_options, lamps, surface_material
 from ..stage import staleness
 from ..translations import iface_
@@ -147,5 +147,4 @@ def _name_of_quality(settings):
     return f"{settings.bake_target:.2g} %"
 
 
-_CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import added
 from ..translations import iface_
 from . import add_isosurface, clip_outline
@@ -36,9 +36,4 @@ class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
             sentence(context, layout, text, icon="ERROR")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_clip)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_clip)
+CLASSES = (LEAFLIGHT_PT_clip,)

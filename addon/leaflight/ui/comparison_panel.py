@@ -4,7 +4,7 @@
 import bpy
 
 from ..compare import render_comparison
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import added
 from .sidebar import VolumePanel, sentence
 
@@ -25,9 +25,4 @@ class LEAFLIGHT_PT_comparison(VolumePanel, bpy.types.Panel):
             sentence(context, layout, comparison)
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_comparison)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_comparison)
+CLASSES = (LEAFLIGHT_PT_comparison,)

@@ -4,7 +4,7 @@
 import bpy
 
 from ..bake import bake_frames
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..store import frame_bakes
 from ..translations import iface_
 from . import data_picture, distribution, pick_isovalue, smooth_volume
@@ -67,11 +67,4 @@ def _draw_smooth(layout, settings):
         layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH").what = what
 
 
-def register():
-    data_picture.register()
-    bpy.utils.register_class(LEAFLIGHT_PT_data)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_data)
-    data_picture.unregister()
+CLASSES = (LEAFLIGHT_PT_data,)

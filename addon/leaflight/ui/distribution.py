@@ -8,8 +8,8 @@ import os
 from dataclasses import dataclass
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from ..store import cache, source_files
@@ -83,7 +83,7 @@ def _look(name, key):
         return
     try:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         # The panel of the volume shows why.
         return
     for window in bpy.context.window_manager.windows:

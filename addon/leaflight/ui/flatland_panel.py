@@ -40,9 +40,4 @@ class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
             sentence(context, layout, problem, icon="ERROR")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_flatland)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_flatland)
+CLASSES = (LEAFLIGHT_PT_flatland,)

@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..bake import live, stopped
-from ..operators import active_volume, failures, jobs
+from ..operators import checks, failures, jobs
 from ..show import (
     added,
     cut_faces,
@@ -64,7 +64,7 @@ def _before_change(scene, *_):
 @persistent
 def _after_change(scene, depsgraph):
     if depsgraph.mode == "VIEWPORT":
-        active_volume.remember(scene, depsgraph.view_layer.objects.active)
+        checks.remember_active(scene, depsgraph.view_layer.objects.active)
     moved = list(_moved)
     _moved.clear()
     # At once: Blender may free its updates by the changes below.

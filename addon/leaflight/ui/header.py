@@ -5,7 +5,7 @@ import bpy
 
 from ..bake import bake, stopped
 from ..operators import jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..stage import presets, stage
 
 
@@ -54,11 +54,12 @@ def _draw_bake(row):
         button.operator(bake.LEAFLIGHT_OT_bake.bl_idname, text="Bake", icon="LIGHT_AREA")
 
 
+CLASSES = (LEAFLIGHT_MT_stage,)
+
+
 def register():
-    bpy.utils.register_class(LEAFLIGHT_MT_stage)
     bpy.types.VIEW3D_HT_tool_header.prepend(_draw)
 
 
 def unregister():
     bpy.types.VIEW3D_HT_tool_header.remove(_draw)
-    bpy.utils.unregister_class(LEAFLIGHT_MT_stage)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Editing how the isosurfaces look: stops of the color ramp, and looks by name."""
 
 import bpy
 from bpy.props import EnumProperty
+from leaflight import LeaflightError
 
 from ..operators import checks
-from ..operators.active_volume import active_volume
-from ..show import isovalues, isosurfaces, surface_object
+from ..operators.checks import active_volume
+from ..show import isosurfaces, isovalues, surface_object
 from ..stage import background
 from . import looks
 
@@ -25,11 +25,10 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
         "Give the isosurfaces a look by its name: color or color map, gloss, and the color of the "
         "stage's backdrop"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(name="Look", items=_items(looks.LOOKS) + _items(looks.MAPS))
 
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
         settings, shown = volume.leaflight, volume.leaflight_look
         chosen = {**looks.LOOKS, **looks.MAPS}[self.preset]
@@ -42,7 +41,6 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
             background.paint(context.scene, chosen.background)
         shown.gloss, shown.roughness = chosen.gloss, chosen.roughness
         surface_object.shade_all(volume)
-        return {"FINISHED"}
 
 
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
@@ -52,18 +50,15 @@ class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
         "Add a stop at the present isovalue, with its present color; the first stop replaces the "
         "single albedo"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
         settings = volume.leaflight
         isovalue = settings.isovalue
         if any(stop.isovalue == isovalue for stop in settings.isosurface_stops):
-            self.report({"ERROR"}, f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
-            return {"CANCELLED"}
+            raise LeaflightError(f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
         isosurfaces.add_stop(settings, isovalue, isosurfaces.albedo_at(volume, isovalue))
         surface_object.shade_all(volume)
-        return {"FINISHED"}
 
 
 class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
@@ -72,18 +67,16 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_description = (
         "Remove the chosen stop; without stops the albedo is the same for all isovalues"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not active_volume(context).leaflight.isosurface_stops:
-            cls.poll_message_set("There is no stop to remove")
-            return False
-        return True
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.isosurface_stops,
+            "There is no stop to remove",
+        ),
+    )
 
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
         settings = volume.leaflight
         settings.isosurface_stops.remove(
@@ -93,8 +86,6 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
             0, min(settings.isosurface_stop, len(settings.isosurface_stops) - 1)
         )
         surface_object.shade_all(volume)
-        return {"FINISHED"}
 
 
-_CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

@@ -2,46 +2,31 @@
 """The panel of what is written beside a volume: a scale bar, and letters for a patient's sides."""
 
 import bpy
-import leaflight
 
 from ..operators import checks
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..stage import labels, orientation_cube
 from ..translations import iface_
 from .sidebar import VolumePanel, sentence
 
 
-class _LabelOperator(checks.VolumeOperator):
-    bl_options = {"REGISTER", "UNDO"}
-
-    def execute(self, context):
-        try:
-            self.add(context, active_volume(context))
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
-
-
-class LEAFLIGHT_OT_add_scale_bar(_LabelOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_scale_bar"
     bl_label = "Scale Bar"
     bl_description = "Put a bar of a round length before the volume, in the unit of its file"
 
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not active_volume(context).leaflight.unit:
-            cls.poll_message_set("Choose the unit of length first")
-            return False
-        return True
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.unit, "Choose the unit of length first"
+        ),
+    )
 
-    def add(self, context, volume):
-        labels.add_scale_bar(context, volume)
+    def run(self, context):
+        labels.add_scale_bar(context, active_volume(context))
 
 
-class LEAFLIGHT_OT_add_letters(_LabelOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_letters"
     bl_label = "Orientation"
     bl_description = (
@@ -49,11 +34,11 @@ class LEAFLIGHT_OT_add_letters(_LabelOperator, bpy.types.Operator):
         "front and back, up and down"
     )
 
-    def add(self, context, volume):
-        labels.add_letters(context, volume)
+    def run(self, context):
+        labels.add_letters(context, active_volume(context))
 
 
-class LEAFLIGHT_OT_add_orientation_cube(_LabelOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_orientation_cube"
     bl_label = "Orientation Cube"
     bl_description = (
@@ -61,8 +46,8 @@ class LEAFLIGHT_OT_add_orientation_cube(_LabelOperator, bpy.types.Operator):
         "does and names its sides"
     )
 
-    def add(self, context, volume):
-        orientation_cube.add_cube(context, volume)
+    def run(self, context):
+        orientation_cube.add_cube(context, active_volume(context))
 
 
 class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
@@ -81,10 +66,9 @@ class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
         self.layout.operator(LEAFLIGHT_OT_add_orientation_cube.bl_idname)
 
 
-_CLASSES = (
+CLASSES = (
     LEAFLIGHT_OT_add_scale_bar,
     LEAFLIGHT_OT_add_letters,
     LEAFLIGHT_OT_add_orientation_cube,
     LEAFLIGHT_PT_labels,
 )
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import look, surface_material
 from . import isosurface_look
 from .sidebar import VolumePanel, sentence, split
@@ -68,5 +68,4 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row.prop(item, "color", text="")
 
 
-_CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_isosurfaces)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_isosurfaces)

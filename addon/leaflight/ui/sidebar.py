@@ -3,7 +3,7 @@
 
 import textwrap
 
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 
 # Pixels that a letter takes on average, and those beside the text, both at a scale of 1.
 _LETTER, _MARGIN = 6.6, 66

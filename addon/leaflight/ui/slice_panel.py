@@ -2,9 +2,9 @@
 """The panel of the slices of a volume's data."""
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import slices
 from ..store import source_files
 from .sidebar import VolumePanel
@@ -38,8 +38,8 @@ def _place(volume, axis):
     """Of a slice, as a text in the unit of the file."""
     try:
         return f"{slices.position(volume, axis):.4g} {volume.leaflight.unit}".rstrip()
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return ""
 
 
-register, unregister = bpy.utils.register_classes_factory((LEAFLIGHT_PT_slices,))
+CLASSES = (LEAFLIGHT_PT_slices,)

@@ -4,7 +4,7 @@
 import bpy
 
 from ..operators import jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..stage import hidden, presets, stage
 from ..stage import orientation as orientation_of
 from ..translations import iface_
@@ -53,9 +53,4 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             row.operator(turn, text="", icon=icon).way = way
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_stage)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_stage)
+CLASSES = (LEAFLIGHT_PT_stage,)

@@ -5,7 +5,7 @@ import bpy
 
 from ..bake import load_bake
 from ..importing import import_image, import_volume
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import added, backs, isovalues, look, surface_material, surface_object
 from ..stage import open_example
 from ..translations import iface_
@@ -83,9 +83,4 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             column.label(text=f"{other.name}: {other.leaflight.isovalue:g}", icon="VOLUME_DATA")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_volume)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_volume)
+CLASSES = (LEAFLIGHT_PT_volume,)
