@@ -31,7 +31,19 @@ PACKAGE = (
     "measure",
     "cli",
 )
-ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
+ADDON = (
+    "store",
+    "operators",
+    "show",
+    "stage",
+    "flatland",
+    "bake",
+    "compare",
+    "export",
+    "importing",
+    "edit",
+    "ui",
+)
 FACES = ("__init__.py", "__main__.py", "blender.py")
 CORE = (
     "math",

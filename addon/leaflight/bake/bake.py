@@ -13,8 +13,8 @@ from leaflight.io.output import check_writable
 
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
-from ..show import first_light, preview, surface_object, walls
-from ..stage import first_scene, scene_export, viewport
+from ..show import preview, surface_material, surface_object, walls
+from ..stage import hidden, scene_export, viewport
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
 
@@ -137,7 +137,7 @@ class BakeJob(jobs.Job):
         start, bake = time.perf_counter(), self.latest
         volumes = self._volumes()
         if bake is None:
-            first_light.prepare(volumes, *self._materials)
+            surface_material.prepare_first_light(volumes, *self._materials)
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
         for index, (obj, matrix) in enumerate(zip(volumes, self.matrices)):
@@ -165,7 +165,7 @@ class BakeJob(jobs.Job):
         return found
 
     def ended(self):
-        first_light.forget()
+        surface_material.forget_first_light()
         if self.latest is None or self.is_deleted:
             return super().ended()
         statistics = replace(self.latest.statistics, stopped=True)
@@ -186,7 +186,7 @@ class BakeJob(jobs.Job):
         """
         volumes = self._volumes()
         preview.forget()
-        first_light.forget()
+        surface_material.forget_first_light()
         cache.keep_bake(self.bake)
         end = self.outcome()
         for index, obj in enumerate(volumes):
@@ -205,7 +205,7 @@ class BakeJob(jobs.Job):
 
     def failed(self):
         """The file of the bake is there: Load Bake can light the volumes by it."""
-        first_light.forget()
+        surface_material.forget_first_light()
         surface_object.forget_passes()
 
     def outcome(self):
@@ -224,7 +224,7 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         if not bpy.app.background:
-            if first_scene.is_untouched(context.scene):
+            if hidden.is_first_scene(context.scene):
                 if self.call(bpy.ops.leaflight.stage) == {"CANCELLED"}:
                     return {"CANCELLED"}
                 self.report({"INFO"}, "Staged first: the scene had only Blender's cube and lamp")

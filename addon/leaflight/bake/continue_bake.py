@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Continue: go on with the bake that lights a volume, to a smaller error or for longer."""
+"""Bakes that follow one: Continue, Finer Texels, Resume after a crash, and Bake All Frames."""
 
 import bpy
 import leaflight
 from leaflight import LeaflightError
+from leaflight.bake.checkpoint import read_recipe
 
+from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
-from ..show import lamps
+from ..show import isovalues, lamps
 from ..stage import staleness
 from ..store import cache, preferences
 from . import bake, stopped
@@ -101,4 +103,100 @@ def suited(obj):
     return LEAFLIGHT_OT_finer_texels if settings.bake_needs_texels else LEAFLIGHT_OT_continue_bake
 
 
-CLASSES = (LEAFLIGHT_OT_continue_bake, LEAFLIGHT_OT_finer_texels)
+class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.resume_bake"
+    bl_label = "Resume"
+    bl_description = (
+        "Go on with the bake that did not come to its end, because Blender or the computer "
+        "stopped. It becomes what it would have been"
+    )
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: is_interrupted(active_volume(context)),
+            "No bake of this volume was interrupted",
+        ),
+    )
+
+    def start(self, context):
+        obj = active_volume(context)
+        path = bake.checkpoint_path(obj)
+        recipe = read_recipe(path)
+        if "previous" not in recipe:
+            return bake.BakeJob(context, obj, resume=True)
+        if recipe["previous"] != obj.leaflight.bake_id:
+            raise LeaflightError(
+                f"{path}: the bake that this one went on with no longer lights the volume: bake "
+                "again."
+            )
+        return ContinueJob(context, obj, resume=True)
+
+
+def is_interrupted(obj):
+    """Whether a bake with the settings of an object left a checkpoint and did not end."""
+    return bake.checkpoint_path(obj).is_file()
+
+
+class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.bake_frames"
+    bl_label = "Bake All Frames"
+    bl_description = (
+        "Bake every frame of the volume, one after the other, each in the scene as it is when the "
+        "animation shows that frame. Esc ends it; the frames that are done stay"
+    )
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.frames > 1,
+            "The file of this volume holds one frame",
+        ),
+    )
+
+    def start(self, context):
+        self._name, self._scene_frame = active_volume(context).name, context.scene.frame_current
+        self._steps = _each_frame(self._name)
+        next(self._steps)
+        return bake.BakeJob(context, active_volume(context))
+
+    def next_job(self, context):
+        obj = context.scene.objects.get(self._name)
+        if obj is None or next(self._steps, None) is None:
+            context.scene.frame_set(self._scene_frame)
+            return None
+        return bake.BakeJob(context, obj)
+
+
+def _each_frame(name):
+    """Shows each frame of a volume of the present scene once, and yields its number.
+
+    Volume and scene are looked up anew for each: undo may replace them meanwhile.
+    """
+    volume = _volume(name)
+    frames = volume.leaflight.frames
+    if not versions.is_animated(volume, isovalues.FRAME_PATH):
+        for frame in range(frames):
+            _volume(name).leaflight.shown_frame = frame
+            yield frame
+        return
+    done = set()
+    scene = bpy.context.scene
+    for scene_frame in range(scene.frame_start, scene.frame_end + 1):
+        bpy.context.scene.frame_set(scene_frame)
+        frame = _volume(name).leaflight.frame
+        if frame not in done:
+            done.add(frame)
+            yield frame
+        if len(done) == frames:
+            return
+
+
+def _volume(name):
+    return bpy.context.scene.objects[name]
+
+
+CLASSES = (
+    LEAFLIGHT_OT_continue_bake,
+    LEAFLIGHT_OT_finer_texels,
+    LEAFLIGHT_OT_resume_bake,
+    LEAFLIGHT_OT_bake_frames,
+)

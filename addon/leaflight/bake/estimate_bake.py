@@ -8,7 +8,7 @@ from leaflight.bake.estimate import pilot
 from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
-from ..show import bake_options
+from ..show import bake_properties
 from ..stage import scene_export
 from ..translations import iface_
 from . import bake
@@ -71,7 +71,7 @@ class EstimateJob(jobs.Job):
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
         # One pilot serves for all qualities.
-        self._error = min(settings.error, *bake_options.QUALITIES.values())
+        self._error = min(settings.error, *bake_properties.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)
         self._arguments = {**given, "error": self._error, "time": None}

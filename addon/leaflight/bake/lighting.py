@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 from leaflight.bake.outcome import is_limited_by_texels, outcome
 
-from ..show import added, isovalues, lamps, surface_object, walls
+from ..show import display, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
 
 
@@ -64,7 +64,7 @@ def show(volumes, leader, scene):
     for obj in volumes:
         surface_object.update(obj, obj.leaflight.isovalue)
         surface_object.update_all(obj)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in (obj, *display.added_to(obj)):
             isovalues.limit(surface)
     if scene is not None:
         # The walls of the bake before may have other vertices.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Load Bake and Relocate Bake: files of bakes that are not where their objects look."""
+"""Files of bakes: Load Bake, Relocate Bake, and Remove Unused Bakes."""
 
 import os
 from pathlib import Path
@@ -16,8 +16,9 @@ from mathutils import Matrix
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
 from ..show import isosurfaces, isovalues, lamps, surface_object
-from ..stage import same_scene, scene_export, scene_objects, staleness
-from ..store import atlases, bake_files, cache, source_files
+from ..stage import scene_export, scene_objects, staleness
+from ..store import atlases, bake_files, cache, frame_bakes, source_files
+from ..translations import iface_
 from . import lighting
 
 
@@ -177,12 +178,12 @@ def _compare(context, bake, volumes, leader):
     """Marks the volumes as lit in their own scene where that is the one about them."""
     try:
         description, exported, _ = scene_export.export_scene(context, leader)
-        same = set(exported) == set(volumes) and same_scene.is_same(description, bake.scene)
+        same = set(exported) == set(volumes) and staleness.is_same(description, bake.scene)
         for index, obj in enumerate(volumes):
             place = cache.world_volume(obj).index_to_world
-            same = same and same_scene.is_same(place, bake.volumes[index].index_to_world)
+            same = same and staleness.is_same(place, bake.volumes[index].index_to_world)
         fingerprint = scene_export.fingerprint(exported, description)
-        lights = same_scene.in_order(description.lights, bake.scene.lights) if same else []
+        lights = staleness.in_order(description.lights, bake.scene.lights) if same else []
     except LeaflightError:
         same = False
     for obj in volumes:
@@ -207,5 +208,76 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
 
 
-CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
+# Rows of the list before it is cut short.
+_MOST_ROWS = 12
+
+
+class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
+    bl_idname = "leaflight.remove_unused_bakes"
+    bl_label = "Remove Unused Bakes"
+    bl_description = (
+        "Delete the files of bakes in the folders of this .blend that light none of its volumes. "
+        "Undo, and other .blend files that use them, then lose their light"
+    )
+    bl_options = set()
+    conditions = (
+        checks.needs(
+            lambda _: unused(), "Every bake in the folders of this .blend lights a volume of it"
+        ),
+    )
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self, width=500)
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.label(text="Undo and other .blend files that use them lose their light:")
+        found = unused()
+        for path in found[:_MOST_ROWS]:
+            column.label(text=f"{path.name}, {megabytes([path])}", icon="FILE")
+        if len(found) > _MOST_ROWS:
+            column.label(text=iface_("and %d more") % (len(found) - _MOST_ROWS), icon="BLANK1")
+
+    def run(self, _context):
+        found = unused()
+        size = megabytes(found)
+        for path in found:
+            try:
+                for file in (path, *atlases.beside(path)):
+                    file.unlink()
+                bake_files.remove_if_empty(path.parent)
+            except OSError as error:
+                raise LeaflightError(f"{path}: cannot delete it: {error.strerror}.") from None
+        self.report({"INFO"}, f"Removed {len(found)} bakes, {size}")
+
+
+def bakes_of_this_file():
+    """The bakes in the folders where bakes of this .blend go or went, each a path."""
+    volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume and obj.library is None]
+    folders = [bake_files.folder_for(obj) for obj in volumes] + bake_files.folders_of_unsaved()
+    return [path for folder in dict.fromkeys(folders) for path in bake_files.bakes_in(folder)]
+
+
+def unused():
+    """Those of bakes_of_this_file() that light no object of this .blend."""
+    return unused_among(bakes_of_this_file())
+
+
+def unused_among(bakes):
+    """Those of some bakes, each a path, that light no object of this .blend."""
+    lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
+    return [path for path in bakes if bake_files.id_in(path) not in lit]
+
+
+def megabytes(paths):
+    """The size of bakes with their atlases, as text."""
+    files = [file for path in paths for file in (path, *atlases.beside(path))]
+    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
+
+
+CLASSES = (
+    LEAFLIGHT_OT_load_bake,
+    LEAFLIGHT_OT_relocate_bake,
+    LEAFLIGHT_OT_remove_unused_bakes,
+)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -1,17 +1,161 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render Comparison: the baked surface beside the same surface path-traced by Cycles."""
+"""Render Comparison: the baked surface beside the same surface path-traced by Cycles.
 
+A background Blender of its own renders it, so that the window stays free.
+"""
+
+import json
+import re
+import subprocess
+import tempfile
+import threading
+import time
+from collections import deque
 from pathlib import Path
 
 import bpy
+import leaflight
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..stage import scene_export
 from ..store import bake_files
-from . import figures, files, process, stills
+from . import files, stills
+
+# How the child begins the lines that are for the window.
+MARK = "LEAFLIGHT COMPARISON "
+# Cycles' own report of how far it is.
+_SAMPLES = re.compile(r"Sample (\d+)/(\d+)")
+_CHILD = Path(__file__).with_name("child.py")
+_POLL_SECONDS = 0.1
+
+
+def can_start():
+    """Whether there is a program to start: Blender as a Python module has none."""
+    return bool(bpy.app.binary_path)
+
+
+def _save_copy(blend):
+    """Saves the file that is open, without the picture of it that file browsers show.
+
+    Blender would draw that anew for it, and the window would stand still for many seconds where
+    there is no graphics card. Raises RuntimeError.
+    """
+    preferences = bpy.context.preferences
+    paths, changed = preferences.filepaths, preferences.is_dirty
+    chosen = paths.file_preview_type
+    paths.file_preview_type = "NONE"
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+    finally:
+        paths.file_preview_type = chosen
+        preferences.is_dirty = changed
+
+
+class ComparisonJob(jobs.Job):
+    """Renders the saved copy of the file that is open, and reads the figures from the child."""
+
+    def __init__(self, isosurface, folder, samples, baked_samples, share):
+        """Saves the copy. Raises LeaflightError."""
+        self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
+        blend = Path(self._files.name) / "comparison.blend"
+        try:
+            _save_copy(blend)
+        except RuntimeError as error:
+            self._files.cleanup()
+            raise LeaflightError(
+                f"{blend}: cannot save a copy of the scene there to render it: {error}"
+            ) from None
+        self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
+        request = {
+            "object": isosurface.name_full,
+            "scene": bpy.context.scene.name,
+            "folder": str(folder),
+            "samples": samples,
+            "baked_samples": baked_samples,
+            "share": share,
+        }
+        self._command = [
+            *(bpy.app.binary_path, "--background", str(blend)),
+            # It may be enabled for this session alone.
+            *("--addons", __package__.rpartition(".")[0]),
+            *("--python-exit-code", "1", "--python", str(_CHILD), "--", json.dumps(request)),
+        ]
+
+    def status(self, _progress):
+        return self._status
+
+    def run(self, progress):
+        """In any thread: touches no Blender data. Raises LeaflightError, Cancelled."""
+        with self._files:
+            child = subprocess.Popen(
+                self._command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                encoding="utf-8",
+                errors="replace",
+            )
+            try:
+                said = self._follow(child, progress)
+            finally:
+                child.kill()
+                child.wait()
+                child.stdout.close()
+        if self.figures is None:
+            raise LeaflightError(
+                f"The background Blender of the comparison ended without a result: {said}"
+            )
+        if "error" in self.figures:
+            raise LeaflightError(self.figures["error"])
+
+    def _follow(self, child, progress):
+        """Reads until the child ends; returns its last words."""
+        words, done = deque(maxlen=3), [0.0, 0.0, ""]
+
+        def read():
+            for line in child.stdout:
+                if line.startswith(MARK):
+                    message = json.loads(line.removeprefix(MARK))
+                    if "done" in message:
+                        done[:] = message["done"], message["part"], message["name"]
+                    else:
+                        self.figures = message
+                elif line.strip():
+                    words.append(line.strip())
+                found = _SAMPLES.search(line)
+                share = int(found[1]) / int(found[2]) if found else 0.0
+                if done[2]:
+                    percent = 100.0 * (done[0] + share * done[1])
+                    self._status = f"{percent:3.0f} % {done[2]}"
+
+        reader = threading.Thread(target=read, name="Leaflight comparison")
+        reader.start()
+        while reader.is_alive():
+            if progress.cancelled:
+                child.kill()
+                reader.join()
+                raise leaflight.Cancelled
+            reader.join(_POLL_SECONDS)
+        # A Blender that has printed its result may crash at its end, which is no matter.
+        end = time.monotonic() + 10.0
+        while child.poll() is None and time.monotonic() < end:
+            time.sleep(_POLL_SECONDS)
+        return " ".join(words) or f"exit status {child.returncode}"
+
+    def ended(self):
+        return "The comparison was cancelled; nothing has changed"
+
+    def apply(self):
+        obj = bpy.data.objects.get((self.isosurface, None))
+        if obj is not None:
+            obj.leaflight.comparison = self.figures["sentence"]
+        if self.figures["doubt"]:
+            self.warnings = (self.figures["doubt"],)
+        return self.figures["report"]
 
 
 class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Operator):
@@ -71,7 +215,7 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             layout.prop(self, name)
 
     def execute(self, context):
-        if getattr(self, "_by_hand", False) and process.can_start():
+        if getattr(self, "_by_hand", False) and can_start():
             names = ("samples", "baked_samples", "share", "folder")
             chosen = {name: getattr(self, name) for name in names}
             return self.invoke_again(bpy.ops.leaflight.render_comparison, **chosen)
@@ -97,7 +241,7 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         scene_export.export_scene(context, isosurface)
         stills.check_lit(isosurface, isosurface.leaflight.isovalue)
         folder = _make_folder(isosurface, self.folder)
-        return process.ComparisonJob(
+        return ComparisonJob(
             isosurface, folder, self.samples, self.baked_samples, self.share / 100.0
         )
 
@@ -111,7 +255,7 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
     scene_export.export_scene(context, isosurface)
     result = stills.compare(context, isosurface, samples, baked_samples, share, report)
     path = files.write(context.scene, folder, isosurface.name, result)
-    found, doubt = figures.summary(result), figures.doubt(result)
+    found, doubt = stills.summary(result), stills.doubt(result)
     return {
         "path": str(path),
         "sentence": f"{found}. {doubt}" if doubt else found,

@@ -21,7 +21,7 @@ from leaflight.io import readers
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
-from ..show import isovalues, source_properties, surface_object, units
+from ..show import isovalues, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
 from ..translations import iface_
@@ -104,12 +104,12 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     value_type: EnumProperty(
         name="Type",
         description="Type of the values in a .raw file",
-        items=source_properties.VALUE_TYPE_ITEMS,
+        items=volume_properties.VALUE_TYPE_ITEMS,
     )
     endian: EnumProperty(
         name="Byte Order",
         description="Byte order of the values in a .raw file",
-        items=source_properties.ENDIAN_ITEMS,
+        items=volume_properties.ENDIAN_ITEMS,
     )
     skip: IntProperty(
         name="Skip",
@@ -131,7 +131,7 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
     unit: EnumProperty(
         name="Unit",
         description="What the voxel size is measured in, where the file does not say",
-        items=units.ITEMS,
+        items=volume_properties.UNIT_ITEMS,
         options={"SKIP_SAVE"},
     )
     frame: IntProperty(
@@ -279,7 +279,7 @@ class ImportJob(jobs.Job):
         self._resolution, self._size = operator.resolution, operator.size
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
-        self._animate, self._unit = operator.animate, units.unit_of(operator.unit)
+        self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 

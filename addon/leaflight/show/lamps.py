@@ -2,7 +2,7 @@
 """Bakes as they are shown: with the lamps of the scene at their present strengths and colors.
 
 An object remembers the lamps that its bake was made with, as text. Factors of those whose strength
-has changed since are found anew after each change (stage/lamp_strengths.py), and are never saved.
+has changed since are found anew after each change (stage/staleness.py), and are never saved.
 """
 
 import dataclasses

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import added, cut_faces, data_faces, slices, surface_object
+from . import data_faces, display, surface_object
 from .overridable import (
     BoolProperty,
     BoolVectorProperty,
@@ -15,25 +15,25 @@ from .overridable import (
 
 
 def _changed(look, _context):
-    if added.is_isosurface(look.id_data):
+    if display.is_isosurface(look.id_data):
         surface_object.shade(look.id_data)
-        cut_faces.update(added.volume_object(look.id_data))
+        data_faces.update_cut(display.volume_object(look.id_data))
 
 
 def _all_changed(look, _context):
     if look.id_data.leaflight.is_volume:
         surface_object.shade_all(look.id_data)
-        cut_faces.update(look.id_data)
+        data_faces.update_cut(look.id_data)
 
 
 def _slices_changed(look, _context):
     if look.id_data.leaflight.is_volume:
-        slices.update(look.id_data)
+        data_faces.update_slices(look.id_data)
 
 
 def _shape_changed(look, _context):
     obj = look.id_data
-    if added.is_isosurface(obj):
+    if display.is_isosurface(obj):
         surface_object.update(obj, surface_object.shown_isovalue(obj))
 
 
@@ -43,7 +43,7 @@ def _color_chosen(look, _context):
 
 
 def _has_box(_look, obj):
-    return not added.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
+    return not display.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
 
 
 class LeaflightLook(bpy.types.PropertyGroup):
@@ -132,7 +132,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     cut_colors: EnumProperty(
         name="Cut",
         description="What is seen where the clip box cuts the isosurfaces open",
-        items=cut_faces.ITEMS,
+        items=data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,
     )

@@ -2,6 +2,7 @@
 """Objects that a stage hides: out of sight and out of renders, until they are shown again."""
 
 import bpy
+import numpy as np
 
 from .. import versions
 from ..operators import checks
@@ -82,6 +83,33 @@ class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
         objects = all_hidden(context.scene)
         show(context.scene, objects)
         self.report({"INFO"}, f"Shown again: {names(objects)}")
+
+
+# Where Blender puts them; lengths of the cube's sides, power of the lamp.
+_CUBE, _LAMP = (0.0, 0.0, 0.0), (4.0762, 1.0055, 5.9039)
+_SIDE, _POWER = 2.0, 1000.0
+
+
+def is_first_scene(scene):
+    """True if a scene has nothing to bake with its volumes but what Blender began with."""
+    objects = would_render(scene, ())
+    return any(map(_is_cube, objects)) and all(_is_cube(o) or _is_lamp(o) for o in objects)
+
+
+def _is_cube(obj):
+    if obj.type != "MESH" or len(obj.data.vertices) != 8 or obj.modifiers:
+        return False
+    return _stands_at(obj, _CUBE) and np.allclose(obj.dimensions, _SIDE)
+
+
+def _is_lamp(obj):
+    if obj.type != "LIGHT" or obj.data.type != "POINT":
+        return False
+    return _stands_at(obj, _LAMP) and obj.data.energy == _POWER
+
+
+def _stands_at(obj, place):
+    return np.allclose(obj.matrix_world.translation, place, atol=1e-3)
 
 
 CLASSES = (LEAFLIGHT_OT_show_hidden,)

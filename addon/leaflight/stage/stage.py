@@ -12,20 +12,10 @@ from leaflight import LeaflightError
 from .. import versions
 from ..operators import checks, failures
 from ..operators.checks import active_volume
-from ..show import added, isovalues, surface_object, walls
+from ..show import display, isovalues, shader, surface_object, walls
 from ..store import frame_bakes
 from ..translations import iface_
-from . import (
-    camera,
-    facing,
-    framing,
-    hidden,
-    presets,
-    render_settings,
-    scene_export,
-    scene_objects,
-    viewport,
-)
+from . import camera, facing, hidden, presets, scene_export, scene_objects, viewport
 
 # Marks what Stage has made, with its name then: a copy, or what the user has renamed, is theirs.
 _STAGED = "leaflight_stage"
@@ -81,7 +71,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         own = self._own_collection()
         was_lit = build(context, isosurface, volumes, self.preset, own, self.hide_others)
         versions.show_photographically(scene.view_settings)
-        render_settings.suit_baked_light(scene)
+        viewport.suit_baked_light(scene)
         viewport.show_stage(context)
         self._warn(context, isosurface)
         if was_lit:
@@ -126,7 +116,7 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         scene, isosurface = context.scene, active_volume(context)
         volumes = scene_export.volume_objects(context, isosurface)
         if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
-            _use_camera(scene, isosurface, framing.shown_points(volumes))
+            _use_camera(scene, isosurface, camera.shown_points(volumes))
         else:
             follow(context, isosurface)
         viewport.look_through_camera(context)
@@ -142,7 +132,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     """
     scene = context.scene
     context.view_layer.update()
-    points = framing.shown_points(volumes)
+    points = camera.shown_points(volumes)
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
     description = None if own else presets.fitted(preset, seen)
@@ -231,7 +221,7 @@ def _put_out(scene, volumes):
     for obj in volumes:
         frame_bakes.forget(obj.leaflight)
         surface_object.update_all(obj)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in (obj, *display.added_to(obj)):
             isovalues.limit(surface)
     return was_lit
 
@@ -292,4 +282,20 @@ def _use_camera(scene, isosurface, points):
     camera.frame(scene.camera, scene, points, facing.direction(isosurface), facing.ELEVATION)
 
 
-CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)
+# The name that scene files give it.
+_BACKDROP = "backdrop"
+
+
+def paint_backdrop(scene, color):
+    """Gives a linear color (r, g, b) to the backdrop of the stage, where it has one."""
+    for obj in scene.objects:
+        if is_staged(obj) and obj.name.partition(".")[0] == _BACKDROP:
+            for material in obj.data.materials:
+                shader.set_albedo(material, color)
+                material.diffuse_color = (*color, 1.0)
+
+
+CLASSES = (
+    LEAFLIGHT_OT_stage,
+    LEAFLIGHT_OT_frame_isosurface,
+)

@@ -58,3 +58,16 @@ def _viewport(context):
         if area.type == "VIEW_3D"
     ]
     return max(found, key=lambda pair: pair[1].width * pair[1].height, default=(None, None))
+
+
+# A pixel: of Cycles, whose lamps still have grain before the bake, and of Eevee.
+_CYCLES, _EEVEE = 64, 32
+
+
+def suit_baked_light(scene):
+    cycles = getattr(scene, "cycles", None)
+    if cycles is not None:
+        cycles.samples = min(cycles.samples, _CYCLES)
+        cycles.use_denoising = versions.has_denoiser()
+    eevee = scene.eevee
+    eevee.taa_render_samples = min(eevee.taa_render_samples, _EEVEE)

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of how the isosurfaces look."""
+"""The panels of how isosurfaces look, of what is beside them, of animations and comparisons."""
 
 import bpy
+from leaflight import LeaflightError
 
+from ..compare import render_comparison
+from ..edit import add_isosurface, animation, labels, looks
 from ..operators.checks import active_volume
-from ..show import look, surface_material
-from . import isosurface_look
+from ..show import data_faces, display, look, surface_material
+from ..store import source_files
+from ..translations import iface_
+from . import clip_outline
 from .sidebar import VolumePanel, sentence, split
 
 
@@ -19,7 +24,7 @@ class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
         volume = active_volume(context)
         settings = volume.leaflight
         layout.operator_menu_enum(
-            isosurface_look.LEAFLIGHT_OT_isosurface_preset.bl_idname, "preset", text="Look"
+            looks.LEAFLIGHT_OT_isosurface_preset.bl_idname, "preset", text="Look"
         )
         layout.prop(settings, "isosurface_scattering")
         if settings.isosurface_scattering == "GLASS":
@@ -38,11 +43,9 @@ class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
         else:
             row.prop(settings, "isosurface_albedo")
         buttons = row.column(align=True)
-        buttons.operator(isosurface_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        buttons.operator(looks.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
         if settings.isosurface_stops:
-            buttons.operator(
-                isosurface_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE"
-            )
+            buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
         column = layout.column(align=True)
         column.prop(settings, "isosurface_emission")
         column.prop(settings, "isosurface_emission_strength")
@@ -68,4 +71,111 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row.prop(item, "color", text="")
 
 
-CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_isosurfaces)
+class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
+    bl_label = "Clip Box"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        volume = active_volume(context)
+        look = volume.leaflight_look
+        row = layout.row(align=True)
+        row.prop(look, "box", text="", icon="MESH_CUBE")
+        row.operator(add_isosurface.LEAFLIGHT_OT_add_clip_box.bl_idname, text="", icon="ADD")
+        if look.box is None or not look.box.users_scene:
+            return
+        clip_outline.panel_is_open(context)
+        row = layout.row(align=True)
+        row.prop(look, "keep", expand=True)
+        layout.prop(look, "cut_colors")
+        column = layout.column(align=True)
+        for obj in (volume, *display.added_to(volume)):
+            text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
+            column.prop(obj.leaflight_look, "is_cut", text=text)
+        if look.box.type != "EMPTY" and not look.box.hide_render:
+            text = iface_('"%s" renders and is baked: hide it in renders') % look.box.name
+            sentence(context, layout, text, icon="ERROR")
+
+
+_AXES = ("X", "Y", "Z")
+# Across the axes of a patient's coordinates.
+_OF_A_PATIENT = ("Sagittal", "Coronal", "Axial")
+
+
+class LEAFLIGHT_PT_slices(VolumePanel, bpy.types.Panel):
+    bl_label = "Slices"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        volume = active_volume(context)
+        settings, look = volume.leaflight, volume.leaflight_look
+        column = self.layout.column(align=True)
+        names = _OF_A_PATIENT if source_files.is_patient(settings) else _AXES
+        for axis, name in enumerate(names):
+            row = column.split(factor=0.4, align=True)
+            row.prop(look, "slice_axes", index=axis, text=name, toggle=True)
+            row = row.row(align=True)
+            row.active = look.slice_axes[axis]
+            row.prop(look, "slice_places", index=axis, text=_place(volume, axis), slider=True)
+        if any(look.slice_axes):
+            self.layout.prop(look, "slice_colors")
+            self.layout.prop(look, "slices_inside")
+
+
+def _place(volume, axis):
+    """Of a slice, as a text in the unit of the file."""
+    try:
+        return f"{data_faces.slice_position(volume, axis):.4g} {volume.leaflight.unit}".rstrip()
+    except LeaflightError:
+        return ""
+
+
+class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
+    bl_label = "Animation"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, _context):
+        self.layout.row(align=True).operator_enum(animation.LEAFLIGHT_OT_animate.bl_idname, "kind")
+
+
+class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
+    bl_label = "Scale and Labels"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        settings = active_volume(context).leaflight
+        if not settings.unit:
+            text = iface_("The file gives no unit of length")
+            sentence(context, self.layout, text, icon="QUESTION")
+        self.layout.prop(settings, "unit_choice")
+        row = self.layout.row(align=True)
+        row.operator(labels.LEAFLIGHT_OT_add_scale_bar.bl_idname)
+        row.operator(labels.LEAFLIGHT_OT_add_letters.bl_idname)
+        self.layout.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+
+
+class LEAFLIGHT_PT_comparison(VolumePanel, bpy.types.Panel):
+    bl_label = "Comparison"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, volume = self.layout, active_volume(context)
+        layout.operator(
+            render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
+        )
+        if display.added_to(volume):
+            sentence(context, layout, "Of the volume's own isosurface alone", icon="INFO")
+        comparison = volume.leaflight.comparison
+        if comparison:
+            sentence(context, layout, comparison)
+
+
+CLASSES = (
+    LEAFLIGHT_UL_stops,
+    LEAFLIGHT_PT_isosurfaces,
+    LEAFLIGHT_PT_clip,
+    LEAFLIGHT_PT_slices,
+    LEAFLIGHT_PT_animation,
+    LEAFLIGHT_PT_labels,
+    LEAFLIGHT_PT_comparison,
+)

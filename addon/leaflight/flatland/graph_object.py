@@ -11,8 +11,8 @@ import numpy as np
 from leaflight import LeaflightError, _core, flatland
 
 from .. import session
-from . import display, fill, shader, surface_object
-from .isosurface import RADIANCE
+from ..show import display, fill, shader, surface_object
+from ..show.isosurface import RADIANCE
 
 # More nodes along a side would only slow the viewport down; the bake always has every pixel.
 _MOST_NODES = 1024

@@ -12,7 +12,7 @@ import numpy as np
 from leaflight import LeaflightError
 
 from .. import session
-from ..store import cache, source_files
+from . import cache, source_files
 
 BINS = 256
 # Of larger volumes so many voxels are counted, evenly spread.

@@ -12,8 +12,7 @@ from leaflight import LeaflightError, blender
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import added, isosurfaces, isovalues
-from .sidebar import VolumePanel
+from ..show import display, isosurfaces, isovalues
 
 _PIVOT = "leaflight_turntable"
 # Degrees between the places of the camera that are tried, and of view to both sides of the volume.
@@ -86,7 +85,7 @@ def _free_degrees(context, volume, camera, pivot):
 
     def cast(start, direction, **limit):
         hit, _, _, _, obj, _ = context.scene.ray_cast(depsgraph, start, direction, **limit)
-        return hit and added.volume_object(obj) != volume
+        return hit and display.volume_object(obj) != volume
 
     def is_free(degrees):
         place = middle + _turned(arm, degrees)
@@ -151,12 +150,4 @@ def _keyframe(obj, path, values, scene):
 _ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe}
 
 
-class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
-    bl_label = "Animation"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, _context):
-        self.layout.row(align=True).operator_enum(LEAFLIGHT_OT_animate.bl_idname, "kind")
-
-
-CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)
+CLASSES = (LEAFLIGHT_OT_animate,)

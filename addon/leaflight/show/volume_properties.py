@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of Object.leaflight about the file of a volume."""
 
+from leaflight.volume.units import METERS
+
 from .. import versions
-from . import isovalues, surface_object, units
+from . import isovalues, surface_object
 from .overridable import (
     BoolProperty,
     EnumProperty,
@@ -12,6 +14,41 @@ from .overridable import (
     IntVectorProperty,
     StringProperty,
 )
+
+_UNKNOWN = "UNKNOWN"
+# Identifiers of Blender are ASCII.
+_NAMED_UNITS = [
+    ("mm", "mm", "Millimeters, as CT and MRI have"),
+    ("µm", "um", "Micrometers, as microscopes have"),
+    ("nm", "nm", "Nanometers"),
+    ("Å", "angstrom", "Angstroms, as molecules have"),
+    ("bohr", "bohr", "Atomic units"),
+    ("cm", "cm", "Centimeters"),
+    ("m", "m", "Meters"),
+]
+assert {unit for unit, _, _ in _NAMED_UNITS} == {*METERS}
+UNIT_ITEMS = [
+    (_UNKNOWN, "Not Known", "The file does not say"),
+    *((key, unit, text) for unit, key, text in _NAMED_UNITS),
+]
+_UNITS = ["", *(unit for unit, _, _ in _NAMED_UNITS)]
+_UNIT_KEYS = [key for key, _, _ in UNIT_ITEMS]
+
+
+def unit_of(key):
+    """The unit, a key of METERS or an empty text, of an item."""
+    return _UNITS[_UNIT_KEYS.index(key)]
+
+
+def unit_number(unit):
+    """The number of the item of a unit."""
+    return _UNITS.index(unit)
+
+
+def unit_at(number):
+    """The unit of the item of a number."""
+    return _UNITS[number]
+
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
@@ -97,7 +134,7 @@ class VolumeSource:
     unit_choice: EnumProperty(
         name="Unit",
         description="What the coordinates of the file are measured in",
-        items=units.ITEMS,
-        get=lambda settings: units.number_of(settings.unit),
-        set=lambda settings, number: setattr(settings, "unit", units.unit_at(number)),
+        items=UNIT_ITEMS,
+        get=lambda settings: unit_number(settings.unit),
+        set=lambda settings, number: setattr(settings, "unit", unit_at(number)),
     )

@@ -6,7 +6,7 @@ from bpy.props import EnumProperty
 
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
-from ..show import added, isovalues
+from ..show import display, isovalues
 from ..store import cache, source_files
 
 
@@ -33,7 +33,7 @@ class SmoothJob(jobs.Job):
         settings[self._what] = self._amount
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         setattr(settings, self._what, self._amount)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in (obj, *display.added_to(obj)):
             isovalues.limit(surface)
         cache.forget_unused()
         normals = "normals " if self._what == "smooth_normals" else ""

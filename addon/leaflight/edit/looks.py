@@ -1,15 +1,74 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Editing how the isosurfaces look: stops of the color ramp, and looks by name."""
+"""Looks of isosurfaces by name, and the stops of their color ramps."""
+
+from dataclasses import dataclass, field
 
 import bpy
 from bpy.props import EnumProperty
 from leaflight import LeaflightError
+from leaflight.looks import LOOKS as OF_ONE_COLOR
 
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import isosurfaces, isovalues, surface_object
-from ..stage import background
-from . import looks
+from ..show import data_faces, isosurfaces, isovalues, surface_object
+from ..stage import stage
+
+
+@dataclass(frozen=True)
+class Look:
+    """name, text: for people; settings: of Object.leaflight; stops: (part of the isovalue range,
+    linear color); gloss, roughness: of Object.leaflight_look; background: linear color or None.
+    """
+
+    name: str
+    text: str
+    settings: dict = field(default_factory=dict)
+    stops: tuple = ()
+    gloss: float = 0.0
+    roughness: float = 0.3
+    background: tuple = None
+
+
+def _one_color(look):
+    settings = {"isosurface_albedo": look.color}
+    return Look(look.name, look.text, settings, (), look.gloss, look.roughness, look.background)
+
+
+def _mapped(name, text, colors):
+    stops = tuple((i / (len(colors) - 1), color) for i, color in enumerate(colors))
+    return Look(name, text, stops=stops)
+
+
+LOOKS = {
+    **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
+    "TISSUE": Look(
+        "Tissue",
+        "Skin, flesh and bone from low to high isovalues",
+        stops=((0.0, (0.8, 0.55, 0.42)), (0.45, (0.6, 0.2, 0.15)), (1.0, (0.88, 0.84, 0.72))),
+        gloss=0.4,
+    ),
+    "GLOW": Look(
+        "Glowing",
+        "Sends light of its own",
+        {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
+    ),
+    "MIRROR": Look(
+        "Mirror",
+        "Polished metal; what it shows is rendered, not baked",
+        {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
+    ),
+    "GLASS": Look(
+        "Glass",
+        "Clear glass, which throws caustics",
+        {
+            "isosurface_scattering": "GLASS",
+            "isosurface_albedo": (1.0, 1.0, 1.0),
+            "isosurface_ior": 1.45,
+        },
+    ),
+}
+MAPS = {key: _mapped(*of) for key, of in data_faces.MAPS.items()}
+
 
 _PLAIN = {"isosurface_scattering": "DIFFUSE", "isosurface_emission_strength": 0.0}
 
@@ -26,19 +85,19 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
         "stage's backdrop"
     )
 
-    preset: EnumProperty(name="Look", items=_items(looks.LOOKS) + _items(looks.MAPS))
+    preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
 
     def run(self, context):
         volume = active_volume(context)
         settings, shown = volume.leaflight, volume.leaflight_look
-        chosen = {**looks.LOOKS, **looks.MAPS}[self.preset]
+        chosen = {**LOOKS, **MAPS}[self.preset]
         settings.isosurface_stops.clear()
         for name, value in {**_PLAIN, **chosen.settings}.items():
             setattr(settings, name, value)
         for part, color in chosen.stops:
             isosurfaces.add_stop(settings, isovalues.isovalue_at(settings, part), color)
         if chosen.background is not None:
-            background.paint(context.scene, chosen.background)
+            stage.paint_backdrop(context.scene, chosen.background)
         shown.gloss, shown.roughness = chosen.gloss, chosen.roughness
         surface_object.shade_all(volume)
 
@@ -88,4 +147,8 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
         surface_object.shade_all(volume)
 
 
-CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)
+CLASSES = (
+    LEAFLIGHT_OT_isosurface_preset,
+    LEAFLIGHT_OT_add_stop,
+    LEAFLIGHT_OT_remove_stop,
+)

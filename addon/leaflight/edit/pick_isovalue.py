@@ -11,7 +11,8 @@ from leaflight import LeaflightError
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
-from . import data_picture, distribution
+from ..store import distribution
+from . import data_picture
 
 # Of the viewport, in shares of its width and in pixels of an unscaled interface.
 MARGIN, HEIGHT, ABOVE_THE_FLOOR = 0.08, 130, 46
@@ -169,5 +170,7 @@ def _remove_all():
     _drawn.clear()
 
 
-CLASSES = (LEAFLIGHT_OT_pick_isovalue,)
 unregister = _remove_all
+
+
+CLASSES = (LEAFLIGHT_OT_pick_isovalue,)

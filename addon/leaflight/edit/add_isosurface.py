@@ -6,13 +6,54 @@ import mathutils
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 from leaflight import LeaflightError
+from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import added, isovalues, surface_object, whole_detail
-from ..store import cache
+from ..show import display, isovalues, surface_object, whole_detail
+from ..store import cache, distribution
 from ..translations import iface_
-from . import proposals
+
+_PROPOSED = "PROPOSED"
+# In Hounsfield units.
+TISSUES = {"SKIN": -300.0, "MUSCLE": 50.0, "BONE": 300.0}
+TISSUE_ITEMS = [
+    (_PROPOSED, "What Is Inside", "The isosurface that best parts what is inside the present one"),
+    ("SKIN", "Skin", "The border of the body to the air, -300 HU"),
+    ("MUSCLE", "Muscle", "Muscles and organs within fat, 50 HU"),
+    ("BONE", "Bone", "300 HU"),
+]
+# Of the air around a patient, -1000 HU, and of what scanners write beside their circle.
+_AIR = (-3100.0, -900.0)
+
+
+def is_hounsfield(obj):
+    """Whether the values of an object's volume are those of a CT scan; False until it was seen."""
+    found = distribution.of(obj)
+    low, high = (found.low, found.high) if found is not None else (0.0, 0.0)
+    return _AIR[0] <= low <= _AIR[1] and high > TISSUES["BONE"]
+
+
+def next_isovalue(volume, tissue=_PROPOSED):
+    """Of an isosurface to show beside those that a volume object shows. Raises LeaflightError."""
+    if tissue != _PROPOSED:
+        return TISSUES[tissue]
+    low, high = isovalues.isovalue_range(volume.leaflight)
+    shown = [obj.leaflight.isovalue for obj in (volume, *display.added_to(volume))]
+    inner = inner_isovalue(cache.volume_of(volume), max(shown))
+    if inner is not None and max(shown) < inner < high:
+        return inner
+    # Nothing to be seen is inside.
+    if min(shown) - low > 0.1 * (high - low):
+        return 0.5 * (low + min(shown))
+    return 0.5 * (max(shown) + high)
+
+
+def shown_outside(volume, isovalue):
+    """The isosurfaces of a volume object around another one."""
+    surfaces = (volume, *display.added_to(volume))
+    return [obj for obj in surfaces if obj.leaflight.isovalue < isovalue]
+
 
 # Of an isosurface around others, through which they show.
 _OPACITY = 0.3
@@ -21,10 +62,10 @@ _LAYERS = 128
 
 
 def _has_room(operator, context):
-    if len(added.added_to(active_volume(context))) + 1 < added.MOST:
+    if len(display.added_to(active_volume(context))) + 1 < display.MOST:
         return True
     operator.poll_message_set(
-        iface_("%d isosurfaces are shown already: remove one first") % added.MOST
+        iface_("%d isosurfaces are shown already: remove one first") % display.MOST
     )
     return False
 
@@ -50,7 +91,7 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     tissue: EnumProperty(
         name="Tissue",
         description="Which tissue of a CT scan to show",
-        items=proposals.TISSUE_ITEMS,
+        items=TISSUE_ITEMS,
         options={"SKIP_SAVE"},
     )
     opacity: FloatProperty(
@@ -65,10 +106,10 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     def run(self, context):
         volume = active_volume(context)
         given = self.properties.is_property_set("isovalue")
-        isovalue = self.isovalue if given else proposals.next_isovalue(volume, self.tissue)
+        isovalue = self.isovalue if given else next_isovalue(volume, self.tissue)
         # Those around it; a script says itself how opaque it is.
-        outer = [] if given else proposals.shown_outside(volume, isovalue)
-        obj = added.add(volume, isovalue, 1.0 if outer else self.opacity)
+        outer = [] if given else shown_outside(volume, isovalue)
+        obj = display.add(volume, isovalue, 1.0 if outer else self.opacity)
         isovalues.limit(obj)
         for one in outer:
             one.leaflight_look.opacity = min(one.leaflight_look.opacity, self.opacity)
@@ -89,10 +130,10 @@ class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operato
 
     def run(self, context):
         obj = context.scene.objects.get(self.name)
-        if obj is None or not added.is_added(obj):
+        if obj is None or not display.is_added(obj):
             raise LeaflightError(f'"{self.name}" is no isosurface that was added: choose one.')
         surface_object.problems.pop(obj.name_full, None)
-        added.remove(obj)
+        display.remove(obj)
 
 
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
