@@ -27,6 +27,7 @@ _TEXTS = {
     "needs": 1,
     "status_text_set": 0,
     "sentence": 2,
+    "draw_wrapped": 1,
     "draw_progress": 2,
 }
 # Of a unit, as in "12 s", there is nothing to translate.

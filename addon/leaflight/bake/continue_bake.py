@@ -65,7 +65,7 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
     conditions = (
         *_BAKE,
         checks.needs(
-            lambda context: active_volume(context).leaflight.bake_outcome,
+            lambda context: active_volume(context).leaflight.bake_target,
             "Only a bake that goes by its error can be continued",
         ),
         _is_unchanged,
@@ -98,7 +98,7 @@ class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operato
 def suited(obj):
     """The operator that brings the error of an object's bake to the present target, or None."""
     settings = obj.leaflight
-    if not settings.bake_outcome or settings.bake_error <= settings.error:
+    if not settings.bake_target or settings.bake_error <= settings.error:
         return None
     return LEAFLIGHT_OT_finer_texels if settings.bake_needs_texels else LEAFLIGHT_OT_continue_bake
 

@@ -15,7 +15,7 @@ from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
-from ..show import isosurfaces, isovalues, lamps, surface_object
+from ..show import display, isosurfaces, isovalues, lamps, surface_object
 from ..stage import scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, frame_bakes, source_files
 from ..translations import iface_
@@ -68,7 +68,7 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
         _compare(context, bake, volumes, leader)
         lighting.show(volumes, leader, context.scene)
         isovalues.lock_interface(context.scene)
-        _select(context, volumes, leader)
+        display.select(context, volumes, leader)
         staleness.forget()
         names = ", ".join(f'"{obj.name}"' for obj in volumes)
         self.report({"INFO"}, f"{path.name} lights {names}")
@@ -196,14 +196,6 @@ def _compare(context, bake, volumes, leader):
             obj.leaflight.bake_walls = False
 
 
-def _select(context, volumes, leader):
-    for obj in context.selected_objects:
-        obj.select_set(False)
-    for obj in volumes:
-        obj.select_set(True)
-    context.view_layer.objects.active = leader
-
-
 def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
 
@@ -275,9 +267,5 @@ def megabytes(paths):
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 
 
-CLASSES = (
-    LEAFLIGHT_OT_load_bake,
-    LEAFLIGHT_OT_relocate_bake,
-    LEAFLIGHT_OT_remove_unused_bakes,
-)
+CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake, LEAFLIGHT_OT_remove_unused_bakes)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

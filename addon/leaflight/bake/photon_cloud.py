@@ -22,7 +22,7 @@ FLUX, COMMON_ISOVALUE, DIRECT = "flux", "common_isovalue", "direct"
 _KIND, _PHOTONS = "photons", "leaflight_photons"
 
 
-class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.photon_cloud"
     bl_label = "Show Photon Map"
     bl_description = (
@@ -62,16 +62,6 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
         soft_max=0.1,
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
-
-    # Whether a user has been asked for the options: only scripts wait for the photons.
-    asked = False
-
-    def invoke(self, context, _event):
-        self.asked = True
-        return context.window_manager.invoke_props_dialog(self)
-
-    def execute(self, context):
-        return self.run_modal(context) if self.asked else super().execute(context)
 
     def start(self, context):
         return PhotonJob(context, active_volume(context), self)

@@ -28,15 +28,7 @@ def main():
     bpy.context.view_layer.objects.active = isosurface
     bpy.context.view_layer.update()
     try:
-        figures = comparison.rendered(
-            bpy.context,
-            isosurface,
-            request["folder"],
-            request["samples"],
-            request["baked_samples"],
-            request["share"],
-            report,
-        )
+        figures = comparison.rendered(bpy.context, isosurface, *request["arguments"], report)
     except comparison.LeaflightError as error:
         send({"error": str(error)})
     else:

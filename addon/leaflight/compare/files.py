@@ -79,12 +79,8 @@ def write_sheet(path, name, result):
     text = max(13, size[0] // 42)
     gap, line = text, round(1.45 * text)
     font = _font(text)
-    panels = [
-        (display_colours(result["baked"], exposure), *_of_baked(result)),
-        (display_colours(result["cycles"], exposure), *_of_cycles(result)),
-        (display_colours(result["local"], exposure), *_of_local(result)),
-        (_colored(difference / most), *_of_difference(result)),
-    ]
+    pictures = [display_colours(result[name], exposure) for name in ("baked", "cycles", "local")]
+    pictures.append(_colored(difference / most))
     bar = 7 * text
     top = gap + 2 * line
     cell = (size[0] + gap, size[1] + 2 * line + gap)
@@ -93,7 +89,7 @@ def write_sheet(path, name, result):
     draw.text((gap, gap), f"{name}, isovalue {result['isovalue']:g}", _INK, _font(text + 4))
     # Few pixels stay pixels.
     resample = Image.NEAREST if scale >= 2 else Image.LANCZOS
-    for number, (pixels, title, detail) in enumerate(panels):
+    for number, (pixels, (title, detail)) in enumerate(zip(pictures, _words(result))):
         x, y = gap + (number % 2) * cell[0], top + (number // 2) * cell[1]
         sheet.paste(Image.fromarray(pixels).resize(size, resample), (x, y))
         draw.text((x, y + size[1] + 4), title, _INK, font)
@@ -103,35 +99,22 @@ def write_sheet(path, name, result):
         sheet.save(temporary)
 
 
-def _of_baked(result):
-    return (
-        "Baked",
-        f"rendered in {result['baked_seconds']:.1f} s; all isosurfaces baked in "
-        f"{result['bake_seconds']:.0f} s",
+def _words(result):
+    """(title, detail) beneath each picture."""
+    rendered = "rendered in {baked_seconds:.1f} s; all isosurfaces baked in {bake_seconds:.0f} s"
+    local = "rendered in {local_seconds:.1f} s; RMS {local_rms_percent:.1f} % on the isosurface"
+    difference = (
+        "RMS {isosurface_rms_percent:.2f} % on the isosurface, of which noise "
+        "{isosurface_noise_percent:.2f} %; {flip}"
     )
-
-
-def _of_cycles(result):
-    return (
-        f"Cycles, {result['samples']} samples",
-        f"path-traced in {result['cycles_seconds']:.1f} s",
+    texts = (
+        ("Baked", rendered),
+        ("Cycles, {samples} samples", "path-traced in {cycles_seconds:.1f} s"),
+        ("Local shading: no shadows, no bounces", local),
+        ("Baked minus Cycles", difference),
     )
-
-
-def _of_local(result):
-    return (
-        "Local shading: no shadows, no bounces",
-        f"rendered in {result['local_seconds']:.1f} s; RMS {result['local_rms_percent']:.1f} % on "
-        "the isosurface",
-    )
-
-
-def _of_difference(result):
-    return (
-        "Baked minus Cycles",
-        f"RMS {result['isosurface_rms_percent']:.2f} % on the isosurface, of which noise "
-        f"{result['isosurface_noise_percent']:.2f} %; {flip_words(result)}",
-    )
+    numbers = {**result, "flip": flip_words(result)}
+    return [(title.format(**numbers), detail.format(**numbers)) for title, detail in texts]
 
 
 def _percent_off(result, exposure):

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import FloatProperty, IntProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
@@ -73,10 +73,7 @@ class ComparisonJob(jobs.Job):
         request = {
             "object": isosurface.name_full,
             "scene": bpy.context.scene.name,
-            "folder": str(folder),
-            "samples": samples,
-            "baked_samples": baked_samples,
-            "share": share,
+            "arguments": (str(folder), samples, baked_samples, share),
         }
         self._command = [
             *(bpy.app.binary_path, "--background", str(blend)),
@@ -158,7 +155,7 @@ class ComparisonJob(jobs.Job):
         return self.figures["report"]
 
 
-class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
     bl_description = (
@@ -200,13 +197,6 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )
-    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    def invoke(self, context, _event):
-        if self.asked:
-            return self.run_modal(context)
-        self._by_hand = True
-        return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context):
         layout = self.layout
@@ -215,22 +205,14 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             layout.prop(self, name)
 
     def execute(self, context):
-        if getattr(self, "_by_hand", False) and can_start():
-            names = ("samples", "baked_samples", "share", "folder")
-            chosen = {name: getattr(self, name) for name in names}
-            return self.invoke_again(bpy.ops.leaflight.render_comparison, **chosen)
+        if self._by_hand and can_start():
+            return super().execute(context)
+        # Scripts wait for it.
         return checks.LeaflightOperator.execute(self, context)
 
     def run(self, context):
         isosurface = active_volume(context)
-        found = rendered(
-            context,
-            isosurface,
-            _make_folder(isosurface, self.folder),
-            self.samples,
-            self.baked_samples,
-            self.share / 100.0,
-        )
+        found = rendered(context, isosurface, *self._arguments(isosurface))
         self.report({"INFO"}, found["report"])
         if found["doubt"]:
             self.report({"WARNING"}, found["doubt"])
@@ -240,10 +222,12 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         isosurface = active_volume(context)
         scene_export.export_scene(context, isosurface)
         stills.check_lit(isosurface, isosurface.leaflight.isovalue)
-        folder = _make_folder(isosurface, self.folder)
-        return ComparisonJob(
-            isosurface, folder, self.samples, self.baked_samples, self.share / 100.0
-        )
+        return ComparisonJob(isosurface, *self._arguments(isosurface))
+
+    def _arguments(self, isosurface):
+        folder = Path(bpy.path.abspath(self.folder or str(bake_files.locate(isosurface).parent)))
+        bake_files.make_folder(folder)
+        return folder, self.samples, self.baked_samples, self.share / 100.0
 
 
 def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, report=None):
@@ -262,12 +246,6 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
         "doubt": doubt,
         "report": f"{found}; pictures in {folder}",
     }
-
-
-def _make_folder(isosurface, chosen):
-    folder = Path(bpy.path.abspath(chosen or str(bake_files.locate(isosurface).parent)))
-    bake_files.make_folder(folder)
-    return folder
 
 
 CLASSES = (LEAFLIGHT_OT_render_comparison,)

@@ -10,8 +10,8 @@ from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import display, isovalues, surface_object, whole_detail
-from ..store import cache, distribution
+from ..show import display, distribution, isovalues, surface_object, whole_detail
+from ..store import cache
 from ..translations import iface_
 
 _PROPOSED = "PROPOSED"
@@ -39,7 +39,7 @@ def next_isovalue(volume, tissue=_PROPOSED):
     if tissue != _PROPOSED:
         return TISSUES[tissue]
     low, high = isovalues.isovalue_range(volume.leaflight)
-    shown = [obj.leaflight.isovalue for obj in (volume, *display.added_to(volume))]
+    shown = [obj.leaflight.isovalue for obj in display.surfaces_of(volume)]
     inner = inner_isovalue(cache.volume_of(volume), max(shown))
     if inner is not None and max(shown) < inner < high:
         return inner
@@ -51,7 +51,7 @@ def next_isovalue(volume, tissue=_PROPOSED):
 
 def shown_outside(volume, isovalue):
     """The isosurfaces of a volume object around another one."""
-    surfaces = (volume, *display.added_to(volume))
+    surfaces = display.surfaces_of(volume)
     return [obj for obj in surfaces if obj.leaflight.isovalue < isovalue]
 
 
@@ -175,8 +175,4 @@ def _place_nearest(box, volume_to_world, low, high):
     box.matrix_world = volume_to_world @ local
 
 
-CLASSES = (
-    LEAFLIGHT_OT_add_isosurface,
-    LEAFLIGHT_OT_remove_isosurface,
-    LEAFLIGHT_OT_add_clip_box,
-)
+CLASSES = (LEAFLIGHT_OT_add_isosurface, LEAFLIGHT_OT_remove_isosurface, LEAFLIGHT_OT_add_clip_box)

@@ -260,8 +260,4 @@ class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operato
         add_cube(context, active_volume(context))
 
 
-CLASSES = (
-    LEAFLIGHT_OT_add_scale_bar,
-    LEAFLIGHT_OT_add_letters,
-    LEAFLIGHT_OT_add_orientation_cube,
-)
+CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_OT_add_orientation_cube)

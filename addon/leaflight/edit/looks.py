@@ -147,8 +147,4 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
         surface_object.shade_all(volume)
 
 
-CLASSES = (
-    LEAFLIGHT_OT_isosurface_preset,
-    LEAFLIGHT_OT_add_stop,
-    LEAFLIGHT_OT_remove_stop,
-)
+CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

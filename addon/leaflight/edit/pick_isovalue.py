@@ -11,7 +11,7 @@ from leaflight import LeaflightError
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..store import distribution
+from ..show import distribution
 from . import data_picture
 
 # Of the viewport, in shares of its width and in pixels of an unscaled interface.

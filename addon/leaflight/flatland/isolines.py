@@ -22,6 +22,7 @@ from leaflight.flatland.flat_scene import load_flat_scene
 
 from .. import versions
 from ..operators import background, checks, jobs
+from ..show import display
 from ..show.bake_properties import ERROR
 from . import graph_object
 
@@ -150,10 +151,7 @@ class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, Im
             "high": high,
         }
         obj = graph_object.create(context, field, self.size, settings)
-        for other in context.selected_objects:
-            other.select_set(False)
-        obj.select_set(True)
-        context.view_layer.objects.active = obj
+        display.select(context, [obj], obj)
         rows, columns = field.values.shape
         self.report({"INFO"}, f"{field.name}: {columns} x {rows} pixels")
 
@@ -237,10 +235,6 @@ class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operat
         return FlatBakeJob(context.object)
 
 
-CLASSES = (
-    LeaflightFlatSettings,
-    LEAFLIGHT_OT_import_image,
-    LEAFLIGHT_OT_bake_flatland,
-)
+CLASSES = (LeaflightFlatSettings, LEAFLIGHT_OT_import_image, LEAFLIGHT_OT_bake_flatland)
 PROPERTIES = ((bpy.types.Object, "leaflight_flat", PointerProperty(type=LeaflightFlatSettings)),)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -33,7 +33,7 @@ class SmoothJob(jobs.Job):
         settings[self._what] = self._amount
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         setattr(settings, self._what, self._amount)
-        for surface in (obj, *display.added_to(obj)):
+        for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
         cache.forget_unused()
         normals = "normals " if self._what == "smooth_normals" else ""

@@ -155,11 +155,16 @@ def print_progress(name: str, work: BackgroundWork) -> None:
         print()
 
 
+def viewports() -> list[tuple[bpy.types.Window, bpy.types.Area]]:
+    """Returns (window, area) of each that is open."""
+    windows = bpy.context.window_manager.windows
+    found = [(window, area) for window in windows for area in window.screen.areas]
+    return [(window, area) for window, area in found if area.type == "VIEW_3D"]
+
+
 def redraw_panels() -> None:
     """Draws the sides and heads of viewports anew, not the viewports: these take long."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type in {"UI", "TOOL_HEADER"}:
-                        region.tag_redraw()
+    for _, area in viewports():
+        for region in area.regions:
+            if region.type in {"UI", "TOOL_HEADER"}:
+                region.tag_redraw()

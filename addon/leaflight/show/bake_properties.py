@@ -149,7 +149,7 @@ class BakeRecord:
     bake_seconds: FloatProperty(name="Bake Time")
     bake_outcome: StringProperty(name="Error That the Bake Reached")
     bake_error: FloatProperty(name="Estimated Error of the Bake")
-    bake_target: FloatProperty(name="Target of the Bake")
+    bake_target: FloatProperty(name="Target of the Bake, 0 if It Goes Not by Its Error")
     bake_needs_texels: BoolProperty(name="Most of the Error Is Detail Finer than the Texels")
     bake_warnings: StringProperty(name="Warnings of the Bake")
     comparison: StringProperty(name="Last Comparison")

@@ -13,7 +13,7 @@ import numpy as np
 from leaflight import LeaflightError, color_maps
 from mathutils import Color
 
-from .. import session, versions
+from .. import versions
 from ..store import cache
 from . import display, fill, look, shader
 
@@ -44,9 +44,6 @@ _BUILT = "leaflight_built"
 # Nodes along a side of a face at most.
 _MOST = 320
 
-# Names of such objects of this file.
-_seen = session.remembered(set)
-
 
 @dataclass(frozen=True)
 class Face:
@@ -59,10 +56,9 @@ class Face:
 
 def child(volume, kind):
     """The object of a volume's faces of this kind, or None."""
-    obj = next((obj for obj in volume.children if display.is_display(obj, kind)), None)
-    if obj is not None:
-        _seen.add(obj.name)
-    return obj
+    found = [obj for obj in volume.children if display.is_display(obj, kind)]
+    display.note(found)
+    return next(iter(found), None)
 
 
 def new_child(volume, kind, title):
@@ -71,14 +67,8 @@ def new_child(volume, kind, title):
     obj.parent = volume
     obj.hide_select = True
     obj.data.materials.append(bpy.data.materials.new(name))
-    _seen.add(obj.name)
+    display.note([obj])
     return obj
-
-
-def left_alone():
-    """Those whose volumes are gone."""
-    found = (bpy.data.objects.get((name, None)) for name in _seen)
-    return [obj for obj in found if obj is not None and obj.parent is None]
 
 
 def clear(obj):
@@ -185,7 +175,7 @@ def update_cut(volume, depsgraph=None):
     corners = np.array((cut.low, cut.high))
     label = f"{local_from_box.round(6).tolist()} {corners.tolist()}"
     show(obj, data, label, _cut_faces(data, local_from_box, corners))
-    surfaces = (volume, *display.added_to(volume))
+    surfaces = display.surfaces_of(volume)
     cuts = [o.leaflight.isovalue for o in surfaces if look.view_of(o).cut is not None]
     shade(obj, volume.leaflight_look.cut_colors, volume.leaflight, min(cuts))
 
@@ -194,7 +184,7 @@ def _cut_of(volume):
     """The shader_graph.Cut of the isosurfaces that are cut, None where the cut is open."""
     if volume.leaflight_look.cut_colors == _OPEN:
         return None
-    cuts = (look.view_of(obj).cut for obj in (volume, *display.added_to(volume)))
+    cuts = (look.view_of(obj).cut for obj in display.surfaces_of(volume))
     return next((cut for cut in cuts if cut is not None), None)
 
 

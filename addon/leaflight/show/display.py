@@ -11,6 +11,8 @@ import uuid
 import bpy
 from leaflight import LeaflightError
 
+from .. import session
+
 # Isosurfaces of a volume that can be shown, with its own.
 MOST = 3
 
@@ -18,6 +20,9 @@ _DISPLAY = "leaflight_display"
 _ISOSURFACE = "isosurface"
 # Of a volume to which some were added: distinguishes it from its duplicates (isovalues.py).
 _MARK = "leaflight_isosurfaces"
+
+# Names of the volumes of this file, and of what shows something beside them, that were seen last.
+_noted = session.remembered(set)
 
 
 def mark(obj, kind):
@@ -27,6 +32,45 @@ def mark(obj, kind):
 def is_display(obj, kind=None):
     """Whether an object only shows results, of this kind or of any."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
+
+
+def note(objects):
+    """Has noted() find objects again, where they are of this file."""
+    _noted.update(obj.name for obj in objects if obj.library is None)
+
+
+def noted():
+    found = (bpy.data.objects.get((name, None)) for name in _noted)
+    return [obj for obj in found if obj is not None]
+
+
+def select(context, objects, active):
+    """Selects these objects alone."""
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    context.view_layer.objects.active = active
+
+
+def hide(scene, obj, mark):
+    """Takes an object out of sight and out of renders. By the mark show() finds how it was."""
+    layers = [layer for layer in scene.view_layers if obj.name in layer.objects]
+    obj[mark] = "\n".join(layer.name for layer in layers if obj.hide_get(view_layer=layer))
+    obj.hide_render = True
+    for layer in layers:
+        obj.hide_set(True, view_layer=layer)
+
+
+def show(scene, obj, mark):
+    # Files of an earlier Leaflight have a number here: the same for all layers.
+    before = obj.pop(mark)
+    obj.hide_render = False
+    for layer in scene.view_layers:
+        if obj.name in layer.objects:
+            is_text = isinstance(before, str)
+            was_hidden = layer.name in before.split("\n") if is_text else bool(before)
+            obj.hide_set(was_hidden, view_layer=layer)
 
 
 def is_isosurface(obj):
@@ -46,6 +90,11 @@ def volume_object(obj):
 def added_to(volume):
     """The isosurfaces that were added to a volume object, in the order of their names."""
     return sorted(filter(is_added, volume.children), key=lambda obj: obj.name)
+
+
+def surfaces_of(volume):
+    """A volume object, which shows an isosurface, and those that were added to it."""
+    return (volume, *added_to(volume))
 
 
 def add(volume, isovalue, opacity):

@@ -12,17 +12,13 @@ duplicate is known by bearing the mark of another.
 
 import bpy
 
-from .. import session, versions
+from .. import versions
 from ..store import cache, frame_bakes
-from . import data_faces, display, surface_material, surface_object, walls
+from . import display, surface_material, surface_object, walls
 
 # Drivers and keyframes use this path, seen from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
 FRAME_PATH = "leaflight.shown_frame"
-
-
-# Names of the volumes of this file, and of what was added to them, that were seen last.
-_seen = session.remembered(set)
 
 
 def isovalue_range(settings):
@@ -50,7 +46,7 @@ def volumes(scene):
 def isosurfaces(scene):
     """The volumes of a scene, and the isosurfaces that were added to them."""
     found = [obj for obj in scene.objects if display.is_isosurface(obj)]
-    _seen.update(obj.name for obj in found if obj.library is None)
+    display.note(found)
     return found
 
 
@@ -65,8 +61,7 @@ def limit(obj):
 
 def left_alone():
     """What was added to volumes that are gone."""
-    surfaces = [obj for obj in known() if display.is_added(obj) and obj.parent is None]
-    return surfaces + data_faces.left_alone()
+    return [obj for obj in display.noted() if display.is_display(obj) and obj.parent is None]
 
 
 def remove_left_alone():
@@ -144,8 +139,7 @@ def any_is_behind(depsgraph=None):
 
 def known():
     """What was seen last and is still there: isosurfaces, and some left alone by their volume."""
-    found = (bpy.data.objects.get((name, None)) for name in _seen)
-    return [o for o in found if o is not None and (o.leaflight.is_volume or display.is_added(o))]
+    return [o for o in display.noted() if o.leaflight.is_volume or display.is_added(o)]
 
 
 def _show(scene, values, moving):

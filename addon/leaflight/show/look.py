@@ -3,6 +3,7 @@
 
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.scene.scene import ramp_at
 from leaflight.volume.backs import MOSTLY, back_shares
 
 from .. import session, versions
@@ -29,7 +30,7 @@ _ALIKE = 1e-5
 def view_of(obj):
     """The shader_graph.View of an isosurface."""
     volume = display.volume_object(obj)
-    others = (o for o in (volume, *display.added_to(volume)) if o != obj)
+    others = (o for o in display.surfaces_of(volume) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
     return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
@@ -62,11 +63,11 @@ def recoloring(obj, isovalue):
     """
     bake, index = isosurface.lit_by(obj)
     baked = bake.scene.isosurfaces[index]
-    before = np.array(isosurfaces.color_at(baked.albedo, isovalue))
+    before = ramp_at(baked.albedo, isovalue)
     factor = np.array(albedo_at(obj, isovalue)) / np.maximum(before, _DARK)
     factor[(before < _DARK) | (np.abs(factor - 1.0) < _ALIKE)] = 1.0
     # What it emits by itself has no albedo.
-    emission = np.array(isosurfaces.color_at(baked.emission, isovalue))
+    emission = ramp_at(baked.emission, isovalue)
     return tuple(factor), tuple((1.0 - factor) * emission)
 
 
@@ -96,7 +97,7 @@ def note_on_backs(volume):
     """A sentence for the panel where a bake lacks the side that is seen, or an empty text."""
     if not volume.leaflight.bake_id or RADIANCE_BACK in volume.data.attributes:
         return ""
-    surfaces = (volume, *display.added_to(volume))
+    surfaces = display.surfaces_of(volume)
     try:
         data = cache.volume_of(volume)
     except LeaflightError:

@@ -7,10 +7,12 @@ from . import data_faces, display, surface_object
 from .overridable import (
     BoolProperty,
     BoolVectorProperty,
+    ColorProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
     PointerProperty,
+    ShareProperty,
 )
 
 
@@ -47,14 +49,11 @@ def _has_box(_look, obj):
 
 
 class LeaflightLook(bpy.types.PropertyGroup):
-    opacity: FloatProperty(
+    opacity: ShareProperty(
         name="Opacity",
         description="How much of what lies behind the isosurface it hides. Its light is that of an "
         "opaque one: isosurfaces that are shown together neither light nor shade each other",
-        subtype="FACTOR",
         default=1.0,
-        min=0.0,
-        max=1.0,
         update=_changed,
     )
     use_color: BoolProperty(
@@ -63,15 +62,11 @@ class LeaflightLook(bpy.types.PropertyGroup):
         "volume has there",
         update=_changed,
     )
-    color: FloatVectorProperty(
+    color: ColorProperty(
         name="Color",
         description="Share of the light that this isosurface reflects. The light that falls on it "
         "stays that of the bake; for light of its own color, add a stop to the volume's color ramp "
         "here, and bake",
-        subtype="COLOR",
-        default=(0.8, 0.8, 0.8),
-        min=0.0,
-        max=1.0,
         update=_color_chosen,
     )
     dust: FloatProperty(
@@ -85,24 +80,18 @@ class LeaflightLook(bpy.types.PropertyGroup):
         update=_shape_changed,
         options=set(),
     )
-    gloss: FloatProperty(
+    gloss: ShareProperty(
         name="Gloss",
         description="A clear coat over the baked light, in which the scene's own lamps shine; 1 is "
         "that of glazed china. Comparisons leave it out",
-        subtype="FACTOR",
-        default=0.0,
-        min=0.0,
-        max=1.0,
         update=_changed,
         options=set(),
     )
-    roughness: FloatProperty(
+    roughness: ShareProperty(
         name="Roughness",
         description="How wide the highlights of the coat are",
-        subtype="FACTOR",
         default=0.3,
         min=0.02,
-        max=1.0,
         update=_changed,
         options=set(),
     )

@@ -8,9 +8,9 @@ from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
     CollectionProperty,
+    ColorProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     IntProperty,
     PointerProperty,
 )
@@ -36,13 +36,9 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
         description="Isovalue whose isosurface has this color, in data units",
         update=_shading_changed,
     )
-    color: FloatVectorProperty(
+    color: ColorProperty(
         name="Color",
         description="Share of the light that the isosurface reflects",
-        subtype="COLOR",
-        default=(0.8, 0.8, 0.8),
-        min=0.0,
-        max=1.0,
         update=_shading_changed,
     )
 
@@ -53,13 +49,9 @@ class Isosurfaces:
     isosurface_scattering: EnumProperty(
         name="Material", items=SCATTERING_ITEMS, update=_shading_changed
     )
-    isosurface_albedo: FloatVectorProperty(
+    isosurface_albedo: ColorProperty(
         name="Albedo",
         description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
-        subtype="COLOR",
-        default=(0.8, 0.8, 0.8),
-        min=0.0,
-        max=1.0,
         update=_shading_changed,
     )
     isosurface_stops: CollectionProperty(
@@ -76,13 +68,10 @@ class Isosurfaces:
         soft_max=3.0,
         update=_shading_changed,
     )
-    isosurface_emission: FloatVectorProperty(
+    isosurface_emission: ColorProperty(
         name="Emission",
         description="Color of the light that the isosurfaces send by themselves",
-        subtype="COLOR",
         default=(1.0, 1.0, 1.0),
-        min=0.0,
-        max=1.0,
         update=_shading_changed,
     )
     isosurface_emission_strength: FloatProperty(
@@ -175,11 +164,7 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-CLASSES = (
-    LeaflightColorStop,
-    LeaflightSettings,
-    LeaflightSceneSettings,
-)
+CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
     (bpy.types.Object, "leaflight", PointerProperty(type=LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),

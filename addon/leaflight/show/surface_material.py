@@ -212,7 +212,7 @@ def prepare_first_light(volumes, both_sides, walls):
 
     volumes: the objects to bake; walls: whether their walls will be lit.
     """
-    isosurfaces = [obj for volume in volumes for obj in (volume, *display.added_to(volume))]
+    isosurfaces = [obj for volume in volumes for obj in display.surfaces_of(volume)]
     unlit = [obj for obj in isosurfaces if RADIANCE not in obj.data.attributes]
     if not unlit or any(map(_is_first_light, bpy.data.objects)):
         return

@@ -154,7 +154,7 @@ def update_all(volume, moving=False, as_coarse=False):
 
     moving: as of update(). as_coarse: whether those that are coarse may stay so.
     """
-    for obj in (volume, *display.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         update(obj, shown_isovalue(obj), moving or (as_coarse and is_coarse(obj.data)))
 
 
@@ -163,7 +163,7 @@ def coarsen_all(volume):
 
     It comes back as it does then. A failure stays for the next update to tell.
     """
-    for obj in (volume, *display.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         if is_coarse(obj.data) or obj.library is not None or obj.mode != "OBJECT":
             continue
         with suppress(LeaflightError):
@@ -282,7 +282,7 @@ def shade(obj):
 
 def shade_all(volume):
     """shade() for a volume and the isosurfaces that were added to it."""
-    for obj in (volume, *display.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         shade(obj)
 
 
@@ -294,7 +294,7 @@ def forget_passes():
             continue
         update_all(obj)
         if not obj.leaflight.bake_id:
-            for each in (obj, *display.added_to(obj)):
+            for each in display.surfaces_of(obj):
                 surface_material.remove_baked(each)
 
 

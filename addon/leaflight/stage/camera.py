@@ -74,7 +74,7 @@ def shown_points(volumes):
     """
     points = []
     for volume in volumes:
-        shown = [_large_parts(obj) for obj in (volume, *display.added_to(volume))]
+        shown = [_large_parts(obj) for obj in display.surfaces_of(volume)]
         if not any(map(len, shown)):
             box = isosurfaces.world_box(volume)
             shown = [np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])]

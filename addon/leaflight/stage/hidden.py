@@ -9,12 +9,7 @@ from ..operators import checks
 from ..show import display
 from ..translations import iface_
 
-# Whether the eye had hidden it before.
 _HIDDEN = "leaflight_hidden_by_stage"
-
-
-def is_hidden(obj):
-    return _HIDDEN in obj
 
 
 def would_render(scene, kept):
@@ -31,23 +26,16 @@ def would_render(scene, kept):
 
 def hide(scene, objects):
     for obj in objects:
-        obj[_HIDDEN] = hidden = _is_hidden(scene, obj)
-        obj.hide_render = True
-        if not hidden:
-            _hide(scene, obj, True)
+        display.hide(scene, obj, _HIDDEN)
 
 
 def show(scene, objects):
     for obj in objects:
-        hidden = obj[_HIDDEN]
-        del obj[_HIDDEN]
-        obj.hide_render = False
-        if not hidden:
-            _hide(scene, obj, False)
+        display.show(scene, obj, _HIDDEN)
 
 
 def all_hidden(scene):
-    return [obj for obj in scene.objects if is_hidden(obj)]
+    return [obj for obj in scene.objects if _HIDDEN in obj]
 
 
 def names(objects):
@@ -55,16 +43,6 @@ def names(objects):
     text = ", ".join(obj.name for obj in objects[:3])
     more = len(objects) - 3
     return iface_("%s and %d more") % (text, more) if more > 0 else text
-
-
-def _is_hidden(scene, obj):
-    return any(obj.hide_get(view_layer=v) for v in scene.view_layers if obj.name in v.objects)
-
-
-def _hide(scene, obj, hidden):
-    for layer in scene.view_layers:
-        if obj.name in layer.objects:
-            obj.hide_set(hidden, view_layer=layer)
 
 
 class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):

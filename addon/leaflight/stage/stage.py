@@ -221,7 +221,7 @@ def _put_out(scene, volumes):
     for obj in volumes:
         frame_bakes.forget(obj.leaflight)
         surface_object.update_all(obj)
-        for surface in (obj, *display.added_to(obj)):
+        for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
     return was_lit
 
@@ -295,7 +295,4 @@ def paint_backdrop(scene, color):
                 material.diffuse_color = (*color, 1.0)
 
 
-CLASSES = (
-    LEAFLIGHT_OT_stage,
-    LEAFLIGHT_OT_frame_isosurface,
-)
+CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)

@@ -4,6 +4,7 @@
 import bpy
 
 from .. import versions
+from ..operators import jobs
 
 
 def show_stage(context):
@@ -51,13 +52,9 @@ def _viewport(context):
     """(window, area), or (None, None) where there is none."""
     if context.area is not None and context.area.type == "VIEW_3D":
         return context.window, context.area
-    found = [
-        (window, area)
-        for window in context.window_manager.windows
-        for area in window.screen.areas
-        if area.type == "VIEW_3D"
-    ]
-    return max(found, key=lambda pair: pair[1].width * pair[1].height, default=(None, None))
+    return max(
+        jobs.viewports(), key=lambda pair: pair[1].width * pair[1].height, default=(None, None)
+    )
 
 
 # A pixel: of Cycles, whose lamps still have grain before the bake, and of Eevee.

@@ -10,7 +10,7 @@ from ..operators.checks import active_volume
 from ..show import bake_properties, lamps, surface_material
 from ..stage import staleness
 from ..translations import iface_
-from .sidebar import VolumePanel, optional, sentence, split
+from .sidebar import ClosedPanel, VolumePanel, optional, sentence, split
 
 
 class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
@@ -91,7 +91,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             sentence(context, layout, live.sentence(), icon="ERROR")
         elif change:
             sentence(context, layout, change, icon="ERROR")
-        elif not settings.bake_outcome:
+        elif not settings.bake_target:
             seconds = f"{settings.bake_seconds:.0f}"
             layout.label(text=iface_("Baked in %s s") % seconds, icon="CHECKMARK")
         elif settings.bake_error <= settings.bake_target:
@@ -106,12 +106,11 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             layout.operator(suited.bl_idname, icon="PLAY")
 
 
-class LEAFLIGHT_PT_bake_details(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_bake_details(ClosedPanel, bpy.types.Panel):
     """What the one line about a bake leaves out."""
 
     bl_label = "Details"
     bl_parent_id = "LEAFLIGHT_PT_bake"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context):
@@ -147,9 +146,8 @@ def _name_of_quality(settings):
     return f"{settings.bake_target:.2g} %"
 
 
-class _AdvancedPanel(VolumePanel):
+class _AdvancedPanel(ClosedPanel):
     bl_parent_id = "LEAFLIGHT_PT_bake"
-    bl_options = {"DEFAULT_CLOSED"}
 
 
 class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
@@ -187,9 +185,4 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
             sentence(context, self.layout, text, icon="DISK_DRIVE")
 
 
-CLASSES = (
-    LEAFLIGHT_PT_bake,
-    LEAFLIGHT_PT_bake_details,
-    LEAFLIGHT_PT_advanced,
-    LEAFLIGHT_PT_files,
-)
+CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details, LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)

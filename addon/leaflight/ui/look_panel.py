@@ -11,12 +11,11 @@ from ..show import data_faces, display, look, surface_material
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline
-from .sidebar import VolumePanel, sentence, split
+from .sidebar import ClosedPanel, sentence, split
 
 
-class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
     bl_label = "Isosurfaces"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
@@ -71,29 +70,28 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row.prop(item, "color", text="")
 
 
-class LEAFLIGHT_PT_clip(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
     bl_label = "Clip Box"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
         volume = active_volume(context)
-        look = volume.leaflight_look
+        shown = volume.leaflight_look
         row = layout.row(align=True)
-        row.prop(look, "box", text="", icon="MESH_CUBE")
+        row.prop(shown, "box", text="", icon="MESH_CUBE")
         row.operator(add_isosurface.LEAFLIGHT_OT_add_clip_box.bl_idname, text="", icon="ADD")
-        if look.box is None or not look.box.users_scene:
+        if shown.box is None or not shown.box.users_scene:
             return
         clip_outline.panel_is_open(context)
         row = layout.row(align=True)
-        row.prop(look, "keep", expand=True)
-        layout.prop(look, "cut_colors")
+        row.prop(shown, "keep", expand=True)
+        layout.prop(shown, "cut_colors")
         column = layout.column(align=True)
-        for obj in (volume, *display.added_to(volume)):
+        for obj in display.surfaces_of(volume):
             text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
             column.prop(obj.leaflight_look, "is_cut", text=text)
-        if look.box.type != "EMPTY" and not look.box.hide_render:
-            text = iface_('"%s" renders and is baked: hide it in renders') % look.box.name
+        if shown.box.type != "EMPTY" and not shown.box.hide_render:
+            text = iface_('"%s" renders and is baked: hide it in renders') % shown.box.name
             sentence(context, layout, text, icon="ERROR")
 
 
@@ -102,24 +100,23 @@ _AXES = ("X", "Y", "Z")
 _OF_A_PATIENT = ("Sagittal", "Coronal", "Axial")
 
 
-class LEAFLIGHT_PT_slices(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_slices(ClosedPanel, bpy.types.Panel):
     bl_label = "Slices"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         volume = active_volume(context)
-        settings, look = volume.leaflight, volume.leaflight_look
+        settings, shown = volume.leaflight, volume.leaflight_look
         column = self.layout.column(align=True)
         names = _OF_A_PATIENT if source_files.is_patient(settings) else _AXES
         for axis, name in enumerate(names):
             row = column.split(factor=0.4, align=True)
-            row.prop(look, "slice_axes", index=axis, text=name, toggle=True)
+            row.prop(shown, "slice_axes", index=axis, text=name, toggle=True)
             row = row.row(align=True)
-            row.active = look.slice_axes[axis]
-            row.prop(look, "slice_places", index=axis, text=_place(volume, axis), slider=True)
-        if any(look.slice_axes):
-            self.layout.prop(look, "slice_colors")
-            self.layout.prop(look, "slices_inside")
+            row.active = shown.slice_axes[axis]
+            row.prop(shown, "slice_places", index=axis, text=_place(volume, axis), slider=True)
+        if any(shown.slice_axes):
+            self.layout.prop(shown, "slice_colors")
+            self.layout.prop(shown, "slices_inside")
 
 
 def _place(volume, axis):
@@ -130,17 +127,15 @@ def _place(volume, axis):
         return ""
 
 
-class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_animation(ClosedPanel, bpy.types.Panel):
     bl_label = "Animation"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, _context):
         self.layout.row(align=True).operator_enum(animation.LEAFLIGHT_OT_animate.bl_idname, "kind")
 
 
-class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_labels(ClosedPanel, bpy.types.Panel):
     bl_label = "Scale and Labels"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         settings = active_volume(context).leaflight
@@ -154,9 +149,8 @@ class LEAFLIGHT_PT_labels(VolumePanel, bpy.types.Panel):
         self.layout.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
 
 
-class LEAFLIGHT_PT_comparison(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):
     bl_label = "Comparison"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout, volume = self.layout, active_volume(context)

@@ -107,7 +107,4 @@ def unregister():
     bpy.types.VIEW3D_HT_tool_header.remove(_draw_strip)
 
 
-CLASSES = (
-    LEAFLIGHT_PT_stage,
-    LEAFLIGHT_MT_stage,
-)
+CLASSES = (LEAFLIGHT_PT_stage, LEAFLIGHT_MT_stage)

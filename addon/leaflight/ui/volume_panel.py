@@ -10,8 +10,8 @@ from ..flatland import isolines
 from ..importing import import_volume, open_example, smooth_volume
 from ..operators import jobs
 from ..operators.checks import active_volume
-from ..show import display, isovalues, look, surface_material, surface_object
-from ..store import distribution, frame_bakes
+from ..show import display, distribution, isovalues, look, surface_material, surface_object
+from ..store import frame_bakes
 from ..translations import iface_
 from . import clip_outline
 from .sidebar import SidebarPanel, sentence, split
@@ -175,8 +175,4 @@ class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
             sentence(context, layout, problem, icon="ERROR")
 
 
-CLASSES = (
-    LEAFLIGHT_PT_volume,
-    LEAFLIGHT_PT_data,
-    LEAFLIGHT_PT_flatland,
-)
+CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data, LEAFLIGHT_PT_flatland)

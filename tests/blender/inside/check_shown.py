@@ -10,7 +10,7 @@ from blends import open_blend, save
 from leaflight import blender
 from leaflight_addon.show import display, look, surface_material, surface_object
 from leaflight_addon.store import cache
-from leaflight_addon.store import distribution
+from leaflight_addon.show import distribution
 from leaflight_addon.edit import add_isosurface
 from tools import (
     camera_rays_down,

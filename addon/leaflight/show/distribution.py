@@ -12,7 +12,8 @@ import numpy as np
 from leaflight import LeaflightError
 
 from .. import session
-from . import cache, source_files
+from ..operators import jobs
+from ..store import cache, source_files
 
 BINS = 256
 # Of larger volumes so many voxels are counted, evenly spread.
@@ -86,10 +87,7 @@ def _look(name, key):
     except LeaflightError:
         # The panel of the volume shows why.
         return
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    jobs.redraw_panels()
 
 
 def _distribution(volume, isovalue):
