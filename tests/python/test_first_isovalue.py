@@ -186,6 +186,49 @@ def test_backs_of_large_volumes_and_thin_ones_are_seen_by_a_part_of_the_voxels()
     assert back_shares(-thin.values, thin.index_to_world, [-150.0]) == [0.0]
 
 
+def by_nibabel(path, values):
+    nibabel = pytest.importorskip("nibabel")
+    nibabel.save(nibabel.Nifti1Image(values.T, np.diag([-1.0, -1.0, 2.0, 1.0])), path)
+
+
+def by_vtk(path, values):
+    vtk = pytest.importorskip("vtkmodules.all")
+    support = pytest.importorskip("vtkmodules.util.numpy_support")
+    image = vtk.vtkImageData()
+    image.SetDimensions(values.shape[::-1])
+    image.GetPointData().SetScalars(support.numpy_to_vtk(values.ravel(), deep=True))
+    writer = vtk.vtkXMLImageDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(image)
+    assert writer.Write()
+
+
+def by_ase(path, values):
+    cube = pytest.importorskip("ase.io.cube")
+    ase = pytest.importorskip("ase")
+    with open(path, "w") as file:
+        cube.write_cube(file, ase.Atoms("H", cell=np.diag([8.0] * 3)), data=values.T)
+
+
+@pytest.mark.parametrize(
+    "name, write, values, isovalue, both_sides",
+    [
+        ("mask.nii.gz", by_nibabel, BALL.astype(np.float32), 0.5, False),
+        ("mask.vti", by_vtk, BALL.astype(np.float32), 0.5, False),
+        ("labels.nii.gz", by_nibabel, np.int16((R < 14) * 1 + (R < 10) + (R < 6)), 0.5, False),
+        ("large.vti", by_vtk, np.int32(1_000_000 + (R < 14) + (R < 6)), 1_000_000.5, False),
+        ("orbital.cube", by_ase, ORBITAL[::3, ::3, ::3], None, True),
+    ],
+)
+def test_files_of_other_libraries(tmp_path, name, write, values, isovalue, both_sides):
+    write(tmp_path / name, values)
+    read = leaflight.read_volume(tmp_path / name)
+    range_ = default_isovalue_range(read)
+    shown = default_isovalue(read)
+    assert range_[0] < shown < range_[1] and (shown == isovalue or isovalue is None and shown > 0)
+    assert bool(why_both_sides(read, range_)) == both_sides
+
+
 SMALL = {"error": 50.0, "resolution": 8}
 
 

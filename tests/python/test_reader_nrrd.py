@@ -239,6 +239,14 @@ def test_a_picture_is_no_volume(tmp_path, shorts, sizes, fields):
         read_volume(path)
 
 
+def test_a_picture_of_pynrrd(tmp_path):
+    nrrd = pytest.importorskip("nrrd")
+    picture = np.arange(3 * 20 * 30, dtype=np.uint8).reshape(3, 20, 30)
+    nrrd.write(str(tmp_path / "x.nrrd"), picture, {"kinds": ["RGB-color", "domain", "domain"]})
+    with pytest.raises(LeaflightError, match="x.nrrd: only 2 of its axes, .* needs three"):
+        read_volume(tmp_path / "x.nrrd")
+
+
 def test_what_may_be_a_picture(tmp_path):
     values = np.arange(3 * 20 * 30, dtype="<i2").reshape(30, 20, 3)
     path = write(tmp_path / "x.nrrd", header((3, 20, 30)), values.tobytes())

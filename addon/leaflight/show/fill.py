@@ -3,7 +3,7 @@
 
 In the way that all versions have Blender finds the edges itself, and takes vertices and corners one
 by one: more than half of the time that an isovalue needed to show. The core sorts edges; they and
-all else go to where Blender keeps them (docs/decisions/2026-11-22-fast-isovalues.md).
+all else go to where Blender keeps them (docs/decisions/meshes.md).
 """
 
 import ctypes

@@ -185,7 +185,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
  private:
   // Gather rays shorter than this, in texels, continue as paths, because a texel that near mixes
   // isosurfaces that face elsewhere. So many bounces at most; most rays of a scan hit nothing near
-  // (docs/decisions/2026-11-21-texel-samples.md).
+  // (docs/decisions/thesis.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
   // The same of walls seen from walls, in widths of their patches: in a corner half

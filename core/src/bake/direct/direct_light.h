@@ -140,7 +140,7 @@ class DirectLight {
   ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
   // Shading normals alone then tell what faces a light: the stairs of the values would stay dark
-  // (docs/decisions/2026-11-25-smooth-normals.md).
+  // (docs/decisions/volumes.md).
   bool has_smooth_normals_;
   Affine<D> to_frame_, to_index_;
   std::vector<LightPoint<D>> points_;

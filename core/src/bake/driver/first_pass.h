@@ -12,7 +12,7 @@ struct PreviewSeconds {
 };
 
 // Predicts those of a first pass without its walls. `texels`: how many times as many hold indirect
-// light. Measured factors: docs/decisions/2026-11-28-time-limit.md.
+// light. Measured factors: docs/decisions/error-and-time.md.
 inline double first_pass_seconds(const PreviewSeconds& preview, double texels) {
   constexpr double more_points = 3, more_photons = 5, power_of_texels = 0.55;
   return more_points * preview.points + more_photons * preview.photons +

@@ -84,7 +84,7 @@ float likeness(const Vec<D>& here, const Vec<D>& ahead) {
 // The texels that one lookup reads. Texels behind an isosurface may belong to the other face of a
 // thin shell. Therefore part of the indirect light is extrapolated from 0.5 and 1.5 texels in front
 // of the point. The part is likeness() of the isosurfaces 1.5 texels ahead. Texels around the point
-// give the rest (docs/decisions/2026-11-29-light-of-steep-data.md). They give all light if texels
+// give the rest (docs/decisions/light-of-steep-data.md). They give all light if texels
 // hold the direct light, too.
 template <int D>
 class PointLookup {

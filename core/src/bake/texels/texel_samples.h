@@ -68,7 +68,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool back,
   constexpr int tries_per_sample = 16;
   // The lookup's interpolation blurs once more, so a texel averages over less than its own box;
   // 0.25 to 0.5 measure alike on smooth surfaces, and less is better on thin shells
-  // (docs/decisions/2026-11-21-texel-samples.md).
+  // (docs/decisions/thesis.md).
   constexpr double own_half_width = 0.35;
   const Volume<D>& of = tracer.scene().volumes[volume];
   const Field<D>& field = of.field;
