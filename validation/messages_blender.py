@@ -60,9 +60,12 @@ def add_class(add, cls, context):
 def why_greyed(path):
     """(text, line) of each reason that an operator gives, which Blender's extractor overlooks."""
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "poll_message_set":
-            if isinstance(node.args[0], ast.Constant):
-                yield node.args[0].value, node.lineno
+        if not isinstance(node, ast.Call):
+            continue
+        name = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        place = {"poll_message_set": 0, "needs": 1}.get(name)
+        if place is not None and isinstance(node.args[place], ast.Constant):
+            yield node.args[place].value, node.lineno
 
 
 main()

@@ -4,6 +4,8 @@
 import importlib
 from types import ModuleType
 
+from . import registration
+
 # Installed a moment ago, the folder of the package is new to Python.
 importlib.invalidate_caches()
 
@@ -50,82 +52,60 @@ if _sentence is not None:
     _MODULES = (refused,)
 else:
     from . import translations
-    from .bake import (
-        bake,
-        bake_flatland,
-        bake_frames,
-        continue_bake,
-        estimate_bake,
-        live,
-        load_bake,
-        photon_cloud,
-        resume_bake,
-        stopped,
-        unused_bakes,
-    )
+    from .bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
     from .compare import render_comparison
+    from .edit import add_isosurface, animation, data_picture, labels, looks, pick_isovalue
     from .export import export_bake
-    from .importing import import_image, import_volume
+    from .flatland import isolines
+    from .importing import import_volume, open_example, smooth_volume
     from .operators import background, failures
-    from .show import flat_properties, look_properties, properties
-    from .stage import hidden, open_example, orientation, stage, stage_settings
+    from .show import look_properties, properties
+    from .stage import hidden, orientation, presets, stage
     from .store import preferences
-    from .ui import (
-        add_isosurface,
-        clip_outline,
-        handlers,
-        header,
-        isosurface_look,
-        panels,
-        pick_isovalue,
-        smooth_volume,
-    )
+    from .ui import bake_panel, clip_outline, handlers, look_panel, stage_panel, volume_panel
 
+    # Of the sidebar, from top to bottom.
+    PANELS = (volume_panel, stage_panel, bake_panel, look_panel)
     # In the order of registration: the properties are what all others draw and edit.
     _MODULES = (
         translations,
         preferences,
         properties,
         look_properties,
-        flat_properties,
+        orientation,
+        presets,
+        isolines,
         failures,
         background,
         import_volume,
-        import_image,
-        isosurface_look,
-        add_isosurface,
-        orientation,
-        stage_settings,
+        open_example,
+        smooth_volume,
         hidden,
         stage,
-        open_example,
         bake,
-        bake_frames,
         stopped,
         live,
         continue_bake,
-        resume_bake,
         estimate_bake,
-        bake_flatland,
         load_bake,
-        unused_bakes,
         photon_cloud,
         render_comparison,
         export_bake,
+        add_isosurface,
+        looks,
+        labels,
+        animation,
         pick_isovalue,
-        smooth_volume,
-        panels,
+        data_picture,
+        *PANELS,
         clip_outline,
-        header,
         handlers,
     )
 
 
 def register():
-    for module in _MODULES:
-        module.register()
+    registration.register(_MODULES)
 
 
 def unregister():
-    for module in reversed(_MODULES):
-        module.unregister()
+    registration.unregister(_MODULES)

@@ -1,24 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on shows when the package refuses to work here: why, and nothing else."""
 
-import textwrap
-
 import bpy
+
+from .translations import draw_wrapped
 
 # Set before register(); what the package said.
 sentence = ""
-
-
-def _draw(layout):
-    for i, line in enumerate(textwrap.wrap(sentence, 60)):
-        layout.label(text=line, icon="NONE" if i else "ERROR")
 
 
 class LeaflightRefused(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     def draw(self, _context):
-        _draw(self.layout.column(align=True))
+        draw_wrapped(self.layout.column(align=True), sentence, 60, icon="ERROR")
 
 
 class LEAFLIGHT_PT_refused(bpy.types.Panel):
@@ -28,15 +23,11 @@ class LEAFLIGHT_PT_refused(bpy.types.Panel):
     bl_category = "Leaflight"
 
     def draw(self, _context):
-        _draw(self.layout.column(align=True))
+        draw_wrapped(self.layout.column(align=True), sentence, 60, icon="ERROR")
+
+
+CLASSES = (LeaflightRefused, LEAFLIGHT_PT_refused)
 
 
 def register():
-    bpy.utils.register_class(LeaflightRefused)
-    bpy.utils.register_class(LEAFLIGHT_PT_refused)
     print(f"Leaflight: {sentence}")
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_refused)
-    bpy.utils.unregister_class(LeaflightRefused)

@@ -5,6 +5,8 @@ Blender looks up names, descriptions and labels by itself where they are constan
 numbers in it is made of a template that iface_() translates. validation/messages lists all of them.
 """
 
+import textwrap
+
 import bpy
 
 from .languages import german
@@ -16,6 +18,13 @@ iface_ = bpy.app.translations.pgettext_iface
 _CONTEXTS = ("*", "Operator")
 # Blender names the languages of its catalogs with and without a country.
 CATALOGS = {"de_DE": german.MESSAGES, "de": german.MESSAGES}
+
+
+def draw_wrapped(layout, text, width, icon="NONE"):
+    """A text that is translated already, in lines of so many letters; labels do not wrap."""
+    for line in textwrap.wrap(text, width):
+        layout.label(text=line, icon=icon, translate=False)
+        icon = "BLANK1" if icon != "NONE" else icon
 
 
 def register():

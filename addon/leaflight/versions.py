@@ -7,7 +7,7 @@ leaflight.measure.blender_versions.
 
 import blf
 import bpy
-import leaflight
+from leaflight import LeaflightError
 from leaflight.measure import blender_versions
 
 fcurves = blender_versions.fcurves
@@ -38,7 +38,7 @@ def light_units():
     """The LightUnits of this Blender. Raises LeaflightError."""
     units = blender_versions.light_units(bpy.app.version)
     if units is None:
-        raise leaflight.LeaflightError("Leaflight needs Blender 3.4 or later.")
+        raise LeaflightError("Leaflight needs Blender 3.4 or later.")
     return units
 
 

@@ -7,6 +7,7 @@ And functions are short.
 import ast
 import re
 from dataclasses import fields
+from graphlib import TopologicalSorter
 from pathlib import Path
 from typing import get_type_hints
 
@@ -31,7 +32,19 @@ PACKAGE = (
     "measure",
     "cli",
 )
-ADDON = ("store", "operators", "show", "stage", "bake", "compare", "export", "importing", "ui")
+ADDON = (
+    "store",
+    "operators",
+    "show",
+    "stage",
+    "flatland",
+    "bake",
+    "compare",
+    "export",
+    "importing",
+    "edit",
+    "ui",
+)
 FACES = ("__init__.py", "__main__.py", "blender.py")
 CORE = (
     "math",
@@ -75,6 +88,21 @@ def test_no_include_runs_back_up():
         if CORE.index(room(target)) > CORE.index(room(path))
     ]
     assert not wrong, "\n".join(wrong)
+
+
+def test_no_modules_of_the_addon_import_each_other():
+    folder = ROOT / "addon/leaflight"
+    known = {path.relative_to(folder).with_suffix("").parts for path in folder.rglob("*.py")}
+    graph = {}
+    for place in known - {("__init__",)}:
+        tree = ast.parse((folder / Path(*place)).with_suffix(".py").read_text())
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                base = (*place[: len(place) - node.level], *filter(None, [node.module]))
+                found = {(*base, alias.name) for alias in node.names} | {base}
+                graph.setdefault(place, set()).update(found & known)
+    assert len(graph) > 50
+    TopologicalSorter(graph).prepare()  # raises CycleError
 
 
 SOURCES = ROOT / "core/src"

@@ -24,8 +24,10 @@ _TEXTS = {
     "menu": "text",
     "popover": "text",
     "poll_message_set": 0,
+    "needs": 1,
     "status_text_set": 0,
     "sentence": 2,
+    "draw_wrapped": 1,
     "draw_progress": 2,
 }
 # Of a unit, as in "12 s", there is nothing to translate.

@@ -6,19 +6,17 @@ from dataclasses import replace
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import first_light, preview, surface_object, walls
-from ..stage import first_scene, scene_export, viewport
+from ..operators.checks import active_volume
+from ..show import preview, surface_material, surface_object, walls
+from ..stage import hidden, scene_export, viewport
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
-
-LeaflightError = leaflight.LeaflightError
-
 
 # Of the time that a bake takes, at most one part in so many goes into showing its passes.
 _SHOWN_SHARE = 5
@@ -139,7 +137,7 @@ class BakeJob(jobs.Job):
         start, bake = time.perf_counter(), self.latest
         volumes = self._volumes()
         if bake is None:
-            first_light.prepare(volumes, *self._materials)
+            surface_material.prepare_first_light(volumes, *self._materials)
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
         for index, (obj, matrix) in enumerate(zip(volumes, self.matrices)):
@@ -167,7 +165,7 @@ class BakeJob(jobs.Job):
         return found
 
     def ended(self):
-        first_light.forget()
+        surface_material.forget_first_light()
         if self.latest is None or self.is_deleted:
             return super().ended()
         statistics = replace(self.latest.statistics, stopped=True)
@@ -188,7 +186,7 @@ class BakeJob(jobs.Job):
         """
         volumes = self._volumes()
         preview.forget()
-        first_light.forget()
+        surface_material.forget_first_light()
         cache.keep_bake(self.bake)
         end = self.outcome()
         for index, obj in enumerate(volumes):
@@ -207,7 +205,7 @@ class BakeJob(jobs.Job):
 
     def failed(self):
         """The file of the bake is there: Load Bake can light the volumes by it."""
-        first_light.forget()
+        surface_material.forget_first_light()
         surface_object.forget_passes()
 
     def outcome(self):
@@ -222,15 +220,11 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
         "Compute the light on every isosurface of the isovalue range at once, until its error is "
         "small enough. Esc stops it, and the light that is finished can be kept"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and stopped.is_decided(cls) and checks.has_volume(cls, context)
+    conditions = (jobs.is_free, stopped.is_decided, *checks.VOLUME)
 
     def invoke(self, context, event):
         if not bpy.app.background:
-            if first_scene.is_untouched(context.scene):
+            if hidden.is_first_scene(context.scene):
                 if self.call(bpy.ops.leaflight.stage) == {"CANCELLED"}:
                     return {"CANCELLED"}
                 self.report({"INFO"}, "Staged first: the scene had only Blender's cube and lamp")
@@ -276,9 +270,4 @@ def _write(bake, path):
         raise
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_bake)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_bake)
+CLASSES = (LEAFLIGHT_OT_bake,)

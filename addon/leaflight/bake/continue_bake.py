@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Continue: go on with the bake that lights a volume, to a smaller error or for longer."""
+"""Bakes that follow one: Continue, Finer Texels, Resume after a crash, and Bake All Frames."""
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
+from leaflight.bake.checkpoint import read_recipe
 
-from ..operators import background, checks
-from ..operators.active_volume import active_volume
-from ..show import lamps
+from .. import versions
+from ..operators import background, checks, jobs
+from ..operators.checks import active_volume
+from ..show import isovalues, lamps
 from ..stage import staleness
 from ..store import cache, preferences
 from . import bake, stopped
@@ -35,6 +38,23 @@ class ContinueJob(bake.BakeJob):
         return leaflight.resume(self._previous, **arguments, **how)
 
 
+def _relit(obj):
+    if not lamps.factors_of(obj.leaflight):
+        return ""
+    return "Lamps have changed since the bake: set them back to continue it, or bake again"
+
+
+def _is_unchanged(operator, context):
+    obj = active_volume(context)
+    change = staleness.known_change(obj) or _relit(obj)
+    if change:
+        operator.poll_message_set(change)
+    return not change
+
+
+_BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
+
+
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
@@ -42,33 +62,21 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
         "Refine this bake until it reaches the target error or the time limit. Esc stops it, and "
         "the finished light can be kept"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)):
-            return False
-        obj = active_volume(context)
-        if not obj.leaflight.bake_outcome:
-            cls.poll_message_set("Only a bake that goes by its error can be continued")
-            return False
-        change = staleness.known_change(obj) or _relit(obj)
-        if change:
-            cls.poll_message_set(change)
-        return not change
+    conditions = (
+        *_BAKE,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.bake_target,
+            "Only a bake that goes by its error can be continued",
+        ),
+        _is_unchanged,
+    )
 
     def start(self, context):
         obj = active_volume(context)
         change = staleness.change_since_bake(context, obj) or _relit(obj)
         if change:
-            raise leaflight.LeaflightError(f"{change}.")
+            raise LeaflightError(f"{change}.")
         return ContinueJob(context, obj)
-
-
-def _relit(obj):
-    if not lamps.factors_of(obj.leaflight):
-        return ""
-    return "Lamps have changed since the bake: set them back to continue it, or bake again"
 
 
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
@@ -78,11 +86,7 @@ class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operato
         "Bake again with twice as many texels along each axis, which takes up to eight times the "
         "memory and the time"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and stopped.is_decided(cls) and checks.has_bake(cls, context)
+    conditions = _BAKE
 
     def start(self, context):
         obj = active_volume(context)
@@ -94,10 +98,105 @@ class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operato
 def suited(obj):
     """The operator that brings the error of an object's bake to the present target, or None."""
     settings = obj.leaflight
-    if not settings.bake_outcome or settings.bake_error <= settings.error:
+    if not settings.bake_target or settings.bake_error <= settings.error:
         return None
     return LEAFLIGHT_OT_finer_texels if settings.bake_needs_texels else LEAFLIGHT_OT_continue_bake
 
 
-_CLASSES = (LEAFLIGHT_OT_continue_bake, LEAFLIGHT_OT_finer_texels)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.resume_bake"
+    bl_label = "Resume"
+    bl_description = (
+        "Go on with the bake that did not come to its end, because Blender or the computer "
+        "stopped. It becomes what it would have been"
+    )
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: is_interrupted(active_volume(context)),
+            "No bake of this volume was interrupted",
+        ),
+    )
+
+    def start(self, context):
+        obj = active_volume(context)
+        path = bake.checkpoint_path(obj)
+        recipe = read_recipe(path)
+        if "previous" not in recipe:
+            return bake.BakeJob(context, obj, resume=True)
+        if recipe["previous"] != obj.leaflight.bake_id:
+            raise LeaflightError(
+                f"{path}: the bake that this one went on with no longer lights the volume: bake "
+                "again."
+            )
+        return ContinueJob(context, obj, resume=True)
+
+
+def is_interrupted(obj):
+    """Whether a bake with the settings of an object left a checkpoint and did not end."""
+    return bake.checkpoint_path(obj).is_file()
+
+
+class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.bake_frames"
+    bl_label = "Bake All Frames"
+    bl_description = (
+        "Bake every frame of the volume, one after the other, each in the scene as it is when the "
+        "animation shows that frame. Esc ends it; the frames that are done stay"
+    )
+    conditions = (
+        *bake.LEAFLIGHT_OT_bake.conditions,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.frames > 1,
+            "The file of this volume holds one frame",
+        ),
+    )
+
+    def start(self, context):
+        self._name, self._scene_frame = active_volume(context).name, context.scene.frame_current
+        self._steps = _each_frame(self._name)
+        next(self._steps)
+        return bake.BakeJob(context, active_volume(context))
+
+    def next_job(self, context):
+        obj = context.scene.objects.get(self._name)
+        if obj is None or next(self._steps, None) is None:
+            context.scene.frame_set(self._scene_frame)
+            return None
+        return bake.BakeJob(context, obj)
+
+
+def _each_frame(name):
+    """Shows each frame of a volume of the present scene once, and yields its number.
+
+    Volume and scene are looked up anew for each: undo may replace them meanwhile.
+    """
+    volume = _volume(name)
+    frames = volume.leaflight.frames
+    if not versions.is_animated(volume, isovalues.FRAME_PATH):
+        for frame in range(frames):
+            _volume(name).leaflight.shown_frame = frame
+            yield frame
+        return
+    done = set()
+    scene = bpy.context.scene
+    for scene_frame in range(scene.frame_start, scene.frame_end + 1):
+        bpy.context.scene.frame_set(scene_frame)
+        frame = _volume(name).leaflight.frame
+        if frame not in done:
+            done.add(frame)
+            yield frame
+        if len(done) == frames:
+            return
+
+
+def _volume(name):
+    return bpy.context.scene.objects[name]
+
+
+CLASSES = (
+    LEAFLIGHT_OT_continue_bake,
+    LEAFLIGHT_OT_finer_texels,
+    LEAFLIGHT_OT_resume_bake,
+    LEAFLIGHT_OT_bake_frames,
+)

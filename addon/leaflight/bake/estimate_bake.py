@@ -7,8 +7,8 @@ from leaflight.bake.estimate import pilot
 
 from .. import session
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import bake_options
+from ..operators.checks import active_volume
+from ..show import bake_properties
 from ..stage import scene_export
 from ..translations import iface_
 from . import bake
@@ -71,7 +71,7 @@ class EstimateJob(jobs.Job):
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
         # One pilot serves for all qualities.
-        self._error = min(settings.error, *bake_options.QUALITIES.values())
+        self._error = min(settings.error, *bake_properties.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)
         self._arguments = {**given, "error": self._error, "time": None}
@@ -98,18 +98,11 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
         "Estimate the seconds and the memory of Draft, Good and Final from the first passes of the "
         "bake. Esc cancels"
     )
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_volume(cls, context)
+    bl_options = set()
+    conditions = (jobs.is_free, *checks.VOLUME)
 
     def start(self, context):
         return EstimateJob(context, active_volume(context))
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_estimate_bake)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_estimate_bake)
+CLASSES = (LEAFLIGHT_OT_estimate_bake,)

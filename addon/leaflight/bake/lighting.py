@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import bpy
 from leaflight.bake.outcome import is_limited_by_texels, outcome
 
-from ..show import added, isovalues, lamps, surface_object, walls
+from ..show import display, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache
 
 
@@ -40,8 +40,8 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_smoothing = settings.smooth, bake.volumes[index].smooth_normals
     settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
-    settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_outcome else 0
     settings.bake_target = bake.provenance.error or 0
+    settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_target else 0
     settings.bake_needs_texels = is_limited_by_texels(bake)
     settings.bake_values = cache.values_sha256(bake, index)
     settings.bake_file_state = state.file_state
@@ -64,7 +64,7 @@ def show(volumes, leader, scene):
     for obj in volumes:
         surface_object.update(obj, obj.leaflight.isovalue)
         surface_object.update_all(obj)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
     if scene is not None:
         # The walls of the bake before may have other vertices.

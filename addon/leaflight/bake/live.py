@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Live: once there is a bake, light follows lamps, walls and volumes that move.
 
 Direct light of the new place comes first, over the indirect light of the bake. The passes of a new
@@ -15,16 +14,15 @@ from dataclasses import replace
 import bpy
 import leaflight
 from bpy.props import BoolProperty
+from leaflight import LeaflightError
 from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
 
-from ..operators import failures, jobs
+from ..operators import checks, failures, jobs
 from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
 from ..translations import iface_
 from . import bake, stopped
-
-LeaflightError = leaflight.LeaflightError
 
 # Seconds between two looks at work in progress.
 _POLL = 0.05
@@ -297,20 +295,15 @@ def _go_on():
         _look()
 
 
-class LEAFLIGHT_OT_stop_live(bpy.types.Operator):
+class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
     bl_description = "Leave the light as it is shown now, until something moves again. Esc does so"
+    bl_options = set()
+    conditions = (checks.needs(lambda _: _work, "Nothing is in progress"),)
 
-    @classmethod
-    def poll(cls, _context):
-        if _work is None:
-            cls.poll_message_set("Nothing is in progress")
-        return _work is not None
-
-    def execute(self, _context):
+    def run(self, _context):
         stop()
-        return {"FINISHED"}
 
 
 def _switched(scene, _context):
@@ -326,17 +319,24 @@ def _switched(scene, _context):
 # (key map, its item) of Esc, which Blender's own work in progress, as a drag, sees before.
 _keys = []
 
+CLASSES = (LEAFLIGHT_OT_stop_live,)
+PROPERTIES = (
+    (
+        bpy.types.Scene,
+        "leaflight_live",
+        BoolProperty(
+            name="Live",
+            description=(
+                "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
+                "once, then the passes of a new bake. Each final light is a file of its own"
+            ),
+            update=_switched,
+        ),
+    ),
+)
+
 
 def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_stop_live)
-    bpy.types.Scene.leaflight_live = BoolProperty(
-        name="Live",
-        description=(
-            "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
-            "once, then the passes of a new bake. Each final light is a file of its own"
-        ),
-        update=_switched,
-    )
     keys = bpy.context.window_manager.keyconfigs.addon
     if keys is not None:
         keymap = keys.keymaps.new(name="Window", space_type="EMPTY")
@@ -349,5 +349,3 @@ def unregister():
         keymap.keymap_items.remove(item)
     _keys.clear()
     forget()
-    del bpy.types.Scene.leaflight_live
-    bpy.utils.unregister_class(LEAFLIGHT_OT_stop_live)

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
-"""Load Bake and Relocate Bake: files of bakes that are not where their objects look."""
+"""Files of bakes: Load Bake, Relocate Bake, and Remove Unused Bakes."""
 
 import os
 from pathlib import Path
@@ -10,27 +9,27 @@ import leaflight
 import numpy as np
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from mathutils import Matrix
 
 from ..operators import checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import isovalues, lamps, isosurfaces, surface_object
-from ..stage import same_scene, scene_export, scene_objects, staleness
-from ..store import atlases, bake_files, cache, source_files
+from ..operators.checks import active_volume
+from ..show import display, isosurfaces, isovalues, lamps, surface_object
+from ..stage import scene_export, scene_objects, staleness
+from ..store import atlases, bake_files, cache, frame_bakes, source_files
+from ..translations import iface_
 from . import lighting
 
-LeaflightError = leaflight.LeaflightError
 
-
-class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.load_bake"
     bl_label = "Load Bake"
     bl_description = (
         "Light the selected volume by a bake of it, made here or on the command line; without one, "
         "bring in the volumes of the bake and the scene that it was baked in"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
     walls: BoolProperty(
@@ -39,19 +38,11 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         default=True,
     )
 
-    @classmethod
-    def poll(cls, context):
-        return jobs.is_free(cls) and checks.in_object_mode(cls, context)
-
-    def execute(self, context):
+    def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
-        try:
-            bake = leaflight.load_bake(path)
-            columns = [atlases.write(g, path, bake.id, i) for i, g in enumerate(bake.grids)]
-            volumes = _matching(context, bake)
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        bake = leaflight.load_bake(path)
+        columns = [atlases.write(g, path, bake.id, i) for i, g in enumerate(bake.grids)]
+        volumes = _matching(context, bake)
         cache.keep_bake(bake)
         seconds = bake.statistics.seconds
         created = None in volumes
@@ -77,52 +68,42 @@ class LEAFLIGHT_OT_load_bake(bpy.types.Operator, ImportHelper):
         _compare(context, bake, volumes, leader)
         lighting.show(volumes, leader, context.scene)
         isovalues.lock_interface(context.scene)
-        _select(context, volumes, leader)
+        display.select(context, volumes, leader)
         staleness.forget()
         names = ", ".join(f'"{obj.name}"' for obj in volumes)
         self.report({"INFO"}, f"{path.name} lights {names}")
-        return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_relocate_bake(bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.relocate_bake"
     bl_label = "Relocate Bake"
     bl_description = "Show where the file of the bake that lights this volume has gone"
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        *checks.BAKE,
+        checks.needs(
+            lambda context: active_volume(context).library is None,
+            "The volume is linked from another file: relocate its bake there",
+        ),
+    )
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
 
-    @classmethod
-    def poll(cls, context):
-        if not checks.has_bake(cls, context):
-            return False
-        if active_volume(context).library is not None:
-            cls.poll_message_set("The volume is linked from another file: relocate its bake there")
-            return False
-        return True
-
-    def execute(self, context):
+    def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
         obj = active_volume(context)
         if obj is None:
-            self.report({"ERROR"}, "The volume was deleted meanwhile: undo that, or import it.")
-            return {"CANCELLED"}
+            raise LeaflightError("The volume was deleted meanwhile: undo that, or import it.")
         identifier = obj.leaflight.bake_id
-        try:
-            if bake_files.id_in(path) != identifier:
-                raise LeaflightError(
-                    f"{path}: this file holds another bake than the one that lights "
-                    f'"{obj.name}": choose that one, or use Load Bake.'
-                )
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        if bake_files.id_in(path) != identifier:
+            raise LeaflightError(
+                f"{path}: this file holds another bake than the one that lights "
+                f'"{obj.name}": choose that one, or use Load Bake.'
+            )
         surface_object.forget()
         for lit in lighting.objects_lit_by(identifier):
             bake_files.remember(lit, path)
             surface_object.update_all(lit)
         staleness.forget()
-        return {"FINISHED"}
 
 
 def _matching(context, bake):
@@ -197,12 +178,12 @@ def _compare(context, bake, volumes, leader):
     """Marks the volumes as lit in their own scene where that is the one about them."""
     try:
         description, exported, _ = scene_export.export_scene(context, leader)
-        same = set(exported) == set(volumes) and same_scene.is_same(description, bake.scene)
+        same = set(exported) == set(volumes) and staleness.is_same(description, bake.scene)
         for index, obj in enumerate(volumes):
             place = cache.world_volume(obj).index_to_world
-            same = same and same_scene.is_same(place, bake.volumes[index].index_to_world)
+            same = same and staleness.is_same(place, bake.volumes[index].index_to_world)
         fingerprint = scene_export.fingerprint(exported, description)
-        lights = same_scene.in_order(description.lights, bake.scene.lights) if same else []
+        lights = staleness.in_order(description.lights, bake.scene.lights) if same else []
     except LeaflightError:
         same = False
     for obj in volumes:
@@ -215,28 +196,76 @@ def _compare(context, bake, volumes, leader):
             obj.leaflight.bake_walls = False
 
 
-def _select(context, volumes, leader):
-    for obj in context.selected_objects:
-        obj.select_set(False)
-    for obj in volumes:
-        obj.select_set(True)
-    context.view_layer.objects.active = leader
-
-
 def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
 
 
-_CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake)
+# Rows of the list before it is cut short.
+_MOST_ROWS = 12
 
 
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
+class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
+    bl_idname = "leaflight.remove_unused_bakes"
+    bl_label = "Remove Unused Bakes"
+    bl_description = (
+        "Delete the files of bakes in the folders of this .blend that light none of its volumes. "
+        "Undo, and other .blend files that use them, then lose their light"
+    )
+    bl_options = set()
+    conditions = (
+        checks.needs(
+            lambda _: unused(), "Every bake in the folders of this .blend lights a volume of it"
+        ),
+    )
+
+    def invoke(self, context, _event):
+        return context.window_manager.invoke_props_dialog(self, width=500)
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.label(text="Undo and other .blend files that use them lose their light:")
+        found = unused()
+        for path in found[:_MOST_ROWS]:
+            column.label(text=f"{path.name}, {megabytes([path])}", icon="FILE")
+        if len(found) > _MOST_ROWS:
+            column.label(text=iface_("and %d more") % (len(found) - _MOST_ROWS), icon="BLANK1")
+
+    def run(self, _context):
+        found = unused()
+        size = megabytes(found)
+        for path in found:
+            try:
+                for file in (path, *atlases.beside(path)):
+                    file.unlink()
+                bake_files.remove_if_empty(path.parent)
+            except OSError as error:
+                raise LeaflightError(f"{path}: cannot delete it: {error.strerror}.") from None
+        self.report({"INFO"}, f"Removed {len(found)} bakes, {size}")
 
 
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+def bakes_of_this_file():
+    """The bakes in the folders where bakes of this .blend go or went, each a path."""
+    volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume and obj.library is None]
+    folders = [bake_files.folder_for(obj) for obj in volumes] + bake_files.folders_of_unsaved()
+    return [path for folder in dict.fromkeys(folders) for path in bake_files.bakes_in(folder)]
+
+
+def unused():
+    """Those of bakes_of_this_file() that light no object of this .blend."""
+    return unused_among(bakes_of_this_file())
+
+
+def unused_among(bakes):
+    """Those of some bakes, each a path, that light no object of this .blend."""
+    lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
+    return [path for path in bakes if bake_files.id_in(path) not in lit]
+
+
+def megabytes(paths):
+    """The size of bakes with their atlases, as text."""
+    files = [file for path in paths for file in (path, *atlases.beside(path))]
+    return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
+
+
+CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake, LEAFLIGHT_OT_remove_unused_bakes)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

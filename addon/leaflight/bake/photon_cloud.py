@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Show Photon Map: the photons on all isosurfaces as a cloud of points, to look at."""
 
 import bpy
@@ -7,16 +6,15 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, IntProperty
+from leaflight import LeaflightError
 from leaflight.scene.scene import core_scene
 
 from .. import versions
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache
-
-LeaflightError = leaflight.LeaflightError
 
 # Attributes of the points: color, common isovalue, and whether a photon came straight from a light.
 FLUX, COMMON_ISOVALUE, DIRECT = "flux", "common_isovalue", "direct"
@@ -24,14 +22,14 @@ FLUX, COMMON_ISOVALUE, DIRECT = "flux", "common_isovalue", "direct"
 _KIND, _PHOTONS = "photons", "leaflight_photons"
 
 
-class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.photon_cloud"
     bl_label = "Show Photon Map"
     bl_description = (
         "Trace photons through the present scene and show where they meet the isosurfaces, as "
         "points with their color. The points do not render unless you enable it"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, *checks.VOLUME)
 
     count: IntProperty(
         name="Photons",
@@ -64,20 +62,6 @@ class LEAFLIGHT_OT_photon_cloud(background.BackgroundOperator, bpy.types.Operato
         soft_max=0.1,
     )
     seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
-
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_volume(cls, context)
-
-    # Whether a user has been asked for the options: only scripts wait for the photons.
-    asked = False
-
-    def invoke(self, context, _event):
-        self.asked = True
-        return context.window_manager.invoke_props_dialog(self)
-
-    def execute(self, context):
-        return self.run_modal(context) if self.asked else super().execute(context)
 
     def start(self, context):
         return PhotonJob(context, active_volume(context), self)
@@ -181,9 +165,4 @@ def _socket(node, identifier):
     return next(socket for socket in node.inputs if socket.identifier == identifier)
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_photon_cloud)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_photon_cloud)
+CLASSES = (LEAFLIGHT_OT_photon_cloud,)

@@ -3,11 +3,10 @@
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 
-from ..operators import background, jobs
+from ..operators import background, checks, jobs
 from ..show import surface_object, walls
-
-LeaflightError = leaflight.LeaflightError
 
 # The BakeJob that was stopped after a pass, until the user decides.
 _offered = None
@@ -24,11 +23,10 @@ def offered():
     return _offered
 
 
-def is_decided(operator):
-    """Whether nothing waits; otherwise a greyed button of the operator shows why."""
-    if _offered is not None:
-        operator.poll_message_set("Keep the bake that was stopped, or throw it away, first")
-    return _offered is None
+is_decided = checks.needs(
+    lambda _: _offered is None, "Keep the bake that was stopped, or throw it away, first"
+)
+_waits = checks.needs(lambda _: _offered is not None, "No bake was stopped")
 
 
 def save_offered():
@@ -45,20 +43,15 @@ def save_offered():
         print(f"Leaflight: the bake that was stopped is kept as {job.path}")
 
 
-class LEAFLIGHT_OT_stop_bake(bpy.types.Operator):
+class LEAFLIGHT_OT_stop_bake(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_bake"
     bl_label = "Stop"
     bl_description = "End the work in progress, as Esc does. The light that is finished can be kept"
+    bl_options = set()
+    conditions = (checks.needs(lambda _: jobs.running(), "Nothing is in progress"),)
 
-    @classmethod
-    def poll(cls, _context):
-        if jobs.running() is None:
-            cls.poll_message_set("Nothing is in progress")
-        return jobs.running() is not None
-
-    def execute(self, _context):
+    def run(self, _context):
         jobs.cancel_running()
-        return {"FINISHED"}
 
 
 class KeepJob(jobs.Job):
@@ -87,39 +80,23 @@ class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.keep_bake"
     bl_label = "Keep Bake"
     bl_description = "Save the light of the bake that was stopped, and show it"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, _context):
-        return cls.is_free() and _waits(cls)
+    conditions = (jobs.is_free, _waits)
 
     def start(self, _context):
         return KeepJob(_offered)
 
 
-class LEAFLIGHT_OT_throw_bake_away(bpy.types.Operator):
+class LEAFLIGHT_OT_throw_bake_away(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.throw_bake_away"
     bl_label = "Throw Away"
     bl_description = "Forget the bake that was stopped, and show the volume as it was before"
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, _waits)
 
-    @classmethod
-    def poll(cls, _context):
-        return jobs.is_free(cls) and _waits(cls)
-
-    def execute(self, context):
+    def run(self, context):
         _offered.checkpoint.remove()
         offer(None)
         surface_object.forget_passes()
         walls.refresh(context.scene)
-        return {"FINISHED"}
 
 
-def _waits(operator):
-    if _offered is None:
-        operator.poll_message_set("No bake was stopped")
-    return _offered is not None
-
-
-_CLASSES = (LEAFLIGHT_OT_stop_bake, LEAFLIGHT_OT_keep_bake, LEAFLIGHT_OT_throw_bake_away)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_stop_bake, LEAFLIGHT_OT_keep_bake, LEAFLIGHT_OT_throw_bake_away)

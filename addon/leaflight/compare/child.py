@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --background FILE --addons ADDON --python child.py -- JSON: renders a comparison.
 
-Runs outside the package, as Blender runs scripts; prints what process.py reads.
+Runs outside the package, as Blender runs scripts; prints what render_comparison.py reads.
 """
 
 import json
@@ -15,11 +15,10 @@ def main():
     request = json.loads(sys.argv[-1])
     # By another name in an extension than in an add-on.
     addon = sys.argv[sys.argv.index("--addons") + 1]
-    process = import_module(f"{addon}.compare.process")
-    operator = import_module(f"{addon}.compare.render_comparison")
+    comparison = import_module(f"{addon}.compare.render_comparison")
 
     def send(message):
-        print(process.MARK + json.dumps(message), flush=True)
+        print(comparison.MARK + json.dumps(message), flush=True)
 
     def report(done, part, name):
         send({"done": done, "part": part, "name": name})
@@ -29,16 +28,8 @@ def main():
     bpy.context.view_layer.objects.active = isosurface
     bpy.context.view_layer.update()
     try:
-        figures = operator.rendered(
-            bpy.context,
-            isosurface,
-            request["folder"],
-            request["samples"],
-            request["baked_samples"],
-            request["share"],
-            report,
-        )
-    except operator.LeaflightError as error:
+        figures = comparison.rendered(bpy.context, isosurface, *request["arguments"], report)
+    except comparison.LeaflightError as error:
         send({"error": str(error)})
     else:
         send(figures)

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a comparison leaves in a folder."""
+"""What a comparison leaves in a folder, and its stills in one labelled picture."""
 
 import csv
 import json
 from pathlib import Path
 
+import bpy
 import leaflight._core as _core
 import numpy as np
+from leaflight.io.images import display_colours
 from leaflight.io.output import replaced
 
-from . import render, sheet
+from . import render
+from .stills import flip_words
 
 # In the PNG of the difference, which would be all black otherwise. The EXR holds it signed and as
 # it is.
@@ -30,7 +33,7 @@ def write(scene, folder, name, result):
         _core.write_exr(f"{stem}_{still}.exr", image)
         shown = _DIFFERENCE_GAIN * np.abs(image) if still == "difference" else image
         render.write_png(scene, f"{stem}_{still}.png", shown)
-    sheet.write_sheet(f"{stem}_comparison.png", name, result)
+    write_sheet(f"{stem}_comparison.png", name, result)
     numbers = {key: value for key, value in result.items() if not isinstance(value, np.ndarray)}
     numbers = {"name": name, **numbers}
     _write_table(f"{stem}_comparison.csv", numbers)
@@ -53,3 +56,115 @@ def _write_table(path, numbers):
             error = "" if rms is None else f"{numbers[rms]:.4f}"
             isovalue = f"{numbers['isovalue']:g}"
             table.writerow([numbers["name"], isovalue, still, f"{numbers[seconds]:.3f}", error])
+
+
+# Pixels: what a still is at least wide, so that its label fits, and at most, so that the whole fits
+# a screen.
+_NARROWEST, _WIDEST = 560, 960
+_WHITE, _INK, _PAPER = (255, 255, 255), (20, 20, 20), (255, 255, 255)
+
+# Baked darker, alike, baked brighter.
+_COLORS = np.array([[0.02, 0.19, 0.58], [0.97, 0.97, 0.97], [0.70, 0.02, 0.15]])
+
+
+def write_sheet(path, name, result):
+    """Writes the picture (.png) of a result of stills.compare()."""
+    from PIL import Image, ImageDraw
+
+    exposure = result["exposure"]
+    difference, most = _percent_off(result, exposure)
+    height, width = difference.shape
+    scale = _scale(width)
+    size = (round(scale * width), round(scale * height))
+    text = max(13, size[0] // 42)
+    gap, line = text, round(1.45 * text)
+    font = _font(text)
+    pictures = [display_colours(result[name], exposure) for name in ("baked", "cycles", "local")]
+    pictures.append(_colored(difference / most))
+    bar = 7 * text
+    top = gap + 2 * line
+    cell = (size[0] + gap, size[1] + 2 * line + gap)
+    sheet = Image.new("RGB", (gap + 2 * cell[0] + bar, top + 2 * cell[1]), _PAPER)
+    draw = ImageDraw.Draw(sheet)
+    draw.text((gap, gap), f"{name}, isovalue {result['isovalue']:g}", _INK, _font(text + 4))
+    # Few pixels stay pixels.
+    resample = Image.NEAREST if scale >= 2 else Image.LANCZOS
+    for number, (pixels, (title, detail)) in enumerate(zip(pictures, _words(result))):
+        x, y = gap + (number % 2) * cell[0], top + (number // 2) * cell[1]
+        sheet.paste(Image.fromarray(pixels).resize(size, resample), (x, y))
+        draw.text((x, y + size[1] + 4), title, _INK, font)
+        draw.text((x, y + size[1] + 4 + line), detail, (90, 90, 90), font)
+    _draw_bar(sheet, draw, font, (gap + 2 * cell[0], top + cell[1]), (text, size[1]), most)
+    with replaced(path) as temporary:
+        sheet.save(temporary)
+
+
+def _words(result):
+    """(title, detail) beneath each picture."""
+    rendered = "rendered in {baked_seconds:.1f} s; all isosurfaces baked in {bake_seconds:.0f} s"
+    local = "rendered in {local_seconds:.1f} s; RMS {local_rms_percent:.1f} % on the isosurface"
+    difference = (
+        "RMS {isosurface_rms_percent:.2f} % on the isosurface, of which noise "
+        "{isosurface_noise_percent:.2f} %; {flip}"
+    )
+    texts = (
+        ("Baked", rendered),
+        ("Cycles, {samples} samples", "path-traced in {cycles_seconds:.1f} s"),
+        ("Local shading: no shadows, no bounces", local),
+        ("Baked minus Cycles", difference),
+    )
+    numbers = {**result, "flip": flip_words(result)}
+    return [(title.format(**numbers), detail.format(**numbers)) for title, detail in texts]
+
+
+def _percent_off(result, exposure):
+    """(mean over the channels of baked minus Cycles, in percent as displayed, a round range)."""
+    baked, cycles = (
+        np.clip(result[name] * exposure, 0.0, 1.0).mean(axis=-1) for name in ("baked", "cycles")
+    )
+    off = 100.0 * (baked - cycles)
+    largest = max(float(np.percentile(np.abs(off), 99.5)), 0.1)
+    power = 10.0 ** np.floor(np.log10(largest))
+    return off, next(step * power for step in (1, 2, 5, 10) if step * power >= largest)
+
+
+def _colored(share):
+    """Shares -1..1 of the range as colors, uint8."""
+    place = np.clip(share, -1.0, 1.0)
+    channels = [np.interp(place, (-1, 0, 1), _COLORS[:, channel]) for channel in range(3)]
+    return np.rint(255 * np.stack(channels, axis=-1)).astype(np.uint8)
+
+
+def _draw_bar(sheet, draw, font, corner, size, most):
+    """The colors of the difference, from top to bottom, and what they mean."""
+    from PIL import Image
+
+    (x, y), (width, height) = corner, size
+    shares = np.repeat(np.linspace(1.0, -1.0, height)[:, None], width, axis=1)
+    sheet.paste(Image.fromarray(_colored(shares)), (x, y))
+    draw.rectangle([x, y, x + width, y + height - 1], outline=_INK)
+    for share in (1.0, 0.5, 0.0, -0.5, -1.0):
+        at = y + (1.0 - share) / 2.0 * (height - 1)
+        draw.line([x + width, at, x + width + 4, at], _INK)
+        label = "0" if share == 0 else f"{share * most:+.3g} %"
+        draw.text((x + width + 8, at), label, _INK, font, anchor="lm")
+
+
+def _scale(width):
+    if width < _NARROWEST:
+        scale = _NARROWEST / width
+        return float(np.ceil(scale)) if scale > 2 else scale
+    return min(1.0, _WIDEST / width)
+
+
+def _font(size):
+    """Blender's own, whatever it is called in this version, else Pillow's."""
+    from PIL import ImageFont
+
+    folder = bpy.utils.system_resource("DATAFILES", path="fonts")
+    for name in ("DejaVuSans.woff2", "Inter.woff2", "droidsans.ttf"):
+        try:
+            return ImageFont.truetype(str(Path(folder) / name), size)
+        except OSError:
+            continue
+    return ImageFont.load_default()

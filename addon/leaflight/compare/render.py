@@ -6,9 +6,9 @@ import tempfile
 from pathlib import Path
 
 import bpy
-import leaflight
 import leaflight._core as _core
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.io.output import replaced
 
 from .. import versions
@@ -78,7 +78,7 @@ def cycles_still(scene, samples, seed, transparent=False, **settings):
         )
         bpy.ops.render.render(write_still=True, scene=scene.name)
         if not path.exists():
-            raise leaflight.LeaflightError("The render was cancelled; nothing has changed.")
+            raise LeaflightError("The render was cancelled; nothing has changed.")
         return _core.read_exr(str(path))
 
 

@@ -1,29 +1,172 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
-"""Render Comparison: the baked surface beside the same surface path-traced by Cycles."""
+"""Render Comparison: the baked surface beside the same surface path-traced by Cycles.
 
+A background Blender of its own renders it, so that the window stays free.
+"""
+
+import json
+import re
+import subprocess
+import tempfile
+import threading
+import time
+from collections import deque
 from pathlib import Path
 
 import bpy
 import leaflight
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import FloatProperty, IntProperty, StringProperty
+from leaflight import LeaflightError
 
 from .. import versions
-from ..operators import background, checks
-from ..operators.active_volume import active_volume
+from ..operators import background, checks, jobs
+from ..operators.checks import active_volume
 from ..stage import scene_export
 from ..store import bake_files
-from . import figures, files, process, stills
+from . import files, stills
 
-LeaflightError = leaflight.LeaflightError
+# How the child begins the lines that are for the window.
+MARK = "LEAFLIGHT COMPARISON "
+# Cycles' own report of how far it is.
+_SAMPLES = re.compile(r"Sample (\d+)/(\d+)")
+_CHILD = Path(__file__).with_name("child.py")
+_POLL_SECONDS = 0.1
 
 
-class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Operator):
+def can_start():
+    """Whether there is a program to start: Blender as a Python module has none."""
+    return bool(bpy.app.binary_path)
+
+
+def _save_copy(blend):
+    """Saves the file that is open, without the picture of it that file browsers show.
+
+    Blender would draw that anew for it, and the window would stand still for many seconds where
+    there is no graphics card. Raises RuntimeError.
+    """
+    preferences = bpy.context.preferences
+    paths, changed = preferences.filepaths, preferences.is_dirty
+    chosen = paths.file_preview_type
+    paths.file_preview_type = "NONE"
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+    finally:
+        paths.file_preview_type = chosen
+        preferences.is_dirty = changed
+
+
+class ComparisonJob(jobs.Job):
+    """Renders the saved copy of the file that is open, and reads the figures from the child."""
+
+    def __init__(self, isosurface, folder, samples, baked_samples, share):
+        """Saves the copy. Raises LeaflightError."""
+        self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
+        blend = Path(self._files.name) / "comparison.blend"
+        try:
+            _save_copy(blend)
+        except RuntimeError as error:
+            self._files.cleanup()
+            raise LeaflightError(
+                f"{blend}: cannot save a copy of the scene there to render it: {error}"
+            ) from None
+        self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
+        request = {
+            "object": isosurface.name_full,
+            "scene": bpy.context.scene.name,
+            "arguments": (str(folder), samples, baked_samples, share),
+        }
+        self._command = [
+            *(bpy.app.binary_path, "--background", str(blend)),
+            # It may be enabled for this session alone.
+            *("--addons", __package__.rpartition(".")[0]),
+            *("--python-exit-code", "1", "--python", str(_CHILD), "--", json.dumps(request)),
+        ]
+
+    def status(self, _progress):
+        return self._status
+
+    def run(self, progress):
+        """In any thread: touches no Blender data. Raises LeaflightError, Cancelled."""
+        with self._files:
+            child = subprocess.Popen(
+                self._command,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                encoding="utf-8",
+                errors="replace",
+            )
+            try:
+                said = self._follow(child, progress)
+            finally:
+                child.kill()
+                child.wait()
+                child.stdout.close()
+        if self.figures is None:
+            raise LeaflightError(
+                f"The background Blender of the comparison ended without a result: {said}"
+            )
+        if "error" in self.figures:
+            raise LeaflightError(self.figures["error"])
+
+    def _follow(self, child, progress):
+        """Reads until the child ends; returns its last words."""
+        words, done = deque(maxlen=3), [0.0, 0.0, ""]
+
+        def read():
+            for line in child.stdout:
+                if line.startswith(MARK):
+                    message = json.loads(line.removeprefix(MARK))
+                    if "done" in message:
+                        done[:] = message["done"], message["part"], message["name"]
+                    else:
+                        self.figures = message
+                elif line.strip():
+                    words.append(line.strip())
+                found = _SAMPLES.search(line)
+                share = int(found[1]) / int(found[2]) if found else 0.0
+                if done[2]:
+                    percent = 100.0 * (done[0] + share * done[1])
+                    self._status = f"{percent:3.0f} % {done[2]}"
+
+        reader = threading.Thread(target=read, name="Leaflight comparison")
+        reader.start()
+        while reader.is_alive():
+            if progress.cancelled:
+                child.kill()
+                reader.join()
+                raise leaflight.Cancelled
+            reader.join(_POLL_SECONDS)
+        # A Blender that has printed its result may crash at its end, which is no matter.
+        end = time.monotonic() + 10.0
+        while child.poll() is None and time.monotonic() < end:
+            time.sleep(_POLL_SECONDS)
+        return " ".join(words) or f"exit status {child.returncode}"
+
+    def ended(self):
+        return "The comparison was cancelled; nothing has changed"
+
+    def apply(self):
+        obj = bpy.data.objects.get((self.isosurface, None))
+        if obj is not None:
+            obj.leaflight.comparison = self.figures["sentence"]
+        if self.figures["doubt"]:
+            self.warnings = (self.figures["doubt"],)
+        return self.figures["report"]
+
+
+class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
     bl_description = (
         "Render the baked surface, the same surface path-traced by Cycles and by local shading, "
         "and measure the difference, in a background Blender. Esc cancels"
+    )
+    bl_options = set()
+    conditions = (
+        jobs.is_free,
+        *checks.BAKE,
+        checks.needs(lambda context: context.scene.camera, "Add a camera to the scene first"),
     )
 
     samples: IntProperty(
@@ -54,22 +197,6 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )
-    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and checks.has_bake(cls, context)):
-            return False
-        if context.scene.camera is None:
-            cls.poll_message_set("Add a camera to the scene first")
-            return False
-        return True
-
-    def invoke(self, context, _event):
-        if self.asked:
-            return self.run_modal(context)
-        self._by_hand = True
-        return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, _context):
         layout = self.layout
@@ -78,37 +205,29 @@ class LEAFLIGHT_OT_render_comparison(background.BackgroundOperator, bpy.types.Op
             layout.prop(self, name)
 
     def execute(self, context):
-        if getattr(self, "_by_hand", False) and process.can_start():
-            names = ("samples", "baked_samples", "share", "folder")
-            chosen = {name: getattr(self, name) for name in names}
-            return self.invoke_again(bpy.ops.leaflight.render_comparison, **chosen)
+        if self._by_hand and can_start():
+            return super().execute(context)
+        # Scripts wait for it.
+        return checks.LeaflightOperator.execute(self, context)
+
+    def run(self, context):
         isosurface = active_volume(context)
-        try:
-            found = rendered(
-                context,
-                isosurface,
-                _make_folder(isosurface, self.folder),
-                self.samples,
-                self.baked_samples,
-                self.share / 100.0,
-            )
-        except LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        found = rendered(context, isosurface, *self._arguments(isosurface))
         self.report({"INFO"}, found["report"])
         if found["doubt"]:
             self.report({"WARNING"}, found["doubt"])
         isosurface.leaflight.comparison = found["sentence"]
-        return {"FINISHED"}
 
     def start(self, context):
         isosurface = active_volume(context)
         scene_export.export_scene(context, isosurface)
         stills.check_lit(isosurface, isosurface.leaflight.isovalue)
-        folder = _make_folder(isosurface, self.folder)
-        return process.ComparisonJob(
-            isosurface, folder, self.samples, self.baked_samples, self.share / 100.0
-        )
+        return ComparisonJob(isosurface, *self._arguments(isosurface))
+
+    def _arguments(self, isosurface):
+        folder = Path(bpy.path.abspath(self.folder or str(bake_files.locate(isosurface).parent)))
+        bake_files.make_folder(folder)
+        return folder, self.samples, self.baked_samples, self.share / 100.0
 
 
 def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, report=None):
@@ -120,7 +239,7 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
     scene_export.export_scene(context, isosurface)
     result = stills.compare(context, isosurface, samples, baked_samples, share, report)
     path = files.write(context.scene, folder, isosurface.name, result)
-    found, doubt = figures.summary(result), figures.doubt(result)
+    found, doubt = stills.summary(result), stills.doubt(result)
     return {
         "path": str(path),
         "sentence": f"{found}. {doubt}" if doubt else found,
@@ -129,15 +248,4 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
     }
 
 
-def _make_folder(isosurface, chosen):
-    folder = Path(bpy.path.abspath(chosen or str(bake_files.locate(isosurface).parent)))
-    bake_files.make_folder(folder)
-    return folder
-
-
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_render_comparison)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_render_comparison)
+CLASSES = (LEAFLIGHT_OT_render_comparison,)

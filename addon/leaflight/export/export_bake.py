@@ -1,24 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Export > Leaflight: the light of the active volume for other programs."""
 
-import textwrap
 from pathlib import Path
 
 import bpy
 import leaflight
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
+from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
 from leaflight.export.page_size import estimated_bytes
 
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import isovalues, lamps
 from ..store import cache, source_files
-
-LeaflightError = leaflight.LeaflightError
+from ..translations import draw_wrapped
 
 _FORMATS = (
     (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, unlit vertex colors"),
@@ -63,23 +61,16 @@ class ExportJob(jobs.Job):
         return f"{self._path.name}: {what}{size:.1f} MB"
 
 
-class _ExportOperator(background.BackgroundOperator, ExportHelper):
+class _ExportOperator(background.AskingOperator, ExportHelper):
     """Asks for a file by Blender's file browser, then writes it in the background."""
 
+    bl_options = set()
+    conditions = (jobs.is_free, *checks.BAKE)
     check_extension = None
     # The suffix that a new name gets.
     file_type = ""
-    # The properties that the file browser shows.
-    shown: tuple[str, ...] = ()
 
-    @classmethod
-    def poll(cls, context):
-        return cls.is_free() and checks.has_bake(cls, context)
-
-    def invoke(self, context, event):
-        if self.asked:
-            return self.run_modal(context)
-        self._by_hand = True
+    def ask(self, context, event):
         if not self.filepath:  # type: ignore[has-type]
             self.filepath = f"{active_volume(context).name}{self.file_type}"
         self.check(context)
@@ -93,14 +84,6 @@ class _ExportOperator(background.BackgroundOperator, ExportHelper):
         known = path.suffix.lower() in SUFFIXES
         self.filepath = str(path.with_suffix("") if known else path) + self.file_type
         return True
-
-    def execute(self, context):
-        if getattr(self, "_by_hand", False):
-            return self.invoke_again(self.operator(), **self.chosen())
-        return super().execute(context)
-
-    def chosen(self):
-        return {name: getattr(self, name) for name in ("filepath", *self.shown)}
 
     def start(self, context):
         path = Path(bpy.path.abspath(self.filepath))
@@ -156,28 +139,17 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     listed: StringProperty(
         name="List", description="Isovalues to write in their order, separated by spaces"
     )
-    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    shown = ("file_type", "isovalues", "first", "last", "count", "listed")
-
-    @staticmethod
-    def operator():
-        return bpy.ops.leaflight.export
-
-    def invoke(self, context, event):
-        if not self.asked:
-            settings = active_volume(context).leaflight
-            self.first, self.last = isovalues.isovalue_range(settings)
-        return super().invoke(context, event)
+    def ask(self, context, event):
+        self.first, self.last = isovalues.isovalue_range(active_volume(context).leaflight)
+        return super().ask(context, event)
 
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(self, "file_type")
-        absent = _absent(self.file_type)
-        for number, line in enumerate(textwrap.wrap(absent, 38)):
-            layout.label(text=line, icon="BLANK1" if number else "ERROR", translate=False)
+        draw_wrapped(layout, _absent(self.file_type), 38, icon="ERROR")
         if self.file_type not in OF_SEQUENCE:
             return
         layout.row().prop(self, "isovalues", expand=True)
@@ -222,13 +194,6 @@ class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
         min=0,
         max=3,
     )
-    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    shown = ("coarser",)
-
-    @staticmethod
-    def operator():
-        return bpy.ops.leaflight.export_page
 
     def draw(self, context):
         layout = self.layout
@@ -278,16 +243,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_export_page.bl_idname, text="Leaflight Web Page (.html)")
 
 
-_CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.TOPBAR_MT_file_export.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_export.remove(_draw_menu)
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
+MENUS = (("TOPBAR_MT_file_export", _draw_menu),)

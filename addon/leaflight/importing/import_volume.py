@@ -1,33 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """File > Import > Volume for Leaflight."""
-
-import textwrap
 
 import bpy
 import leaflight
-from bpy.props import (
-    BoolProperty,
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    IntVectorProperty,
-    StringProperty,
-)
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
-from leaflight import blender
+from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
-from ..show import isovalues, source_properties, surface_object, units
-from ..store import cache, source_files
+from ..show import display, isovalues, surface_object, volume_properties
 from ..stage import orientation
-from ..translations import iface_
+from ..store import cache, source_files
+from ..translations import draw_wrapped, iface_
 from . import placing, stored_facts
-
 
 # Which files the browser lists.
 _BY_NAME = readers.name_patterns()
@@ -41,11 +29,15 @@ def _list_files(operator, context):
         browser.filter_glob = "*" if operator.all_files else _BY_NAME
 
 
-class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operator, ImportHelper):
+class LEAFLIGHT_OT_import_volume(
+    volume_properties.ReadingChoices,
+    background.AskingOperator,
+    bpy.types.Operator,
+    ImportHelper,
+):
     bl_idname = "leaflight.import_volume"
     bl_label = "Import Volume"
     bl_description = "Read a scalar volume and show one of its isosurfaces"
-    bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
@@ -101,62 +93,20 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         min=0.0,
         max=10.0,
     )
-    dims: IntVectorProperty(
-        name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
-    )
-    value_type: EnumProperty(
-        name="Type",
-        description="Type of the values in a .raw file",
-        items=source_properties.VALUE_TYPE_ITEMS,
-    )
-    endian: EnumProperty(
-        name="Byte Order",
-        description="Byte order of the values in a .raw file",
-        items=source_properties.ENDIAN_ITEMS,
-    )
-    skip: IntProperty(
-        name="Skip",
-        description="Bytes before the values in a .raw file; -1 if the values are its end",
-        default=0,
-        min=-1,
-    )
     use_spacing: BoolProperty(
         name="Own Voxel Size",
         description="Give the distance of the voxels, for files that lack it or have a wrong one",
     )
-    spacing: FloatVectorProperty(
-        name="Voxel Size",
-        description="Distance of the voxels along x, y and z",
-        size=3,
-        default=(1.0, 1.0, 1.0),
-        min=1e-9,
-    )
     unit: EnumProperty(
         name="Unit",
         description="What the voxel size is measured in, where the file does not say",
-        items=units.ITEMS,
+        items=volume_properties.UNIT_ITEMS,
         options={"SKIP_SAVE"},
-    )
-    frame: IntProperty(
-        name="Frame",
-        description="Which volume of a series to read, counted from 0; -1 for a single volume",
-        default=-1,
-        min=-1,
     )
     animate: BoolProperty(
         name="As Animation",
         description="Show the next volume of the series at each frame of the scene, by keyframes, "
         "from the scene's first on",
-    )
-    channel: IntProperty(
-        name="Channel",
-        description="Which of several values a voxel has to read, counted from 0; -1 where it has "
-        "one",
-        default=-1,
-        min=-1,
-    )
-    level: IntProperty(
-        name="Level", description="Which of several resolutions to read; 0 is the finest", min=0
     )
     dataset: StringProperty(
         name="Dataset",
@@ -164,14 +114,9 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         search=lambda self, _context, _text: self._datasets(),
     )
 
-    asked: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
-
-    def _choices(self):
-        return source_files.choices_of(self)
-
     def _look(self):
         path = bpy.path.abspath(self.filepath)
-        return path, *stored_facts.look(path, self._choices())
+        return path, *stored_facts.look(path, source_files.choices_of(self))
 
     def _datasets(self):
         _, stored, _ = self._look()
@@ -187,16 +132,13 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         layout.prop(self, "all_files")
         path, stored, problem = self._look()
         takes = source_files.format_of(path).options if stored is not None or problem else ()
+        facts = [problem]
         if stored is not None:
-            column = layout.column(align=True)
             step = stored_facts.step_of(self.resolution, stored)
-            for fact in stored_facts.lines(path, stored, step):
-                for line in textwrap.wrap(fact, 38):
-                    column.label(text=line, translate=False)
-        elif problem:
-            column = layout.column(align=True)
-            for line in textwrap.wrap(problem, 38):
-                column.label(text=line, translate=False)
+            facts = stored_facts.lines(path, stored, step)
+        column = layout.column(align=True)
+        for fact in facts:
+            draw_wrapped(column, fact, 38)
         layout.prop(self, "size_from")
         if self.size_from in {"AUTO", "FIT"}:
             layout.prop(self, "size")
@@ -246,19 +188,8 @@ class LEAFLIGHT_OT_import_volume(background.BackgroundOperator, bpy.types.Operat
         if stored.channels > 1:
             layout.prop(self, "channel", text=iface_("Channel (0 to %d)") % (stored.channels - 1))
 
-    def invoke(self, context, event):
-        if self.asked:
-            return self.run_modal(context)
-        self._by_hand = True
+    def ask(self, context, event):
         return ImportHelper.invoke(self, context, event)
-
-    def execute(self, context):
-        # Adjust Last Operation reads the file again at once.
-        if getattr(self, "_by_hand", False) and jobs.running() is None:
-            self._by_hand = False
-            chosen = self.as_keywords(ignore=("filter_glob", "all_files", "asked"))
-            return self.invoke_again(bpy.ops.leaflight.import_volume, **chosen)
-        return super().execute(context)
 
     def start(self, context):
         return ImportJob(context, self)
@@ -282,7 +213,7 @@ class ImportJob(jobs.Job):
         self._resolution, self._size = operator.resolution, operator.size
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
-        self._animate, self._unit = operator.animate, units.unit_of(operator.unit)
+        self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -306,7 +237,7 @@ class ImportJob(jobs.Job):
         try:
             obj.leaflight.unit = self._stored.unit or self._unit
             placing.place(context, obj, volume, self._size_from, self._partner)
-        except leaflight.LeaflightError:
+        except LeaflightError:
             bpy.data.meshes.remove(obj.data)
             raise
 
@@ -330,10 +261,7 @@ class ImportJob(jobs.Job):
             blender.animate_frames(obj)
 
         self._stand(context, obj)
-        for other in context.selected_objects:
-            other.select_set(False)
-        obj.select_set(True)
-        context.view_layer.objects.active = obj
+        display.select(context, [obj], obj)
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
         low, high = figures(*self._range)
@@ -366,11 +294,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(name, text="Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_import_volume)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    bpy.utils.unregister_class(LEAFLIGHT_OT_import_volume)
+CLASSES = (LEAFLIGHT_OT_import_volume,)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

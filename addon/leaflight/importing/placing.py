@@ -5,16 +5,14 @@ Vertices keep the axes and the unit of the file, for patients right, front and u
 object is the middle of the volume, whose place in the file it keeps.
 """
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.io.readers import METERS
 from mathutils import Matrix
 
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import isosurfaces
 from ..store import cache, source_files
-
-LeaflightError = leaflight.LeaflightError
 
 SIZE_ITEMS = [
     (

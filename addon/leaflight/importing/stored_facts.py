@@ -4,14 +4,12 @@
 import os
 from pathlib import Path
 
-import leaflight
+from leaflight import LeaflightError
 from leaflight.io import readers
 
 from .. import session
 from ..store import source_files
 from ..translations import iface_
-
-LeaflightError = leaflight.LeaflightError
 
 # Above so many voxels a volume is halved unless the user chooses otherwise: 512^3.
 MOST_VOXELS = 1 << 27

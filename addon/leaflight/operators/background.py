@@ -9,6 +9,7 @@ import leaflight
 
 from ..translations import iface_
 from . import failures, jobs
+from .checks import LeaflightOperator
 from .jobs import BackgroundWork, Job
 
 # Makes a Job, or none.
@@ -18,13 +19,12 @@ Start = Callable[[bpy.types.Context], Optional[Job]]
 _left_behind: "tuple[type[BackgroundOperator], dict[str, Any]] | None" = None
 
 
-class BackgroundOperator:
+class BackgroundOperator(LeaflightOperator):
     """An operator whose work is a Job: modal for users, straight on for scripts.
 
     start(context) returns the job. Whatever it raises, or the job does, becomes a report.
     """
 
-    is_free = classmethod(jobs.is_free)
     # The BackgroundWork of this operator: None while only its dialog is open.
     _work: BackgroundWork | None = None
     # The present text of the status bar.
@@ -34,13 +34,6 @@ class BackgroundOperator:
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return self.execute(context) if bpy.app.background else self.run_modal(context)
-
-    def invoke_again(self, operator: Any, **chosen: Any) -> set[str]:
-        """Starts the operator anew with these choices, and returns what became of it.
-
-        An operator that a dialog or the file browser executes cannot itself go on as a modal one.
-        """
-        return self.call(operator, "INVOKE_DEFAULT", asked=True, **chosen)
 
     def call(self, operator: Any, *how: str, **chosen: Any) -> set[str]:
         """Calls another operator; returns its result, and reports its error as this one's."""
@@ -192,6 +185,37 @@ class BackgroundOperator:
         return {"CANCELLED"}
 
 
+class AskingOperator(BackgroundOperator):
+    """Asks the user for its options first, by a dialog or the file browser.
+
+    An operator that these execute cannot itself go on as a modal one: it is started anew.
+    """
+
+    asked: bpy.props.BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
+    _by_hand = False
+
+    def ask(self, context: bpy.types.Context, _event: bpy.types.Event) -> Any:
+        return context.window_manager.invoke_props_dialog(self)  # type: ignore[arg-type]
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if self.asked:
+            return self.run_modal(context)
+        self._by_hand = True
+        return self.ask(context, event)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        # Adjust Last Operation does the work at once.
+        if not self._by_hand or jobs.running() is not None:
+            return super().execute(context)
+        self._by_hand = False
+        again = getattr(bpy.ops.leaflight, type(self).bl_idname.partition(".")[2])
+        return self.call(again, "INVOKE_DEFAULT", asked=True, **self.chosen())
+
+    def chosen(self) -> dict[str, Any]:
+        """Returns the options that were chosen."""
+        return self.as_keywords(ignore=("filter_glob", "all_files", "asked"))
+
+
 class LEAFLIGHT_OT_go_on(BackgroundOperator, bpy.types.Operator):
     """Attends to work whose window was closed, in another window."""
 
@@ -228,9 +252,4 @@ def _clear_status() -> None:
         workspace.status_text_set(None)
 
 
-def register() -> None:
-    bpy.utils.register_class(LEAFLIGHT_OT_go_on)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(LEAFLIGHT_OT_go_on)
+CLASSES = (LEAFLIGHT_OT_go_on,)

@@ -1,51 +1,88 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Conditions that several operators share, each with the reason that a greyed button shows."""
+"""The volume that panels and operators work on, and what all operators have in common."""
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
+from leaflight import LeaflightError
 
-from .active_volume import active_volume
+# Whether an operator can be called; where not, its greyed button shows the reason.
+Condition = Callable[[Any, bpy.types.Context], bool]
 
 
-def in_object_mode(operator: Any, context: bpy.types.Context) -> bool:
-    if context.mode != "OBJECT":
-        operator.poll_message_set("Leave Edit Mode first")
+def active_volume(context: bpy.types.Context) -> bpy.types.Object | None:
+    """The active object if it is a volume, else the scene's volume that was active last, or None.
+
+    None, too, while the graph of an image is active, which has a panel of its own.
+    """
+    obj, scene = context.object, context.scene
+    if obj is not None and obj.leaflight.is_volume:
+        return obj
+    if obj is not None and obj.leaflight_flat.is_flatland:
+        return None
+    last = scene.objects.get(scene.leaflight.active_volume)
+    if last is not None and last.leaflight.is_volume:
+        return last
+    return next((one for one in scene.objects if one.leaflight.is_volume), None)
+
+
+def remember_active(scene: bpy.types.Scene, obj: bpy.types.Object | None) -> None:
+    """Notes the active object of a scene where it is a volume."""
+    if obj is None or not obj.leaflight.is_volume or scene.library is not None:
+        return
+    # By its name: a pointer would keep the volume in the file after its deletion.
+    if scene.leaflight.active_volume != obj.name:
+        scene.leaflight.active_volume = obj.name
+
+
+def needs(holds: Callable[[bpy.types.Context], Any], reason: str) -> Condition:
+    """A Condition by a function of the context, with the reason that is shown where it is false."""
+
+    def condition(operator: Any, context: bpy.types.Context) -> bool:
+        if holds(context):
+            return True
+        operator.poll_message_set(reason)
         return False
-    return True
+
+    return condition
 
 
-def has_volume(operator: Any, context: bpy.types.Context) -> bool:
-    if active_volume(context) is None:
-        operator.poll_message_set(
-            "Select or import a volume first (File > Import > Volume for Leaflight)"
-        )
-        return False
-    return in_object_mode(operator, context)
+in_object_mode = needs(lambda context: context.mode == "OBJECT", "Leave Edit Mode first")
+
+VOLUME: tuple[Condition, ...] = (
+    needs(active_volume, "Select or import a volume first (File > Import > Volume for Leaflight)"),
+    in_object_mode,
+)
+BAKE = (
+    *VOLUME,
+    needs(lambda c: active_volume(c).leaflight.bake_id, "Bake the flattened illumination first"),
+)
 
 
-class VolumeOperator:
-    """An operator on the volume that is active, or was last."""
+class LeaflightOperator:
+    """An operator whose run() does its work. A LeaflightError becomes a report.
+
+    conditions: without which it cannot be called.
+    """
+
+    bl_options: Any = {"REGISTER", "UNDO"}
+    conditions: tuple[Condition, ...] = ()
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return has_volume(cls, context)
+        return all(holds(cls, context) for holds in cls.conditions)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            self.run(context)
+        except LeaflightError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
 
 
-def has_flatland(operator: Any, context: bpy.types.Context) -> bool:
-    obj = context.object
-    if obj is None or not obj.leaflight_flat.is_flatland:
-        operator.poll_message_set(
-            "Select the graph of an image first (File > Import > Image for Leaflight)"
-        )
-        return False
-    return in_object_mode(operator, context)
+class VolumeOperator(LeaflightOperator):
+    """An operator on the volume that is active, or was last."""
 
-
-def has_bake(operator: Any, context: bpy.types.Context) -> bool:
-    if not has_volume(operator, context):
-        return False
-    if not active_volume(context).leaflight.bake_id:
-        operator.poll_message_set("Bake the flattened illumination first")
-        return False
-    return True
+    conditions = VOLUME

@@ -8,6 +8,7 @@ from typing import Any
 
 import bpy
 import leaflight
+from leaflight import LeaflightError
 
 # Why the last work failed, for the panels: reports are gone in seconds.
 _sentence = ""
@@ -25,7 +26,7 @@ def record(error: BaseException) -> str:
 def sentence_of(error: BaseException) -> str:
     """Returns an error as one sentence. The traceback of a bug goes to the console and report()."""
     global _traceback
-    if isinstance(error, leaflight.LeaflightError):
+    if isinstance(error, LeaflightError):
         return str(error)
     _traceback = "".join(traceback.format_exception(type(error), error, error.__traceback__))
     print(_traceback, file=sys.stderr, flush=True)
@@ -73,9 +74,4 @@ class LEAFLIGHT_OT_copy_report(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register() -> None:
-    bpy.utils.register_class(LEAFLIGHT_OT_copy_report)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(LEAFLIGHT_OT_copy_report)
+CLASSES = (LEAFLIGHT_OT_copy_report,)

@@ -4,15 +4,19 @@
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import bpy
 import leaflight
+
+from .checks import needs
 
 T = TypeVar("T")
 
 # The one work in progress, for the panels and for Cancel.
 _running: "BackgroundWork | None" = None
+
+is_free = needs(lambda _: _running is None, "Leaflight is at work; Esc ends it")
 
 
 class Job:
@@ -113,13 +117,6 @@ class BackgroundWork:
             raise self._error
 
 
-def is_free(operator: Any) -> bool:
-    """True if no work is in progress; otherwise a greyed button of the operator shows why."""
-    if _running is not None:
-        operator.poll_message_set("Leaflight is at work; Esc ends it")
-    return _running is None
-
-
 def running() -> BackgroundWork | None:
     """Returns the BackgroundWork in progress, or None."""
     return _running
@@ -158,11 +155,16 @@ def print_progress(name: str, work: BackgroundWork) -> None:
         print()
 
 
+def viewports() -> list[tuple[bpy.types.Window, bpy.types.Area]]:
+    """Returns (window, area) of each that is open."""
+    windows = bpy.context.window_manager.windows
+    found = [(window, area) for window in windows for area in window.screen.areas]
+    return [(window, area) for window, area in found if area.type == "VIEW_3D"]
+
+
 def redraw_panels() -> None:
     """Draws the sides and heads of viewports anew, not the viewports: these take long."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                for region in area.regions:
-                    if region.type in {"UI", "TOOL_HEADER"}:
-                        region.tag_redraw()
+    for _, area in viewports():
+        for region in area.regions:
+            if region.type in {"UI", "TOOL_HEADER"}:
+                region.tag_redraw()

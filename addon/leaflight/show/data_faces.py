@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plane faces within a volume, colored by its values: those of a cut, and slices.
+"""Plane faces within a volume, colored by its values: those of a clip box, which close the cut, and
+slices across the volume's axes.
 
 A child of the volume's object holds the values at a grid on each face. Its material colors them and
 leaves out values below an isovalue, so that neither new colors nor a new isovalue make a new mesh.
@@ -9,24 +10,39 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from leaflight import LeaflightError, color_maps
+from mathutils import Color
 
-from .. import session, versions
-from . import added, color_maps, display, fill, shader
+from .. import versions
+from ..store import cache
+from . import display, fill, look, shader
+
+
+def _linear(hexadecimal):
+    color = Color(byte / 255 for byte in bytes.fromhex(hexadecimal))
+    return tuple(color.from_srgb_to_scene_linear())
+
+
+# Black to white in steps that look even.
+_GRAYS = tuple(_linear(3 * f"{round(255 * i / 8):02x}") for i in range(9))
+# (name, description, nine colors, evenly spaced)
+MAPS = {
+    key: (name, text, tuple(map(_linear, colors)))
+    for key, (name, text, colors) in color_maps.MAPS.items()
+}
+
 
 VALUE = "value"
 GRAY = "GRAY"
 COLORS = [
     (GRAY, "Gray", "From black to white"),
-    *((key, name, text) for key, (name, text, _) in color_maps.MAPS.items()),
+    *((key, name, text) for key, (name, text, _) in MAPS.items()),
 ]
 
 _SHOWN = "leaflight_shown"
 _BUILT = "leaflight_built"
 # Nodes along a side of a face at most.
 _MOST = 320
-
-# Names of such objects of this file.
-_seen = session.remembered(set)
 
 
 @dataclass(frozen=True)
@@ -40,26 +56,19 @@ class Face:
 
 def child(volume, kind):
     """The object of a volume's faces of this kind, or None."""
-    obj = next((obj for obj in volume.children if display.is_display(obj, kind)), None)
-    if obj is not None:
-        _seen.add(obj.name)
-    return obj
+    found = [obj for obj in volume.children if display.is_display(obj, kind)]
+    display.note(found)
+    return next(iter(found), None)
 
 
 def new_child(volume, kind, title):
     name = f"{volume.name} {title}"
-    obj = added.new_display(volume, kind, name, bpy.data.meshes.new(name))
+    obj = display.new_display(volume, kind, name, bpy.data.meshes.new(name))
     obj.parent = volume
     obj.hide_select = True
     obj.data.materials.append(bpy.data.materials.new(name))
-    _seen.add(obj.name)
+    display.note([obj])
     return obj
-
-
-def left_alone():
-    """Those whose volumes are gone."""
-    found = (bpy.data.objects.get((name, None)) for name in _seen)
-    return [obj for obj in found if obj is not None and obj.parent is None]
 
 
 def clear(obj):
@@ -93,7 +102,7 @@ def shade(obj, colors, settings, isovalue):
     """Colors the values of the volume's range, by a key of COLORS, from an isovalue on."""
     material = obj.data.materials[0]
     if material.get(_BUILT) != colors:
-        chosen = color_maps.GRAY if colors == GRAY else color_maps.MAPS[colors][2]
+        chosen = _GRAYS if colors == GRAY else MAPS[colors][2]
         versions.do_not_sample_as_light(material)
         shader.build_slice(material, VALUE, chosen)
         material[_BUILT] = colors
@@ -126,3 +135,124 @@ def _values(data, points):
     within = ((points > low - margin) & (points < high + margin)).all(axis=1)
     values = data.field().sample(np.clip(points, low + 0.01 * margin, high - 0.01 * margin))
     return np.where(within, values, np.nan)
+
+
+_OPEN = "NONE"
+CUT_COLORS = [
+    (_OPEN, "Open", "Leave the cut open"),
+    (GRAY, "Gray", "Close it with the slice of the data, from black to white"),
+    *COLORS[1:],
+]
+
+_CUT = "cut"
+
+
+def cut_faces_of(volume):
+    """The object of a volume's cut faces, or None."""
+    return child(volume, _CUT)
+
+
+def update_cut(volume, depsgraph=None):
+    """Shows the cut faces of a volume object as its clip box stands now.
+
+    depsgraph: that has evaluated an animation of the box.
+    """
+    if volume.library is not None or volume.override_library is not None:
+        return
+    obj, cut = cut_faces_of(volume), _cut_of(volume)
+    if cut is None:
+        clear(obj)
+        return
+    box, owner = cut.box, volume
+    if depsgraph is not None:
+        box, owner = box.evaluated_get(depsgraph), volume.evaluated_get(depsgraph)
+    local_from_box = np.array(owner.matrix_world.inverted_safe() @ box.matrix_world)
+    try:
+        data = cache.volume_of(volume)
+    except LeaflightError:
+        return
+    obj = obj or new_child(volume, _CUT, "Cut")
+    corners = np.array((cut.low, cut.high))
+    label = f"{local_from_box.round(6).tolist()} {corners.tolist()}"
+    show(obj, data, label, _cut_faces(data, local_from_box, corners))
+    surfaces = display.surfaces_of(volume)
+    cuts = [o.leaflight.isovalue for o in surfaces if look.view_of(o).cut is not None]
+    shade(obj, volume.leaflight_look.cut_colors, volume.leaflight, min(cuts))
+
+
+def _cut_of(volume):
+    """The shader_graph.Cut of the isosurfaces that are cut, None where the cut is open."""
+    if volume.leaflight_look.cut_colors == _OPEN:
+        return None
+    cuts = (look.view_of(obj).cut for obj in display.surfaces_of(volume))
+    return next((cut for cut in cuts if cut is not None), None)
+
+
+def _cut_faces(data, local_from_box, corners):
+    """The parts within the volume of the box's faces."""
+    low, high = _within(data, local_from_box, corners)
+    linear, origin = local_from_box[:3, :3], local_from_box[:3, 3]
+    found = []
+    for axis in range(3) if (low < high).all() else ():
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for place in corners[:, axis]:
+            if low[axis] <= place <= high[axis]:
+                corner = low.copy()
+                corner[axis] = place
+                sides = ((high[a] - low[a]) * linear[:, a] for a in (u, v))
+                found.append(Face(linear @ corner + origin, *sides))
+    return found
+
+
+def _within(data, local_from_box, corners):
+    """Lowest and highest corner, in the box's coordinates, of its part that holds the volume."""
+    bounds = np.asarray(data.field().bounds, np.float64)
+    ends = np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
+    box_from_local = np.linalg.pinv(local_from_box)
+    ends = ends @ box_from_local[:3, :3].T + box_from_local[:3, 3]
+    return np.maximum(corners[0], ends.min(axis=0)), np.minimum(corners[1], ends.max(axis=0))
+
+
+_SLICES = "slices"
+
+
+def slices_of(volume):
+    """The object of a volume's slices, or None."""
+    return child(volume, _SLICES)
+
+
+def update_slices(volume, depsgraph=None):
+    """Shows the slices of a volume object; depsgraph: that has evaluated their animation."""
+    if volume.library is not None or volume.override_library is not None:
+        return
+    owner = volume if depsgraph is None else volume.evaluated_get(depsgraph)
+    wanted, obj = owner.leaflight_look, slices_of(volume)
+    places = {axis: wanted.slice_places[axis] for axis in range(3) if wanted.slice_axes[axis]}
+    if not places:
+        clear(obj)
+        return
+    try:
+        data = cache.volume_of(volume)
+    except LeaflightError:
+        return
+    obj = obj or new_child(volume, _SLICES, "Slices")
+    low, high = np.asarray(data.field().bounds, np.float64)
+    faces = [_slice(low, high, axis, place) for axis, place in places.items()]
+    show(obj, data, f"{places}", faces)
+    settings = volume.leaflight
+    least = settings.isovalue if wanted.slices_inside else settings.low
+    shade(obj, wanted.slice_colors, settings, least)
+
+
+def slice_position(volume, axis):
+    """The place of a slice in the coordinates of the file. Raises LeaflightError."""
+    low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)[:, axis]
+    low, high = (end + volume.leaflight.origin[axis] for end in (low, high))
+    return low + volume.leaflight_look.slice_places[axis] * (high - low)
+
+
+def _slice(low, high, axis, place):
+    """Across an axis, at a share of the volume's length."""
+    corner, sides = low.copy(), np.diag(high - low)
+    corner[axis] += place * (high - low)[axis]
+    return Face(corner, sides[(axis + 1) % 3], sides[(axis + 2) % 3])

@@ -1,7 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that only show results, such as photons: the next bake does not see them."""
+"""Objects that only show results, which the next bake does not see; among them the isosurfaces that
+are shown beside a volume's own, each at an isovalue of its own.
+
+Such an isosurface is a child of the volume's object, with the same coordinates, and shares its
+volume and bake. It cannot be selected: the volume's panel has it.
+"""
+
+import uuid
+
+import bpy
+from leaflight import LeaflightError
+
+from .. import session
+
+# Isosurfaces of a volume that can be shown, with its own.
+MOST = 3
 
 _DISPLAY = "leaflight_display"
+_ISOSURFACE = "isosurface"
+# Of a volume to which some were added: distinguishes it from its duplicates (isovalues.py).
+_MARK = "leaflight_isosurfaces"
+
+# Names of the volumes of this file, and of what shows something beside them, that were seen last.
+_noted = session.remembered(set)
 
 
 def mark(obj, kind):
@@ -11,3 +32,122 @@ def mark(obj, kind):
 def is_display(obj, kind=None):
     """Whether an object only shows results, of this kind or of any."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
+
+
+def note(objects):
+    """Has noted() find objects again, where they are of this file."""
+    _noted.update(obj.name for obj in objects if obj.library is None)
+
+
+def noted():
+    found = (bpy.data.objects.get((name, None)) for name in _noted)
+    return [obj for obj in found if obj is not None]
+
+
+def select(context, objects, active):
+    """Selects these objects alone."""
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    context.view_layer.objects.active = active
+
+
+def hide(scene, obj, mark):
+    """Takes an object out of sight and out of renders. By the mark show() finds how it was."""
+    layers = [layer for layer in scene.view_layers if obj.name in layer.objects]
+    obj[mark] = "\n".join(layer.name for layer in layers if obj.hide_get(view_layer=layer))
+    obj.hide_render = True
+    for layer in layers:
+        obj.hide_set(True, view_layer=layer)
+
+
+def show(scene, obj, mark):
+    # Files of an earlier Leaflight have a number here: the same for all layers.
+    before = obj.pop(mark)
+    obj.hide_render = False
+    for layer in scene.view_layers:
+        if obj.name in layer.objects:
+            is_text = isinstance(before, str)
+            was_hidden = layer.name in before.split("\n") if is_text else bool(before)
+            obj.hide_set(was_hidden, view_layer=layer)
+
+
+def is_isosurface(obj):
+    """Whether an object shows an isosurface: a volume, or one that was added to a volume."""
+    return obj.leaflight.is_volume or (is_added(obj) and obj.parent is not None)
+
+
+def is_added(obj):
+    return is_display(obj, _ISOSURFACE)
+
+
+def volume_object(obj):
+    """The object whose volume and bake an isosurface shows: itself unless it was added."""
+    return obj.parent if is_added(obj) and obj.parent is not None else obj
+
+
+def added_to(volume):
+    """The isosurfaces that were added to a volume object, in the order of their names."""
+    return sorted(filter(is_added, volume.children), key=lambda obj: obj.name)
+
+
+def surfaces_of(volume):
+    """A volume object, which shows an isosurface, and those that were added to it."""
+    return (volume, *added_to(volume))
+
+
+def add(volume, isovalue, opacity):
+    """A new isosurface of a volume object, which has yet to be shown. Raises LeaflightError."""
+    if len(added_to(volume)) + 1 >= MOST:
+        raise LeaflightError(f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.')
+    obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
+    mark(obj, _ISOSURFACE)
+    obj.parent = volume
+    obj.hide_select = True
+    link_beside(obj, volume)
+    obj.leaflight["isovalue"] = float(isovalue)
+    obj.leaflight_look.opacity = opacity
+    if mark_of(volume) is None:
+        mark_anew(volume)
+    return obj
+
+
+def name_for(volume):
+    return f"{volume.name} Isosurface"
+
+
+def link_beside(obj, volume):
+    """Puts an isosurface into the collections of its volume."""
+    for collection in volume.users_collection:
+        collection.objects.link(obj)
+
+
+def new_display(volume, kind, name, data):
+    """An object of this data that shows something beside a volume, and neither lights nor shades.
+
+    It has no parent yet.
+    """
+    obj = bpy.data.objects.new(name, data)
+    mark(obj, kind)
+    obj.visible_diffuse = obj.visible_glossy = obj.visible_shadow = False
+    link_beside(obj, volume)
+    return obj
+
+
+def remove(obj):
+    mesh, volume = obj.data, obj.parent
+    bpy.data.objects.remove(obj)
+    if not mesh.users:
+        bpy.data.meshes.remove(mesh)
+    if volume is not None and not added_to(volume):
+        volume.pop(_MARK, None)
+
+
+def mark_of(volume):
+    """What a volume shares with its duplicates alone, None where no isosurface was added."""
+    return volume.get(_MARK)
+
+
+def mark_anew(volume):
+    volume[_MARK] = uuid.uuid4().hex

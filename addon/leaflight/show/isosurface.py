@@ -3,14 +3,12 @@
 
 from dataclasses import dataclass
 
-import leaflight
 import leaflight._core as _core
 import numpy as np
+from leaflight import LeaflightError
 
 from ..store import cache, source_files
-from . import added, lamps, preview
-
-LeaflightError = leaflight.LeaflightError
+from . import display, lamps, preview
 
 # Colour attributes: what leaves the front of the surface, and the back where it is baked.
 RADIANCE = "radiance"
@@ -150,7 +148,7 @@ def _voxel_size(volume):
 
 def is_lit(obj, isovalue):
     """Whether the bake holds the radiance of this isosurface. Raises LeaflightError."""
-    settings = added.volume_object(obj).leaflight
+    settings = display.volume_object(obj).leaflight
     bake, index = lit_by(obj)
     if bake is None:
         return False
@@ -167,7 +165,7 @@ def is_lit(obj, isovalue):
 
 def volume_of(obj):
     """The volume that is shown: that of a pass in progress, or the object's own."""
-    obj = added.volume_object(obj)
+    obj = display.volume_object(obj)
     shown = preview.of(obj)
     return cache.volume_of(obj) if shown is None else shown.volume
 
@@ -177,7 +175,7 @@ def lit_by(obj):
 
     The bake is None before the first, and may still lack its walls. Raises LeaflightError.
     """
-    obj = added.volume_object(obj)
+    obj = display.volume_object(obj)
     shown = preview.of(obj)
     if shown is not None:
         return shown.bake, shown.index

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How the isosurfaces of a volume object look, in the terms of the bake."""
 
-import leaflight
 import numpy as np
-from leaflight.scene.scene import Isosurfaces, is_color
+from leaflight import LeaflightError
+from leaflight.scene.scene import Isosurfaces, is_color, ramp_at
 
 from ..store import cache
-
-LeaflightError = leaflight.LeaflightError
 
 
 def export_isosurfaces(obj, several):
@@ -80,16 +78,8 @@ def colours(ramp):
 
 def albedo_at(obj, isovalue):
     """The albedo (r, g, b) of one isosurface."""
-    return color_at(_stops(obj) or tuple(obj.leaflight.isosurface_albedo), isovalue)
-
-
-def color_at(ramp, isovalue):
-    """The color (r, g, b) of a ramp, which is one color or stops in ascending isovalue."""
-    if is_color(ramp):
-        return tuple(ramp)
-    positions = [position for position, _ in ramp]
-    channels = zip(*(color for _, color in ramp))
-    return tuple(float(np.interp(isovalue, positions, channel)) for channel in channels)
+    ramp = _stops(obj) or tuple(obj.leaflight.isosurface_albedo)
+    return tuple(ramp_at(ramp, isovalue).tolist())
 
 
 def emission_of(obj):

@@ -4,21 +4,21 @@
 A volume shows the isovalue low + c (high - low) of its range at the common isovalue c. A volume
 that is linked follows the one whose isovalue was moved, unless it is animated itself. A move is
 noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
+
+A duplicate of a volume gets copies of the isosurfaces that were added to it: these cannot be
+selected, so that Blender leaves them out. A volume that has some bears a mark of its own, and a
+duplicate is known by bearing the mark of another.
 """
 
 import bpy
 
-from .. import session, versions
+from .. import versions
 from ..store import cache, frame_bakes
-from . import added, data_faces, surface_material, surface_object, walls
+from . import display, surface_material, surface_object, walls
 
 # Drivers and keyframes use this path, seen from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
 FRAME_PATH = "leaflight.shown_frame"
-
-
-# Names of the volumes of this file, and of what was added to them, that were seen last.
-_seen = session.remembered(set)
 
 
 def isovalue_range(settings):
@@ -45,14 +45,14 @@ def volumes(scene):
 
 def isosurfaces(scene):
     """The volumes of a scene, and the isosurfaces that were added to them."""
-    found = [obj for obj in scene.objects if added.is_isosurface(obj)]
-    _seen.update(obj.name for obj in found if obj.library is None)
+    found = [obj for obj in scene.objects if display.is_isosurface(obj)]
+    display.note(found)
     return found
 
 
 def limit(obj):
     """Limits the slider of an isosurface to the data, and softly to the range of its volume."""
-    volume = added.volume_object(obj)
+    volume = display.volume_object(obj)
     data_range = cache.volume_of(volume).data_range()
     obj.leaflight.limit_isovalue(
         data_range, isovalue_range(volume.leaflight), obj.leaflight.isovalue
@@ -61,13 +61,12 @@ def limit(obj):
 
 def left_alone():
     """What was added to volumes that are gone."""
-    surfaces = [obj for obj in known() if added.is_added(obj) and obj.parent is None]
-    return surfaces + data_faces.left_alone()
+    return [obj for obj in display.noted() if display.is_display(obj) and obj.parent is None]
 
 
 def remove_left_alone():
     for obj in left_alone():
-        added.remove(obj)
+        display.remove(obj)
 
 
 def partners(obj, scene):
@@ -129,7 +128,7 @@ def any_is_behind(depsgraph=None):
 
     depsgraph: that has evaluated it; a driver's work is not among its updates.
     """
-    for obj in filter(added.is_isosurface, known()):
+    for obj in filter(display.is_isosurface, known()):
         evaluated = obj if depsgraph is None else obj.evaluated_get(depsgraph)
         if surface_object.shown_isovalue(obj) != evaluated.leaflight.isovalue:
             return True
@@ -140,8 +139,7 @@ def any_is_behind(depsgraph=None):
 
 def known():
     """What was seen last and is still there: isosurfaces, and some left alone by their volume."""
-    found = (bpy.data.objects.get((name, None)) for name in _seen)
-    return [o for o in found if o is not None and (o.leaflight.is_volume or added.is_added(o))]
+    return [o for o in display.noted() if o.leaflight.is_volume or display.is_added(o)]
 
 
 def _show(scene, values, moving):
@@ -184,3 +182,47 @@ def _follow(obj, leader, isovalue, moving=False):
         obj.leaflight["isovalue"] = target
         obj.update_tag()
     surface_object.update(obj, target, moving)
+
+
+def complete_duplicates():
+    """Gives the isosurfaces to duplicates that are without, and marks of their own to all."""
+    alike = {}
+    for obj in bpy.data.objects:
+        if display.mark_of(obj) is not None:
+            alike.setdefault(display.mark_of(obj), []).append(obj)
+    for volumes in alike.values():
+        if len(volumes) > 1:
+            _separate(volumes)
+
+
+def _separate(volumes):
+    """Volumes that bear one mark: the first that has isosurfaces keeps it."""
+    having = [volume for volume in volumes if display.added_to(volume)]
+    if not having:
+        return
+    for volume in volumes:
+        if volume == having[0] or volume.library is not None or volume.override_library is not None:
+            continue
+        if volume not in having:
+            for source in display.added_to(_original(volume, having)):
+                _copy_isosurface(source, volume)
+        display.mark_anew(volume)
+
+
+def _original(volume, having):
+    """Of what a volume may be a duplicate of; a copy of the whole scene has isosurfaces, too."""
+    scenes = set(volume.users_scene)
+    return next((other for other in having if scenes & set(other.users_scene)), having[0])
+
+
+def _copy_isosurface(source, volume):
+    """An isosurface of a volume that shows what another volume's does, animation included."""
+    obj = source.copy()
+    obj.name = display.name_for(volume)
+    obj.data = source.data.copy()
+    if source.animation_data is not None and source.animation_data.action is not None:
+        obj.animation_data.action = source.animation_data.action.copy()
+    obj.parent = volume
+    display.link_beside(obj, volume)
+    # It takes a material of its own in place of the source's.
+    surface_object.shade(obj)

@@ -2,21 +2,18 @@
 """Bakes as they are shown: with the lamps of the scene at their present strengths and colors.
 
 An object remembers the lamps that its bake was made with, as text. Factors of those whose strength
-has changed since are found anew after each change (stage/lamp_strengths.py), and are never saved.
+has changed since are found anew after each change (stage/staleness.py), and are never saved.
 """
 
 import dataclasses
 import json
 from typing import Any
 
-import leaflight
 from leaflight.bake.relit import scales_exactly, strengths_of
 from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 
 from .. import session
 from ..store import cache
-
-LeaflightError = leaflight.LeaflightError
 
 _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")

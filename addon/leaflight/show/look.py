@@ -2,9 +2,15 @@
 """How one isosurface is shown, beyond its light: opacity, color, gloss and the box that cuts."""
 
 import numpy as np
+from leaflight import LeaflightError
+from leaflight.scene.scene import ramp_at
+from leaflight.volume.backs import MOSTLY, back_shares
 
-from .. import versions
-from . import added, isosurface, isosurfaces, shader_graph
+from .. import session, versions
+from ..store import cache
+from ..translations import iface_
+from . import display, isosurface, isosurfaces, shader_graph
+from .isosurface import RADIANCE_BACK
 
 # For panels, where a color is not the baked one.
 NEW_COLOR = "Indirect light still uses the baked color: bake again"
@@ -23,8 +29,8 @@ _ALIKE = 1e-5
 
 def view_of(obj):
     """The shader_graph.View of an isosurface."""
-    volume = added.volume_object(obj)
-    others = (o for o in (volume, *added.added_to(volume)) if o != obj)
+    volume = display.volume_object(obj)
+    others = (o for o in display.surfaces_of(volume) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
     return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
@@ -36,7 +42,7 @@ def _is_translucent(obj):
 
 def box_of(obj):
     """The object whose box cuts an isosurface, or None."""
-    box = added.volume_object(obj).leaflight_look.box
+    box = display.volume_object(obj).leaflight_look.box
     # One that was deleted is in no scene, but is kept by what refers to it.
     return box if obj.leaflight_look.is_cut and box is not None and box.users_scene else None
 
@@ -44,9 +50,9 @@ def box_of(obj):
 def albedo_at(obj, isovalue):
     """The albedo (r, g, b) that an isosurface has there: its own, or its volume's."""
     look = obj.leaflight_look
-    if added.is_added(obj) and look.use_color:
+    if display.is_added(obj) and look.use_color:
         return tuple(look.color)
-    return isosurfaces.albedo_at(added.volume_object(obj), isovalue)
+    return isosurfaces.albedo_at(display.volume_object(obj), isovalue)
 
 
 def recoloring(obj, isovalue):
@@ -57,11 +63,11 @@ def recoloring(obj, isovalue):
     """
     bake, index = isosurface.lit_by(obj)
     baked = bake.scene.isosurfaces[index]
-    before = np.array(isosurfaces.color_at(baked.albedo, isovalue))
+    before = ramp_at(baked.albedo, isovalue)
     factor = np.array(albedo_at(obj, isovalue)) / np.maximum(before, _DARK)
     factor[(before < _DARK) | (np.abs(factor - 1.0) < _ALIKE)] = 1.0
     # What it emits by itself has no albedo.
-    emission = np.array(isosurfaces.color_at(baked.emission, isovalue))
+    emission = ramp_at(baked.emission, isovalue)
     return tuple(factor), tuple((1.0 - factor) * emission)
 
 
@@ -69,7 +75,7 @@ def _cut_of(obj):
     box = box_of(obj)
     if box is None:
         return None
-    keeps = added.volume_object(obj).leaflight_look.keep == "INSIDE"
+    keeps = display.volume_object(obj).leaflight_look.keep == "INSIDE"
     low, high = bounds_of(box)
     return shader_graph.Cut(box, box.name_full, low, high, keeps)
 
@@ -81,3 +87,33 @@ def bounds_of(box):
         return (-size,) * 3, (size,) * 3
     corners = np.array(box.bound_box)
     return tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
+
+
+# (the address of a volume, isovalue) -> the share of the isosurface that shows its back.
+_shares = session.remembered()
+
+
+def note_on_backs(volume):
+    """A sentence for the panel where a bake lacks the side that is seen, or an empty text."""
+    if not volume.leaflight.bake_id or RADIANCE_BACK in volume.data.attributes:
+        return ""
+    surfaces = display.surfaces_of(volume)
+    try:
+        data = cache.volume_of(volume)
+    except LeaflightError:
+        return ""
+    if any(_back_share(data, obj.leaflight.isovalue) > MOSTLY for obj in surfaces):
+        return iface_(
+            "This isosurface is seen from its back, which is not baked: turn on Both Sides and "
+            "bake again"
+        )
+    if any(box_of(obj) is not None for obj in surfaces):
+        return iface_("The cut shows backs, which are not baked: turn on Both Sides and bake again")
+    return ""
+
+
+def _back_share(data, isovalue):
+    key = id(data), isovalue
+    if key not in _shares:
+        (_shares[key],) = back_shares(data.data(), data.index_to_world, [isovalue])
+    return _shares[key]

@@ -1,40 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """How an isosurface is shown: Object.leaflight_look, of volumes and of what was added to them."""
 
 import bpy
 
-from . import added, cut_faces, data_faces, slices, surface_object
+from . import data_faces, display, surface_object
 from .overridable import (
     BoolProperty,
     BoolVectorProperty,
+    ColorProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
     PointerProperty,
+    ShareProperty,
 )
 
 
 def _changed(look, _context):
-    if added.is_isosurface(look.id_data):
+    if display.is_isosurface(look.id_data):
         surface_object.shade(look.id_data)
-        cut_faces.update(added.volume_object(look.id_data))
+        data_faces.update_cut(display.volume_object(look.id_data))
 
 
 def _all_changed(look, _context):
     if look.id_data.leaflight.is_volume:
         surface_object.shade_all(look.id_data)
-        cut_faces.update(look.id_data)
+        data_faces.update_cut(look.id_data)
 
 
 def _slices_changed(look, _context):
     if look.id_data.leaflight.is_volume:
-        slices.update(look.id_data)
+        data_faces.update_slices(look.id_data)
 
 
 def _shape_changed(look, _context):
     obj = look.id_data
-    if added.is_isosurface(obj):
+    if display.is_isosurface(obj):
         surface_object.update(obj, surface_object.shown_isovalue(obj))
 
 
@@ -44,18 +45,15 @@ def _color_chosen(look, _context):
 
 
 def _has_box(_look, obj):
-    return not added.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
+    return not display.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
 
 
 class LeaflightLook(bpy.types.PropertyGroup):
-    opacity: FloatProperty(
+    opacity: ShareProperty(
         name="Opacity",
         description="How much of what lies behind the isosurface it hides. Its light is that of an "
         "opaque one: isosurfaces that are shown together neither light nor shade each other",
-        subtype="FACTOR",
         default=1.0,
-        min=0.0,
-        max=1.0,
         update=_changed,
     )
     use_color: BoolProperty(
@@ -64,15 +62,11 @@ class LeaflightLook(bpy.types.PropertyGroup):
         "volume has there",
         update=_changed,
     )
-    color: FloatVectorProperty(
+    color: ColorProperty(
         name="Color",
         description="Share of the light that this isosurface reflects. The light that falls on it "
         "stays that of the bake; for light of its own color, add a stop to the volume's color ramp "
         "here, and bake",
-        subtype="COLOR",
-        default=(0.8, 0.8, 0.8),
-        min=0.0,
-        max=1.0,
         update=_color_chosen,
     )
     dust: FloatProperty(
@@ -86,24 +80,18 @@ class LeaflightLook(bpy.types.PropertyGroup):
         update=_shape_changed,
         options=set(),
     )
-    gloss: FloatProperty(
+    gloss: ShareProperty(
         name="Gloss",
         description="A clear coat over the baked light, in which the scene's own lamps shine; 1 is "
         "that of glazed china. Comparisons leave it out",
-        subtype="FACTOR",
-        default=0.0,
-        min=0.0,
-        max=1.0,
         update=_changed,
         options=set(),
     )
-    roughness: FloatProperty(
+    roughness: ShareProperty(
         name="Roughness",
         description="How wide the highlights of the coat are",
-        subtype="FACTOR",
         default=0.3,
         min=0.02,
-        max=1.0,
         update=_changed,
         options=set(),
     )
@@ -133,7 +121,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     cut_colors: EnumProperty(
         name="Cut",
         description="What is seen where the clip box cuts the isosurfaces open",
-        items=cut_faces.ITEMS,
+        items=data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,
     )
@@ -166,11 +154,5 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
 
 
-def register():
-    bpy.utils.register_class(LeaflightLook)
-    bpy.types.Object.leaflight_look = PointerProperty(type=LeaflightLook)
-
-
-def unregister():
-    del bpy.types.Object.leaflight_look
-    bpy.utils.unregister_class(LeaflightLook)
+CLASSES = (LeaflightLook,)
+PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightLook)),)

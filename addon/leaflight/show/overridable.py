@@ -20,3 +20,9 @@ IntProperty = partial(bpy.props.IntProperty, override=_OVERRIDABLE)
 IntVectorProperty = partial(bpy.props.IntVectorProperty, override=_OVERRIDABLE)
 PointerProperty = partial(bpy.props.PointerProperty, override=_OVERRIDABLE)
 StringProperty = partial(bpy.props.StringProperty, override=_OVERRIDABLE)
+
+# Of a surface: a share of 0 to 1, and a color whose channels are such shares.
+ShareProperty = partial(FloatProperty, subtype="FACTOR", min=0.0, max=1.0)
+ColorProperty = partial(
+    FloatVectorProperty, subtype="COLOR", default=(0.8, 0.8, 0.8), min=0.0, max=1.0
+)

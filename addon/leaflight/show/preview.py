@@ -7,8 +7,8 @@ Only surfaces show them (surface_object.py); what objects remember of a bake is 
 import uuid
 from dataclasses import dataclass
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from ..store import cache
@@ -56,7 +56,7 @@ def put(obj, bake, index, matrix):
 def _own_volume(obj):
     try:
         return cache.volume_of(obj)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         return None
 
 

@@ -1,15 +1,110 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """What an object remembers about its volume and its bake: Object.leaflight."""
 
 import bpy
 
-from . import isovalues, walls
-from .bake_options import BakeOptions
-from .bake_record import BakeRecord
-from .isosurface_properties import Isosurfaces, LeaflightColorStop
-from .overridable import BoolProperty, PointerProperty
-from .source_properties import VolumeSource
+from . import isovalues, surface_object, walls
+from .bake_properties import BakeOptions, BakeRecord
+from .overridable import (
+    BoolProperty,
+    CollectionProperty,
+    ColorProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+)
+from .volume_properties import VolumeSource, shape_changed
+
+SCATTERING_ITEMS = [
+    ("DIFFUSE", "Diffuse", "Reflects light alike in all directions"),
+    ("MIRROR", "Mirror", "Reflects light as a polished mirror"),
+    ("GLASS", "Glass", "Reflects and refracts light as polished glass, denser inside"),
+]
+
+
+def _shading_changed(settings, _context):
+    if settings.id_data.leaflight.is_volume:
+        surface_object.shade_all(settings.id_data)
+
+
+class LeaflightColorStop(bpy.types.PropertyGroup):
+    """The albedo at one isovalue; between two stops it is blended linearly."""
+
+    isovalue: FloatProperty(
+        name="Isovalue",
+        description="Isovalue whose isosurface has this color, in data units",
+        update=_shading_changed,
+    )
+    color: ColorProperty(
+        name="Color",
+        description="Share of the light that the isosurface reflects",
+        update=_shading_changed,
+    )
+
+
+class Isosurfaces:
+    """The material of the isosurfaces, and how they are shaded."""
+
+    isosurface_scattering: EnumProperty(
+        name="Material", items=SCATTERING_ITEMS, update=_shading_changed
+    )
+    isosurface_albedo: ColorProperty(
+        name="Albedo",
+        description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
+        update=_shading_changed,
+    )
+    isosurface_stops: CollectionProperty(
+        type=LeaflightColorStop,
+        name="Color Ramp",
+        description="Albedo as a function of the isovalue",
+    )
+    isosurface_stop: IntProperty(name="Active Stop")
+    isosurface_ior: FloatProperty(
+        name="IOR",
+        description="Index of refraction of the inside of the isosurfaces",
+        default=1.45,
+        min=1.0,
+        soft_max=3.0,
+        update=_shading_changed,
+    )
+    isosurface_emission: ColorProperty(
+        name="Emission",
+        description="Color of the light that the isosurfaces send by themselves",
+        default=(1.0, 1.0, 1.0),
+        update=_shading_changed,
+    )
+    isosurface_emission_strength: FloatProperty(
+        name="Strength",
+        description="Radiance that the isosurfaces send by themselves; 0 for none",
+        default=0.0,
+        min=0.0,
+        soft_max=100.0,
+        update=_shading_changed,
+    )
+    capped: BoolProperty(
+        name="Capped",
+        description="Close the isosurfaces where the border of the volume cuts them",
+        update=shape_changed,
+    )
+    linked: BoolProperty(
+        name="Linked",
+        description="Move with the isovalues of the other volumes in the scene, so that all show "
+        "the same coordinate c of the bake",
+        default=True,
+    )
+    shading: EnumProperty(
+        name="Shading",
+        description="How the surface gets its colors from the baked radiance",
+        items=[
+            ("ATTRIBUTE", "Vertices", "Interpolate the radiance at the mesh's vertices"),
+            ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
+        ],
+        update=_shading_changed,
+    )
+    isosurface_material: PointerProperty(type=bpy.types.Material)
+    baked_material: PointerProperty(type=bpy.types.Material)
+
 
 ISOVALUE_PATH = isovalues.ISOVALUE_PATH
 
@@ -69,18 +164,8 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-_CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight = PointerProperty(type=LeaflightSettings)
-    bpy.types.Scene.leaflight = bpy.props.PointerProperty(type=LeaflightSceneSettings)
-
-
-def unregister():
-    del bpy.types.Scene.leaflight
-    del bpy.types.Object.leaflight
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight", PointerProperty(type=LeaflightSettings)),
+    (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),
+)

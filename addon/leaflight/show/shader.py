@@ -69,22 +69,17 @@ def build_slice(material, name, colors):
     graph = Graph(material)
     versions.let_through(material, False, False, True)
     value = graph.attribute(name).node.outputs["Fac"]
-    part = graph.math("MULTIPLY_ADD", value, 1.0, 0.0)
-    part.node.name = _PART
-    ramp = graph.node("ShaderNodeValToRGB")
+    part = graph.math("MULTIPLY_ADD", value, 1.0, 0.0, name=_PART)
+    ramp = graph.node("ShaderNodeValToRGB", part)
     elements = ramp.color_ramp.elements
     for i, color in enumerate(colors):
         place = i / (len(colors) - 1)
         element = elements[-1] if i == len(colors) - 1 else elements[0] if i == 0 else None
         element = element or elements.new(place)
         element.position, element.color = place, (*color, 1.0)
-    graph.connect(part, ramp.inputs[0])
-    emission = graph.emission(ramp.outputs[0])
-    emission.node.name = _EMISSION
-    outside = graph.math("LESS_THAN", value, 0.0)
-    outside.node.name = _OUTSIDE
-    nothing = graph.node("ShaderNodeBsdfTransparent").outputs[0]
-    graph.finish(graph.mix_shaders(outside, emission, nothing))
+    emission = graph.emission(ramp.outputs[0], name=_EMISSION)
+    outside = graph.math("LESS_THAN", value, 0.0, name=_OUTSIDE)
+    graph.finish(graph.mix_shaders(outside, emission, graph.transparent()))
 
 
 def set_slice(material, low, high, isovalue, strength):
@@ -157,12 +152,11 @@ def build_atlas(material, images, resolution, columns, texel_from_object, view=V
     nx, ny, nz = resolution
     rows = -(-nz // columns)
     graph = Graph(material, view)
-    coordinates = graph.node("ShaderNodeTexCoord")
-    position = next(s for s in coordinates.outputs if s.identifier == "Object")
+    position = graph.position()
     low, weight = [], []
     for axis, count in enumerate((nx, ny, nz)):
         row = texel_from_object[axis]
-        texel = graph.math("ADD", graph.dot(position, row[:3]), row[3])
+        texel = graph.math("ADD", graph.vector("DOT_PRODUCT", position, row[:3]), row[3])
         texel = graph.math("MINIMUM", graph.math("MAXIMUM", texel, 0.0), count - 1.0)
         cell = graph.math("MINIMUM", graph.math("FLOOR", texel), count - 2.0)
         low.append(cell)

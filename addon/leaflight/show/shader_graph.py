@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node tree of a material of isosurfaces, and which parts of the surface it shows."""
 
+import functools
 from dataclasses import dataclass, field
 
 import bpy
@@ -49,10 +50,16 @@ class Graph:
         self.tree = versions.give_nodes(material)
         self.tree.nodes.clear()
 
-    def node(self, kind):
+    def node(self, kind, *values, **attributes):
+        """A node whose first inputs are these values or sockets, with these attributes."""
         node = self.tree.nodes.new(kind)
         node.location = (200 * (len(self.tree.nodes) // 12), -160 * (len(self.tree.nodes) % 12))
         node.hide = True
+        for name, value in attributes.items():
+            if value is not None:
+                setattr(node, name, value)
+        for value, socket in zip(values, node.inputs):
+            self.connect(value, socket)
         return node
 
     def connect(self, value, socket):
@@ -61,53 +68,28 @@ class Graph:
         else:
             socket.default_value = value
 
-    def math(self, operation, *values):
-        node = self.node("ShaderNodeMath")
-        node.operation = operation
-        for value, socket in zip(values, node.inputs):
-            self.connect(value, socket)
-        return node.outputs[0]
+    def math(self, operation, *values, name=None):
+        return self.node("ShaderNodeMath", *values, operation=operation, name=name).outputs[0]
 
-    def vector(self, operation, *values):
-        node = self.node("ShaderNodeVectorMath")
-        node.operation = operation
-        for value, socket in zip(values, node.inputs):
-            self.connect(value, socket)
-        return node.outputs["Vector"]
+    def vector(self, operation, *values, name=None):
+        node = self.node("ShaderNodeVectorMath", *values, operation=operation, name=name)
+        return node.outputs["Value" if operation == "DOT_PRODUCT" else "Vector"]
 
-    def dot(self, vector, constant):
-        node = self.node("ShaderNodeVectorMath")
-        node.operation = "DOT_PRODUCT"
-        self.connect(vector, node.inputs[0])
-        node.inputs[1].default_value = constant
-        return node.outputs["Value"]
-
-    def combine(self, x, y):
-        node = self.node("ShaderNodeCombineXYZ")
-        self.connect(x, node.inputs[0])
-        self.connect(y, node.inputs[1])
-        return node.outputs[0]
+    def combine(self, *values):
+        return self.node("ShaderNodeCombineXYZ", *values).outputs[0]
 
     def texel(self, image, position):
-        node = self.node("ShaderNodeTexImage")
-        node.image = image
-        node.interpolation = "Closest"
-        node.extension = "EXTEND"
-        self.connect(position, node.inputs[0])
+        kind = "ShaderNodeTexImage"
+        node = self.node(kind, position, image=image, interpolation="Closest", extension="EXTEND")
         return node.outputs[0]
 
     def mix(self, a, b, weight):
         """a + weight * (b - a)."""
-        difference = self.vector("SUBTRACT", b, a)
-        splat = self.node("ShaderNodeCombineXYZ")
-        for socket in splat.inputs:
-            self.connect(weight, socket)
-        return self.vector("MULTIPLY_ADD", difference, splat.outputs[0], a)
+        splat = self.combine(weight, weight, weight)
+        return self.vector("MULTIPLY_ADD", self.vector("SUBTRACT", b, a), splat, a)
 
     def attribute(self, name):
-        node = self.node("ShaderNodeAttribute")
-        node.attribute_name = name
-        return node.outputs["Color"]
+        return self.node("ShaderNodeAttribute", attribute_name=name).outputs["Color"]
 
     def lambertian(self):
         return self.node("ShaderNodeBsdfDiffuse").outputs[0]
@@ -122,33 +104,23 @@ class Graph:
                 socket.default_value = ior if socket.identifier == "IOR" else 0.0
         return node.outputs[0]
 
-    def emission(self, colour):
+    def emission(self, colour, name=None):
         """Emission of a colour (r, g, b) without bounds, or of a socket."""
-        node = self.node("ShaderNodeEmission")
-        if isinstance(colour, bpy.types.NodeSocket):
-            self.connect(colour, node.inputs[0])
-        else:
+        values = [colour]
+        if not isinstance(colour, bpy.types.NodeSocket):
             strength = max(colour)
-            node.inputs[0].default_value = (*(x / strength for x in colour), 1.0)
-            node.inputs[1].default_value = strength
-        return node.outputs[0]
+            values = [(*(x / strength for x in colour), 1.0), strength]
+        return self.node("ShaderNodeEmission", *values, name=name).outputs[0]
 
     def sum(self, a, b):
-        node = self.node("ShaderNodeAddShader")
-        self.connect(a, node.inputs[0])
-        self.connect(b, node.inputs[1])
-        return node.outputs[0]
+        return self.node("ShaderNodeAddShader", a, b).outputs[0]
 
     def backfacing(self):
         geometry = self.node("ShaderNodeNewGeometry")
         return next(s for s in geometry.outputs if s.identifier == "Backfacing")
 
     def recolored(self, radiance):
-        node = self.node("ShaderNodeVectorMath")
-        node.name, node.operation = RECOLOR, "MULTIPLY_ADD"
-        self.connect(radiance, node.inputs[0])
-        node.inputs[1].default_value, node.inputs[2].default_value = (1, 1, 1), (0, 0, 0)
-        return node.outputs["Vector"]
+        return self.vector("MULTIPLY_ADD", radiance, (1, 1, 1), (0, 0, 0), name=RECOLOR)
 
     def emit_sides(self, front, back=None):
         """Emission of one colour on each side; without the back, the Lambertian isosurface
@@ -169,58 +141,49 @@ class Graph:
         self.finish(self.mix_shaders(self.backfacing(), front, self.lambertian()))
 
     def mix_shaders(self, weight, a, b):
-        node = self.node("ShaderNodeMixShader")
-        for value, socket in zip((weight, a, b), node.inputs):
-            self.connect(value, socket)
-        return node.outputs[0]
+        return self.node("ShaderNodeMixShader", weight, a, b).outputs[0]
+
+    def transparent(self):
+        return self.node("ShaderNodeBsdfTransparent").outputs[0]
 
     def coated(self, shader):
         """A clear coat over it, whose reflectance is Schlick's (1994) for an index of 1.8."""
-        facing = self.node("ShaderNodeLayerWeight")
-        facing.inputs["Blend"].default_value = 0.5
-        grazing = self.math("POWER", facing.outputs["Facing"], 5.0)
+        facing = self.node("ShaderNodeLayerWeight", 0.5).outputs["Facing"]
+        grazing = self.math("POWER", facing, 5.0)
         reflectance = self.math("MULTIPLY_ADD", grazing, 0.92, 0.08)
-        gloss = self.node("ShaderNodeValue")
-        gloss.name = GLOSS
-        coat = self.node("ShaderNodeBsdfGlossy")
-        coat.name = COAT
-        coat.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+        gloss = self.node("ShaderNodeValue", name=GLOSS)
+        coat = self.node("ShaderNodeBsdfGlossy", (1.0, 1.0, 1.0, 1.0), name=COAT)
         weight = self.math("MULTIPLY", reflectance, gloss.outputs[0])
         return self.mix_shaders(weight, shader, coat.outputs[0])
 
+    def position(self, obj=None):
+        """In the coordinates of an object, by default of the one with the material."""
+        coordinates = self.node("ShaderNodeTexCoord", object=obj)
+        return next(s for s in coordinates.outputs if s.identifier == "Object")
+
     def inside(self, cut):
         """1 within the box of a Cut, else 0."""
-        coordinates = self.node("ShaderNodeTexCoord")
-        coordinates.object = cut.box
-        position = next(s for s in coordinates.outputs if s.identifier == "Object")
+        position = self.position(cut.box)
         low, high = np.array(cut.low), np.array(cut.high)
         half = np.maximum(0.5 * (high - low), 1e-6)
         part = self.vector("SUBTRACT", position, tuple(0.5 * (low + high)))
         part = self.vector("ABSOLUTE", self.vector("DIVIDE", part, tuple(half)))
-        separate = self.node("ShaderNodeSeparateXYZ")
-        self.connect(part, separate.inputs[0])
-        x, y, z = separate.outputs
+        x, y, z = self.node("ShaderNodeSeparateXYZ", part).outputs
         return self.math("LESS_THAN", self.math("MAXIMUM", self.math("MAXIMUM", x, y), z), 1.0)
 
     def seen(self):
         """How much of the surface is seen, 0..1: a socket, or None where that is all of it."""
         factors = []
         if self._view.is_translucent:
-            opacity = self.node("ShaderNodeValue")
-            opacity.name = OPACITY
-            factors.append(opacity.outputs[0])
+            factors.append(self.node("ShaderNodeValue", name=OPACITY).outputs[0])
         if self._hides_back:
             factors.append(self.math("SUBTRACT", 1.0, self.backfacing()))
         if self._view.cut is not None:
             inside = self.inside(self._view.cut)
             keeps = self._view.cut.keeps_inside
             factors.append(inside if keeps else self.math("SUBTRACT", 1.0, inside))
-        if not factors:
-            return None
-        seen = factors[0]
-        for factor in factors[1:]:
-            seen = self.math("MULTIPLY", seen, factor)
-        return seen
+        product = functools.partial(self.math, "MULTIPLY")
+        return functools.reduce(product, factors) if factors else None
 
     def finish(self, shader):
         if self._view.is_glossy:
@@ -229,7 +192,5 @@ class Graph:
         self._material.use_backface_culling = self._hides_back
         seen = self.seen()
         if seen is not None:
-            nothing = self.node("ShaderNodeBsdfTransparent").outputs[0]
-            shader = self.mix_shaders(seen, nothing, shader)
-        output = self.node("ShaderNodeOutputMaterial")
-        self.tree.links.new(shader, output.inputs[0])
+            shader = self.mix_shaders(seen, self.transparent(), shader)
+        self.node("ShaderNodeOutputMaterial", shader)

@@ -4,13 +4,17 @@ own, unlit.
 
 Each is built once and then keeps its nodes: isovalue, opacity, color and the next pass only change
 values in it. Blender compiles other nodes anew and meanwhile shows a material without baked light.
+
+Blender compiles the nodes of a material when it first draws them, and draws it gray, lit by lamps
+alone, until then: the first light of a bake would look worse than none. It compiles the same nodes
+once. So while a bake has no light yet, triangles without area have the materials.
 """
 
 import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import added, lamps, isosurfaces, look, preview, shader
+from . import display, isosurfaces, lamps, look, preview, shader, shader_graph
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # What a material was built for.
@@ -98,7 +102,7 @@ def remove_baked(obj):
 
 def isosurface_material(obj, isovalue):
     """The material of the isosurface itself, as the bake assumes it."""
-    volume = added.volume_object(obj)
+    volume = display.volume_object(obj)
     scattering, ior = volume.leaflight.isosurface_scattering, volume.leaflight.isosurface_ior
     emission, view = isosurfaces.emission_of(volume), look.view_of(obj)
 
@@ -130,7 +134,7 @@ def look_after_images(obj, bake_path):
 
     Raises LeaflightError.
     """
-    volume, material = added.volume_object(obj), obj.leaflight.baked_material
+    volume, material = display.volume_object(obj), obj.leaflight.baked_material
     if material is None or material.library is not None:
         return
     settings = volume.leaflight
@@ -141,7 +145,7 @@ def look_after_images(obj, bake_path):
 
 
 def _baked_material(obj, isovalue):
-    volume = added.volume_object(obj)
+    volume = display.volume_object(obj)
     settings, view = volume.leaflight, look.view_of(obj)
     # An atlas is a file, which a pass is not worth.
     in_passes = preview.of(volume) is not None
@@ -198,3 +202,45 @@ def _material(obj, slot, label, build):
     shader.set_opacity(material, look_of.opacity)
     shader.set_coat(material, look_of.gloss, look_of.roughness)
     return material
+
+
+_FIRST_LIGHT, _FIRST_NAME = "first light", "Leaflight Materials"
+
+
+def prepare_first_light(volumes, both_sides, walls):
+    """Has the materials compiled, once, that a bake will give to isosurfaces without light.
+
+    volumes: the objects to bake; walls: whether their walls will be lit.
+    """
+    isosurfaces = [obj for volume in volumes for obj in display.surfaces_of(volume)]
+    unlit = [obj for obj in isosurfaces if RADIANCE not in obj.data.attributes]
+    if not unlit or any(map(_is_first_light, bpy.data.objects)):
+        return
+    kinds = [(both_sides, look.view_of(obj)) for obj in unlit]
+    if walls:
+        kinds.append((True, shader_graph.View()))
+    mesh = bpy.data.meshes.new(_FIRST_NAME)
+    corners = range(3 * len(kinds))
+    mesh.from_pydata([(0, 0, 0) for _ in corners], [], [corners[i : i + 3] for i in corners[::3]])
+    for index, (back, view) in enumerate(kinds):
+        material = bpy.data.materials.new(_FIRST_NAME)
+        shader.build_attribute(material, RADIANCE, RADIANCE_BACK if back else None, view)
+        mesh.materials.append(material)
+        mesh.polygons[index].material_index = index
+    obj = display.new_display(unlit[0], _FIRST_LIGHT, _FIRST_NAME, mesh)
+    obj.hide_select = obj.hide_render = True
+    obj.location = unlit[0].matrix_world.translation
+
+
+def forget_first_light():
+    """Removes what prepare_first_light() has made, and undo or a file has brought back."""
+    for obj in list(filter(_is_first_light, bpy.data.objects)):
+        _remove_first_light(obj)
+
+
+def _remove_first_light(obj):
+    bpy.data.batch_remove((*obj.data.materials, obj.data, obj))
+
+
+def _is_first_light(obj):
+    return obj.library is None and display.is_display(obj, _FIRST_LIGHT)

@@ -10,15 +10,13 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from ..store import bake_files
-from . import added, isosurface, lamps, preview, surface_material
+from . import display, isosurface, lamps, preview, surface_material
 from .fill import colour, fill
-
-LeaflightError = leaflight.LeaflightError
 
 # About how many a surface has at most while its isovalue moves.
 MOVING_TRIANGLES = 150_000
@@ -156,7 +154,7 @@ def update_all(volume, moving=False, as_coarse=False):
 
     moving: as of update(). as_coarse: whether those that are coarse may stay so.
     """
-    for obj in (volume, *added.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         update(obj, shown_isovalue(obj), moving or (as_coarse and is_coarse(obj.data)))
 
 
@@ -165,7 +163,7 @@ def coarsen_all(volume):
 
     It comes back as it does then. A failure stays for the next update to tell.
     """
-    for obj in (volume, *added.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         if is_coarse(obj.data) or obj.library is not None or obj.mode != "OBJECT":
             continue
         with suppress(LeaflightError):
@@ -218,7 +216,7 @@ def forget():
 
 def _look_after_files(obj):
     """Finds the bake of an object and its atlases where they are now, once for each state."""
-    volume = added.volume_object(obj)
+    volume = display.volume_object(obj)
     settings = volume.leaflight
     state = (settings.bake_id, settings.bake_index, settings.bake_path, bpy.data.filepath)
     if not settings.bake_id or _looked_after.get(obj.name_full) == state:
@@ -284,7 +282,7 @@ def shade(obj):
 
 def shade_all(volume):
     """shade() for a volume and the isosurfaces that were added to it."""
-    for obj in (volume, *added.added_to(volume)):
+    for obj in display.surfaces_of(volume):
         shade(obj)
 
 
@@ -296,13 +294,13 @@ def forget_passes():
             continue
         update_all(obj)
         if not obj.leaflight.bake_id:
-            for each in (obj, *added.added_to(obj)):
+            for each in display.surfaces_of(obj):
                 surface_material.remove_baked(each)
 
 
 def _wanted(obj, isovalue):
     """The _Shown of an object whose mesh is up to date."""
-    volume_object = added.volume_object(obj)
+    volume_object = display.volume_object(obj)
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"
     smooth = f"{settings.smooth} {settings.smooth_normals}"

@@ -7,13 +7,11 @@ the next bake still sees it.
 """
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from . import display, fill, lamps, preview, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
-
-LeaflightError = leaflight.LeaflightError
 
 COLLECTION = "Leaflight Walls"
 
@@ -178,13 +176,8 @@ def _display(bake, index, name, shared):
 
 def _hide(scene, obj):
     """Hides an object that renders; one that has several materials comes here more than once."""
-    if is_hidden(obj) or obj.hide_render:
-        return
-    obj[_HIDDEN] = obj.hide_get()
-    obj.hide_render = True
-    for layer in scene.view_layers:
-        if obj.name in layer.objects:
-            obj.hide_set(True, view_layer=layer)
+    if not (is_hidden(obj) or obj.hide_render):
+        display.hide(scene, obj, _HIDDEN)
 
 
 def _clear(scene):
@@ -195,9 +188,4 @@ def _clear(scene):
         bpy.data.collections.remove(collection)
     for obj in scene.objects:
         if is_hidden(obj):
-            was_hidden = bool(obj[_HIDDEN])
-            del obj[_HIDDEN]
-            obj.hide_render = False
-            for layer in scene.view_layers:
-                if obj.name in layer.objects:
-                    obj.hide_set(was_hidden, view_layer=layer)
+            display.show(scene, obj, _HIDDEN)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A camera that has isosurfaces in its frame."""
+"""A camera that has isosurfaces in its frame, and the points that it and a stage are fitted to."""
 
 import math
 
 import bpy
+import leaflight._core as _core
 import mathutils
 import numpy as np
+
+from ..show import display, isosurfaces
 
 # Of view, across the frame's shorter side: a portrait's lens.
 _ANGLE = math.radians(26.0)
@@ -58,3 +61,46 @@ def _half_frame(data, scene):
     """Half the width and half the height of the frame at the distance 1."""
     corners = np.array([tuple(corner) for corner in data.view_frame(scene=scene)])
     return 0.5 * np.ptp(corners[:, :2], axis=0) / abs(corners[0, 2])
+
+
+# A part of an isosurface counts from this share of its largest part on, in triangles.
+_SHARE = 0.1
+
+
+def shown_points(volumes):
+    """World coordinates (n, 3) of the large parts of all isosurfaces that volume objects show.
+
+    A volume that shows nothing counts with the corners of its box. Raises LeaflightError.
+    """
+    points = []
+    for volume in volumes:
+        shown = [_large_parts(obj) for obj in display.surfaces_of(volume)]
+        if not any(map(len, shown)):
+            box = isosurfaces.world_box(volume)
+            shown = [np.array([[x, y, z] for x in box[:, 0] for y in box[:, 1] for z in box[:, 2]])]
+        points += shown
+    return np.concatenate(points)
+
+
+def bounds(points):
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _large_parts(obj):
+    mesh = obj.data
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    matrix = np.array(obj.matrix_world, np.float64)
+    large = in_large_parts(len(mesh.vertices), corners.reshape(-1, 3))
+    return vertices.reshape(-1, 3)[large] @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def in_large_parts(count, triangles):
+    """Whether each of so many vertices is in a large part of a mesh; triangles: (m, 3)."""
+    if not len(triangles):
+        return np.zeros(count, bool)
+    part = _core.connected_parts(triangles, count)
+    sizes = np.bincount(part[triangles[:, 0]], minlength=count)
+    return sizes[part] >= _SHARE * sizes.max()

@@ -1,11 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From where a volume is looked at: three quarters from its front, slightly from above."""
+"""The axes of a volume, and from where it is looked at: three quarters from its front, slightly
+from above.
+"""
 
 import math
 
 import numpy as np
 
-from . import orientation
+AXES = {
+    "POS_X": (1, 0, 0),
+    "NEG_X": (-1, 0, 0),
+    "POS_Y": (0, 1, 0),
+    "NEG_Y": (0, -1, 0),
+    "POS_Z": (0, 0, 1),
+    "NEG_Z": (0, 0, -1),
+}
+ITEMS = [
+    ("POS_X", "+X", "To the right of a patient"),
+    ("NEG_X", "-X", "To the left of a patient"),
+    ("POS_Y", "+Y", "To the front of a patient"),
+    ("NEG_Y", "-Y", "To the back of a patient"),
+    ("POS_Z", "+Z", "To the head of a patient; from slice to slice of most files"),
+    ("NEG_Z", "-Z", "To the feet of a patient"),
+]
+NAMES = list(AXES)
+
+# Of volumes without an orientation, and of patients: readers count right, front and up.
+FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
 
 # From the front towards the viewer's right, where the light comes from the left.
 THREE_QUARTERS = math.radians(35.0)
@@ -17,8 +38,41 @@ def direction(obj):
 
     A front that stands askew is taken to be its nearest quarter.
     """
-    front = np.array(obj.matrix_world, np.float64)[:3, :3] @ orientation.front_of(obj)
+    front = np.array(obj.matrix_world, np.float64)[:3, :3] @ front_of(obj)
     if math.hypot(front[0], front[1]) < 1e-3 * np.linalg.norm(front):
         return THREE_QUARTERS
     quarters = round((math.degrees(math.atan2(front[1], front[0])) + 90.0) / 90.0) % 4
     return math.radians(90.0) * quarters + THREE_QUARTERS
+
+
+def vector(number):
+    """The axis (3,) of a number."""
+    return AXES[NAMES[number]]
+
+
+def front_of(obj):
+    """The axis (3,), in the object's coordinates, that faces the viewer."""
+    return vector(obj.leaflight_orientation.front_axis)
+
+
+def with_up(up, front, new):
+    """(up, front), each an axis (3,), with another axis up.
+
+    Where that was the front or the back, the volume tips over it.
+    """
+    toward = along(new, front)
+    return new, scaled(up, -toward) if toward else front
+
+
+def with_front(up, front, new):
+    """(up, front) with another axis to the front; the volume tips where that was up or down."""
+    toward = along(new, up)
+    return scaled(front, -toward) if toward else up, new
+
+
+def along(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def scaled(axis, factor):
+    return tuple(factor * x for x in axis)

@@ -2,18 +2,14 @@
 """Objects that a stage hides: out of sight and out of renders, until they are shown again."""
 
 import bpy
+import numpy as np
 
 from .. import versions
 from ..operators import checks
 from ..show import display
 from ..translations import iface_
 
-# Whether the eye had hidden it before.
 _HIDDEN = "leaflight_hidden_by_stage"
-
-
-def is_hidden(obj):
-    return _HIDDEN in obj
 
 
 def would_render(scene, kept):
@@ -30,23 +26,16 @@ def would_render(scene, kept):
 
 def hide(scene, objects):
     for obj in objects:
-        obj[_HIDDEN] = hidden = _is_hidden(scene, obj)
-        obj.hide_render = True
-        if not hidden:
-            _hide(scene, obj, True)
+        display.hide(scene, obj, _HIDDEN)
 
 
 def show(scene, objects):
     for obj in objects:
-        hidden = obj[_HIDDEN]
-        del obj[_HIDDEN]
-        obj.hide_render = False
-        if not hidden:
-            _hide(scene, obj, False)
+        display.show(scene, obj, _HIDDEN)
 
 
 def all_hidden(scene):
-    return [obj for obj in scene.objects if is_hidden(obj)]
+    return [obj for obj in scene.objects if _HIDDEN in obj]
 
 
 def names(objects):
@@ -56,42 +45,49 @@ def names(objects):
     return iface_("%s and %d more") % (text, more) if more > 0 else text
 
 
-def _is_hidden(scene, obj):
-    return any(obj.hide_get(view_layer=v) for v in scene.view_layers if obj.name in v.objects)
-
-
-def _hide(scene, obj, hidden):
-    for layer in scene.view_layers:
-        if obj.name in layer.objects:
-            obj.hide_set(hidden, view_layer=layer)
-
-
-class LEAFLIGHT_OT_show_hidden(bpy.types.Operator):
+class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.show_hidden"
     bl_label = "Show Hidden"
     bl_description = (
         "Show and render the objects again that Stage has hidden. They then stand in the stage "
         "and are baked with it"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        checks.needs(lambda context: all_hidden(context.scene), "Stage has hidden no object"),
+        checks.in_object_mode,
+    )
 
-    @classmethod
-    def poll(cls, context):
-        if not all_hidden(context.scene):
-            cls.poll_message_set("Stage has hidden no object")
-            return False
-        return checks.in_object_mode(cls, context)
-
-    def execute(self, context):
+    def run(self, context):
         objects = all_hidden(context.scene)
         show(context.scene, objects)
         self.report({"INFO"}, f"Shown again: {names(objects)}")
-        return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_show_hidden)
+# Where Blender puts them; lengths of the cube's sides, power of the lamp.
+_CUBE, _LAMP = (0.0, 0.0, 0.0), (4.0762, 1.0055, 5.9039)
+_SIDE, _POWER = 2.0, 1000.0
 
 
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_show_hidden)
+def is_first_scene(scene):
+    """True if a scene has nothing to bake with its volumes but what Blender began with."""
+    objects = would_render(scene, ())
+    return any(map(_is_cube, objects)) and all(_is_cube(o) or _is_lamp(o) for o in objects)
+
+
+def _is_cube(obj):
+    if obj.type != "MESH" or len(obj.data.vertices) != 8 or obj.modifiers:
+        return False
+    return _stands_at(obj, _CUBE) and np.allclose(obj.dimensions, _SIDE)
+
+
+def _is_lamp(obj):
+    if obj.type != "LIGHT" or obj.data.type != "POINT":
+        return False
+    return _stands_at(obj, _LAMP) and obj.data.energy == _POWER
+
+
+def _stands_at(obj, place):
+    return np.allclose(obj.matrix_world.translation, place, atol=1e-3)
+
+
+CLASSES = (LEAFLIGHT_OT_show_hidden,)

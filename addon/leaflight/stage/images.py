@@ -5,12 +5,10 @@ import hashlib
 import os
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
-
-LeaflightError = leaflight.LeaflightError
 
 # Spaces in which the numbers of an 8-bit image are linear as they are.
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}

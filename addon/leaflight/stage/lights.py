@@ -3,14 +3,12 @@
 
 import math
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 
 from .. import versions
 from . import nodes
-
-LeaflightError = leaflight.LeaflightError
 
 # From which error on a point light's softness is worth a warning.
 _SOFTNESS = 0.01

@@ -4,13 +4,11 @@
 from dataclasses import dataclass, field, replace
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import versions
 from . import nodes
-
-LeaflightError = leaflight.LeaflightError
 
 # The colour in which Cycles renders a mesh without a material.
 DEFAULT_ALBEDO = (0.8, 0.8, 0.8)

@@ -3,13 +3,11 @@
 
 from dataclasses import replace
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.scene.scene import Mesh
 
 from . import images, materials
-
-LeaflightError = leaflight.LeaflightError
 
 
 def export_meshes(obj, matrix, warnings):

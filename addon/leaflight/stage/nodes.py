@@ -5,11 +5,9 @@ in every language.
 
 import math
 
-import leaflight
 import mathutils
 import numpy as np
-
-LeaflightError = leaflight.LeaflightError
+from leaflight import LeaflightError
 
 
 def linked(tree, identifier):

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Which axis of a volume points up, and which to the viewer: Object.leaflight_orientation.
 
 The object's transform alone holds the one; the other is kept beside it, since a stage turns to
@@ -12,31 +11,23 @@ from bpy.props import EnumProperty
 from mathutils import Matrix
 
 from ..operators import checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import isovalues, isosurfaces
-from ..store import source_files
+from ..operators.checks import active_volume
+from ..show import isosurfaces, isovalues
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
-
-AXES = {
-    "POS_X": (1, 0, 0),
-    "NEG_X": (-1, 0, 0),
-    "POS_Y": (0, 1, 0),
-    "NEG_Y": (0, -1, 0),
-    "POS_Z": (0, 0, 1),
-    "NEG_Z": (0, 0, -1),
-}
-ITEMS = [
-    ("POS_X", "+X", "To the right of a patient"),
-    ("NEG_X", "-X", "To the left of a patient"),
-    ("POS_Y", "+Y", "To the front of a patient"),
-    ("NEG_Y", "-Y", "To the back of a patient"),
-    ("POS_Z", "+Z", "To the head of a patient; from slice to slice of most files"),
-    ("NEG_Z", "-Z", "To the feet of a patient"),
-]
-_NAMES = list(AXES)
-
-# Of volumes without an orientation, and of patients: readers count right, front and up.
-FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
+from ..store import source_files
+from . import stage
+from .facing import (
+    AXES,
+    FRONT,
+    ITEMS,
+    NAMES,
+    PATIENTS_FRONT,
+    along,
+    scaled,
+    vector,
+    with_front,
+    with_up,
+)
 
 UP_TEXT = "Axis of the volume that points up"
 FRONT_TEXT = "Axis of the volume that points to the viewer of a stage"
@@ -61,41 +52,18 @@ def _set_front(group, number):
 
 def _choose(group, way, number):
     up, front = _axes_of(group)
-    if way(up, front, _vector(number)) == (up, front):
+    if way(up, front, vector(number)) == (up, front):
         group.is_unknown = False
     else:
-        _turn(group.id_data, *way(up, front, _vector(number)))
+        _turn(group.id_data, *way(up, front, vector(number)))
 
 
 def _axes_of(group):
     """(up, front), at a right angle however the volume was turned by hand."""
-    up, front = _vector(_up(group)), _vector(_front(group))
-    if _along(up, front):
-        front = AXES[FRONT] if not _along(up, AXES[FRONT]) else AXES["NEG_X"]
+    up, front = vector(_up(group)), vector(_front(group))
+    if along(up, front):
+        front = AXES[FRONT] if not along(up, AXES[FRONT]) else AXES["NEG_X"]
     return up, front
-
-
-def with_up(up, front, new):
-    """(up, front), each an axis (3,), with another axis up.
-
-    Where that was the front or the back, the volume tips over it.
-    """
-    toward = _along(new, front)
-    return new, _scaled(up, -toward) if toward else front
-
-
-def with_front(up, front, new):
-    """(up, front) with another axis to the front; the volume tips where that was up or down."""
-    toward = _along(new, up)
-    return _scaled(front, -toward) if toward else up, new
-
-
-def _along(a, b):
-    return sum(x * y for x, y in zip(a, b))
-
-
-def _scaled(axis, factor):
-    return tuple(factor * x for x in axis)
 
 
 class LeaflightOrientation(bpy.types.PropertyGroup):
@@ -103,7 +71,7 @@ class LeaflightOrientation(bpy.types.PropertyGroup):
     front: EnumProperty(
         name="Front", description=FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
     )
-    front_axis: IntProperty(name="Number of the Front", default=_NAMES.index(FRONT))
+    front_axis: IntProperty(name="Number of the Front", default=NAMES.index(FRONT))
     is_unknown: BoolProperty(name="No Orientation in the File, and None Chosen")
 
 
@@ -118,7 +86,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.turn_volume"
     bl_label = "Turn 90 Degrees"
     bl_description = "Turn the volume by 90 degrees as the viewer of a stage sees it"
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, *checks.VOLUME)
 
     way: EnumProperty(name="Way", items=_WAYS)
 
@@ -127,33 +95,23 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         texts = {key: text for key, _, text in _WAYS}
         return texts[properties.way]
 
-    @classmethod
-    def poll(cls, context):
-        return jobs.is_free(cls) and super().poll(context)
-
-    def execute(self, context):
+    def run(self, context):
         obj = active_volume(context)
         was_lit = bool(obj.leaflight.bake_id)
         orientation = obj.leaflight_orientation
         up, front = _axes_of(orientation)
         left = tuple(np.cross(front, up).tolist())
         # The axis that comes to the top, and the one that comes to the front.
-        axes = {"TIP": (_scaled(front, -1), up), "ROLL": (left, front), "TURN": (up, left)}
+        axes = {"TIP": (scaled(front, -1), up), "ROLL": (left, front), "TURN": (up, left)}
         _turn(obj, *axes[self.way])
         if was_lit:
             self.report({"INFO"}, "The volume stands otherwise than in its bake: bake again")
-        return {"FINISHED"}
-
-
-def front_of(obj):
-    """The axis (3,), in the object's coordinates, that faces the viewer."""
-    return _vector(_front(obj.leaflight_orientation))
 
 
 def begin(obj, is_patient, up, front):
     """Orients a volume that was imported; up, front: of AXES, or empty for those of its file."""
     orientation = obj.leaflight_orientation
-    orientation.front_axis = _NAMES.index(PATIENTS_FRONT if is_patient else FRONT)
+    orientation.front_axis = NAMES.index(PATIENTS_FRONT if is_patient else FRONT)
     orientation.is_unknown = not (is_patient or up or front)
     up_axis, front_axis = _axes_of(orientation)
     if up:
@@ -171,8 +129,6 @@ def take_over(obj, other):
 
 def _turn(obj, up, front):
     """orient(), and a stage that follows. A volume that is not yet one has none."""
-    from . import stage  # which imports this module for the front
-
     orient(obj, up, front)
     if obj.leaflight.is_volume:
         stage.follow(bpy.context, obj)
@@ -188,10 +144,10 @@ def orient(obj, up, front):
     before = obj.matrix_world.copy()
     others = _turning_with(obj)
     for volume in (obj, *others):
-        volume.leaflight_orientation.front_axis = list(AXES.values()).index(front)
+        volume.leaflight_orientation.front_axis = [*AXES.values()].index(front)
         volume.leaflight_orientation.is_unknown = False
     low, high = isosurfaces.world_box(obj)
-    turn = Matrix([np.cross(up, front).tolist(), _scaled(front, -1), up])
+    turn = Matrix([np.cross(up, front).tolist(), scaled(front, -1), up])
     obj.matrix_world = turn.to_4x4() @ Matrix.Diagonal((*before.to_scale(), 1.0))
     bpy.context.view_layer.update()
     new_low, new_high = isosurfaces.world_box(obj)
@@ -217,20 +173,7 @@ def _is_same_space(*objects):
     return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())
 
 
-def _vector(number):
-    return AXES[_NAMES[number]]
-
-
-_CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.leaflight_orientation = PointerProperty(type=LeaflightOrientation)
-
-
-def unregister():
-    del bpy.types.Object.leaflight_orientation
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight_orientation", PointerProperty(type=LeaflightOrientation)),
+)

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Stage may put around the volumes: scene files of the package, fitted and turned."""
+"""What Stage may put around the volumes: scene files of the package, fitted and turned.
+
+Scene.leaflight_stage is what a scene remembers of it.
+"""
 
 from dataclasses import dataclass, replace
 
+import bpy
 import numpy as np
+from bpy.props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene import scene
 
@@ -102,3 +107,25 @@ def moved(description, up):
         meshes=[mesh(one) for one in description.meshes],
         lights=[light(one) for one in description.lights],
     )
+
+
+class LeaflightStage(bpy.types.PropertyGroup):
+    preset: EnumProperty(
+        name="Stage",
+        description="What Stage puts around the volumes",
+        items=ITEMS,
+    )
+    collection: PointerProperty(
+        type=bpy.types.Collection,
+        name="Collection",
+        description="Objects and lights of your own that shall surround the volumes",
+    )
+    albedo: FloatVectorProperty(name="Color That Stage Gave to the Volumes", size=3)
+    warnings: StringProperty(name="What Would Spoil the Bake, a Sentence a Line")
+    # What the scene had before it was staged.
+    own_world: PointerProperty(type=bpy.types.World)
+    own_camera: PointerProperty(type=bpy.types.Object)
+
+
+CLASSES = (LeaflightStage,)
+PROPERTIES = ((bpy.types.Scene, "leaflight_stage", PointerProperty(type=LeaflightStage)),)

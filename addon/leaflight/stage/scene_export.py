@@ -9,15 +9,13 @@ import dataclasses
 import functools
 import hashlib
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.scene.scene import SceneDescription
 
 from .. import versions
 from ..show import display, isosurfaces, walls
 from . import images, lights, meshes, world
-
-LeaflightError = leaflight.LeaflightError
 
 _MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 

@@ -1,32 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Stage: walls, lights and a camera around the volumes, as ordinary objects, and a lit viewport."""
 
 import math
 
 import bpy
-import leaflight
 import mathutils
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
+from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import checks, failures
-from ..operators.active_volume import active_volume
-from ..show import added, isovalues, surface_object, walls
+from ..operators.checks import active_volume
+from ..show import display, isovalues, shader, surface_object, walls
 from ..store import frame_bakes
 from ..translations import iface_
-from . import (
-    hidden,
-    camera,
-    facing,
-    framing,
-    presets,
-    render_settings,
-    scene_export,
-    scene_objects,
-    viewport,
-)
+from . import camera, facing, hidden, presets, scene_export, scene_objects, viewport
 
 # Marks what Stage has made, with its name then: a copy, or what the user has renamed, is theirs.
 _STAGED = "leaflight_stage"
@@ -39,7 +28,6 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         "Put walls, lights and a camera around the volumes, as objects that you may edit, hide "
         "others, and light the viewport. Another stage replaces the one before"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
     preset: EnumProperty(
         name="Stage", description="What to put around the volumes", items=presets.ITEMS
@@ -76,23 +64,18 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         if others:
             layout.label(text=iface_("Hidden: %s") % hidden.names(others), icon="HIDE_ON")
 
-    def execute(self, context):
+    def run(self, context):
         scene = context.scene
         isosurface = active_volume(context)
-        try:
-            volumes = scene_export.volume_objects(context, isosurface)
-            own = self._own_collection()
-            was_lit = build(context, isosurface, volumes, self.preset, own, self.hide_others)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        volumes = scene_export.volume_objects(context, isosurface)
+        own = self._own_collection()
+        was_lit = build(context, isosurface, volumes, self.preset, own, self.hide_others)
         versions.show_photographically(scene.view_settings)
-        render_settings.suit_baked_light(scene)
+        viewport.suit_baked_light(scene)
         viewport.show_stage(context)
         self._warn(context, isosurface)
         if was_lit:
             self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
-        return {"FINISHED"}
 
     def _own_collection(self):
         """The collection of My Scene, None for another preset. Raises LeaflightError."""
@@ -100,7 +83,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
             return None
         collection = bpy.data.collections.get((self.collection, None))
         if collection is None:
-            raise leaflight.LeaflightError(
+            raise LeaflightError(
                 "My Scene needs a collection of your own objects and lights: choose one beside "
                 "Stage."
             )
@@ -111,7 +94,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         try:
             description, _, warnings = scene_export.export_scene(context, isosurface)
             scene_export.check_light(description)
-        except leaflight.LeaflightError as error:
+        except LeaflightError as error:
             warnings = [f"Before the bake: {error}"]
         context.scene.leaflight_stage.warnings = "\n".join(warnings)
         for warning in warnings:
@@ -128,21 +111,15 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a "
         "bake the stage is fitted to them, too"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def run(self, context):
         scene, isosurface = context.scene, active_volume(context)
-        try:
-            volumes = scene_export.volume_objects(context, isosurface)
-            if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
-                _use_camera(scene, isosurface, framing.shown_points(volumes))
-            else:
-                follow(context, isosurface)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        volumes = scene_export.volume_objects(context, isosurface)
+        if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
+            _use_camera(scene, isosurface, camera.shown_points(volumes))
+        else:
+            follow(context, isosurface)
         viewport.look_through_camera(context)
-        return {"FINISHED"}
 
 
 def build(context, isosurface, volumes, preset, own=None, hide_others=None):
@@ -155,7 +132,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     """
     scene = context.scene
     context.view_layer.update()
-    points = framing.shown_points(volumes)
+    points = camera.shown_points(volumes)
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
     description = None if own else presets.fitted(preset, seen)
@@ -244,7 +221,7 @@ def _put_out(scene, volumes):
     for obj in volumes:
         frame_bakes.forget(obj.leaflight)
         surface_object.update_all(obj)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
     return was_lit
 
@@ -305,5 +282,17 @@ def _use_camera(scene, isosurface, points):
     camera.frame(scene.camera, scene, points, facing.direction(isosurface), facing.ELEVATION)
 
 
-_CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+# The name that scene files give it.
+_BACKDROP = "backdrop"
+
+
+def paint_backdrop(scene, color):
+    """Gives a linear color (r, g, b) to the backdrop of the stage, where it has one."""
+    for obj in scene.objects:
+        if is_staged(obj) and obj.name.partition(".")[0] == _BACKDROP:
+            for material in obj.data.materials:
+                shader.set_albedo(material, color)
+                material.diffuse_color = (*color, 1.0)
+
+
+CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)

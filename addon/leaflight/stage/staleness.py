@@ -7,15 +7,17 @@ changed for a moment. Never while a panel draws or an isovalue moves.
 
 import dataclasses
 import time
+from numbers import Real
 
 import bpy
-import leaflight
+import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from ..operators import jobs
 from ..show import lamps
 from ..store import bake_files, source_files
-from . import scene_export
+from . import lights, scene_export
 
 _OTHER = "The bake was made for another scene: bake again to light this one"
 _CHANGED = "The scene has changed since the bake: bake again"
@@ -101,7 +103,7 @@ def _look():
 def _change(context, obj):
     try:
         bake_files.locate(obj)
-    except leaflight.LeaflightError as error:
+    except LeaflightError as error:
         return str(error)
     if source_files.smoothing_changed(obj.leaflight):
         return "Smooth has changed since the bake: bake again"
@@ -110,7 +112,7 @@ def _change(context, obj):
     try:
         description, volumes, _ = scene_export.export_scene(context, obj)
         now = scene_export.fingerprint(volumes, description)
-    except leaflight.LeaflightError as error:
+    except LeaflightError as error:
         return f"The scene has changed since the bake: {error}"
     if obj.leaflight.bake_fingerprint == OTHER_SCENE:
         return _OTHER
@@ -126,3 +128,89 @@ def _is_relit(obj, volumes, description):
         return False
     before = dataclasses.replace(description, lights=lights)
     return scene_export.fingerprint(volumes, before) == obj.leaflight.bake_fingerprint
+
+
+# Single precision through a few products.
+_TOLERANCE = 1e-4
+
+# What a description calls things, where they came from, and what only the bake's range says.
+_UNSEEN = {"name", "source", "reading", "coordinates", "isovalues"}
+
+
+def is_same(a, b):
+    """Whether plain data are equal, but for names, rounding, and the order of objects."""
+    if dataclasses.is_dataclass(a) and dataclasses.is_dataclass(b):
+        return type(a) is type(b) and all(
+            is_same(getattr(a, part.name), getattr(b, part.name)) for part in _parts(a)
+        )
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)) and len(a) == len(b):
+        if any(dataclasses.is_dataclass(item) for item in a):
+            return _same_members(a, b)
+        return all(is_same(x, y) for x, y in zip(a, b))
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return a.shape == b.shape and _close(a, b)
+    if isinstance(a, Real) and isinstance(b, Real):
+        return _close(a, b)
+    return type(a) is type(b) and a == b
+
+
+def in_order(a, b):
+    """The members of a in the order of those like them in b, which are as many."""
+    return [next(item for item in a if is_same(item, other)) for other in b]
+
+
+def _parts(description):
+    # The index of refraction is that of glass alone.
+    unseen = _UNSEEN | (
+        {"ior"} if getattr(description, "scattering", "glass") != "glass" else set()
+    )
+    return [part for part in dataclasses.fields(description) if part.name not in unseen]
+
+
+def _same_members(a, b):
+    """Each of a has its like in b: objects of a scene have no order."""
+    left = list(b)
+    for item in a:
+        like = next((other for other in left if is_same(item, other)), None)
+        if like is None:
+            return False
+        left.remove(like)
+    return True
+
+
+def _close(a, b):
+    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
+    scale = max(1e-30, np.abs(a).max(initial=0), np.abs(b).max(initial=0))
+    return bool(np.abs(a - b).max(initial=0) <= _TOLERANCE * scale)
+
+
+def follow_lamps(scene, depsgraph):
+    """Looks at the lamps as they were evaluated; returns whether a bake is to be shown anew."""
+    lit = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
+    if not lit:
+        return False
+    try:
+        present = [light for light in _present_lamps(depsgraph) if light is not None]
+    except LeaflightError:
+        # Of a kind that cannot be baked; the panel says why.
+        present = None
+    if present is None:
+        return False
+    # A volume that came into a scene without any lamp is shown as it was baked.
+    has_lamps = any(obj.type == "LIGHT" for obj in scene.objects)
+    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in lit]
+    return any(found)
+
+
+def concerns_lamps(changed):
+    """Whether a data-block that was changed may be, or may hide, a lamp."""
+    if isinstance(changed, bpy.types.Object):
+        return changed.type == "LIGHT"
+    kinds = (bpy.types.Light, bpy.types.ShaderNodeTree, bpy.types.Collection, bpy.types.Scene)
+    return isinstance(changed, kinds)
+
+
+def _present_lamps(depsgraph):
+    for obj, matrix in scene_export.rendered_objects(depsgraph.view_layer, depsgraph):
+        if obj.type == "LIGHT":
+            yield lights.export_light(obj, matrix, lambda: [], [])

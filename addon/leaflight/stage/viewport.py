@@ -4,6 +4,7 @@
 import bpy
 
 from .. import versions
+from ..operators import jobs
 
 
 def show_stage(context):
@@ -51,10 +52,19 @@ def _viewport(context):
     """(window, area), or (None, None) where there is none."""
     if context.area is not None and context.area.type == "VIEW_3D":
         return context.window, context.area
-    found = [
-        (window, area)
-        for window in context.window_manager.windows
-        for area in window.screen.areas
-        if area.type == "VIEW_3D"
-    ]
-    return max(found, key=lambda pair: pair[1].width * pair[1].height, default=(None, None))
+    return max(
+        jobs.viewports(), key=lambda pair: pair[1].width * pair[1].height, default=(None, None)
+    )
+
+
+# A pixel: of Cycles, whose lamps still have grain before the bake, and of Eevee.
+_CYCLES, _EEVEE = 64, 32
+
+
+def suit_baked_light(scene):
+    cycles = getattr(scene, "cycles", None)
+    if cycles is not None:
+        cycles.samples = min(cycles.samples, _CYCLES)
+        cycles.use_denoising = versions.has_denoiser()
+    eevee = scene.eevee
+    eevee.taa_render_samples = min(eevee.taa_render_samples, _EEVEE)

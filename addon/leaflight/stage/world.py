@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender's world as the environment of the bake: one colour, or an image of all directions."""
 
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.scene.scene import Environment
 
 from .. import versions
 from . import images, nodes
-
-LeaflightError = leaflight.LeaflightError
 
 
 def export_world(world):

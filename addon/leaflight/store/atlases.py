@@ -8,11 +8,8 @@ missing or holds anything else is written again from the bake.
 import re
 from pathlib import Path
 
-import leaflight
 import numpy as np
-from leaflight import _core
-
-LeaflightError = leaflight.LeaflightError
+from leaflight import LeaflightError, _core
 
 # Larger float images exceed what graphics drivers and memory commonly hold.
 LARGEST_ATLAS = 8192

@@ -12,11 +12,10 @@ from functools import partial
 import bpy
 import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
 from . import bake_files, reading, source_files
-
-LeaflightError = leaflight.LeaflightError
 
 _volumes = session.remembered()
 _bakes = session.remembered()

@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """What the user has chosen for all files: Edit > Preferences > Add-ons > Leaflight."""
 
 import os
@@ -92,12 +91,10 @@ def _limit_memory(chosen):
     limit_memory(int(chosen.memory * 2**30) if chosen.limit_memory else None, cache_folder())
 
 
+CLASSES = (LeaflightPreferences,)
+
+
 def register():
-    bpy.utils.register_class(LeaflightPreferences)
     chosen = _chosen()
     if chosen is not None:
         _limit_memory(chosen)
-
-
-def unregister():
-    bpy.utils.unregister_class(LeaflightPreferences)

@@ -10,13 +10,12 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
+from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
 from leaflight.volume import smoothing
 
 from .. import session
-
-LeaflightError = leaflight.LeaflightError
 
 # The properties that say which volume of a file was read, and how; of a frame or a channel -1 is
 # none chosen.
@@ -35,6 +34,8 @@ CHOICES = (
     "smooth",
     "smooth_normals",
 )
+# Those that say so by a number above this one.
+_NONE = {"frame": -1, "channel": -1, "downsample": 1, "smooth": 0, "smooth_normals": 0}
 # Those of them that say how values, and normals alone, are smoothed.
 SMOOTHING = CHOICES[-2:]
 
@@ -66,15 +67,7 @@ def _plain(value):
 def read_volume(path, progress=None, **choices):
     """Reads a volume with those of CHOICES that its kind of file takes. Raises LeaflightError."""
     options = _options(path, choices)
-    if choices["frame"] >= 0:
-        options["frame"] = choices["frame"]
-    if choices["channel"] >= 0:
-        options["channel"] = choices["channel"]
-    if choices["downsample"] > 1:
-        options["downsample"] = choices["downsample"]
-    for name in SMOOTHING:
-        if choices[name] > 0:
-            options[name] = choices[name]
+    options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 

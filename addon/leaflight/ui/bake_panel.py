@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of the bake: how good, how long, go; what has come of it."""
+"""The panel of the bake: how good, how long, go; what has come of it; options, and files."""
 
 import bpy
 
 from .. import versions
-from ..bake import bake, continue_bake, estimate_bake, live, resume_bake, stopped
+from ..bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
 from ..operators import failures, jobs
-from ..operators.active_volume import active_volume
-from ..show import bake_options, lamps, surface_material
+from ..operators.checks import active_volume
+from ..show import bake_properties, lamps, surface_material
 from ..stage import staleness
 from ..translations import iface_
-from .sidebar import VolumePanel, sentence, split
+from .sidebar import ClosedPanel, VolumePanel, optional, sentence, split
 
 
 class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
@@ -35,9 +35,9 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         if (
             work is None
             and stopped.offered() is None
-            and resume_bake.is_interrupted(active_volume(context))
+            and continue_bake.is_interrupted(active_volume(context))
         ):
-            layout.operator(resume_bake.LEAFLIGHT_OT_resume_bake.bl_idname, icon="RECOVER_LAST")
+            layout.operator(continue_bake.LEAFLIGHT_OT_resume_bake.bl_idname, icon="RECOVER_LAST")
         if work is not None:
             versions.draw_progress(layout, work.fraction(), work.status())
             layout.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, icon="CANCEL")
@@ -54,10 +54,10 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         """The three qualities, and beneath each the time that it takes."""
         column = self.layout.column(align=True)
         row = column.row(align=True)
-        for quality in bake_options.QUALITIES:
+        for quality in bake_properties.QUALITIES:
             row.prop_enum(settings, "quality", quality)
         obj = active_volume(context)
-        estimates = [estimate_bake.estimate_of(obj, e) for e in bake_options.QUALITIES.values()]
+        estimates = [estimate_bake.estimate_of(obj, e) for e in bake_properties.QUALITIES.values()]
         if None not in estimates:
             row = column.row(align=True)
             for estimate in estimates:
@@ -91,7 +91,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             sentence(context, layout, live.sentence(), icon="ERROR")
         elif change:
             sentence(context, layout, change, icon="ERROR")
-        elif not settings.bake_outcome:
+        elif not settings.bake_target:
             seconds = f"{settings.bake_seconds:.0f}"
             layout.label(text=iface_("Baked in %s s") % seconds, icon="CHECKMARK")
         elif settings.bake_error <= settings.bake_target:
@@ -106,12 +106,11 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             layout.operator(suited.bl_idname, icon="PLAY")
 
 
-class LEAFLIGHT_PT_bake_details(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_bake_details(ClosedPanel, bpy.types.Panel):
     """What the one line about a bake leaves out."""
 
     bl_label = "Details"
     bl_parent_id = "LEAFLIGHT_PT_bake"
-    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context):
@@ -141,11 +140,49 @@ def _shows_result(settings):
 
 def _name_of_quality(settings):
     """Of the one that was asked for, which may not be the present one."""
-    for key, name, _ in bake_options.QUALITY_ITEMS:
-        if abs(bake_options.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
+    for key, name, _ in bake_properties.QUALITY_ITEMS:
+        if abs(bake_properties.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
             return iface_(name)
     return f"{settings.bake_target:.2g} %"
 
 
-_CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+class _AdvancedPanel(ClosedPanel):
+    bl_parent_id = "LEAFLIGHT_PT_bake"
+
+
+class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
+    bl_label = "Advanced"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = active_volume(context).leaflight
+        split(layout)
+        layout.prop(settings, "error")
+        optional(layout.column(), settings, "use_time_limit", "time_limit")
+        optional(layout.column(), settings, "use_resolution", "resolution")
+        layout.prop(settings, "seed")
+        layout.prop(settings, "shading")
+        layout.prop(settings, "bake_folder")
+        layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
+
+
+class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
+    bl_label = "Files"
+
+    def draw(self, context):
+        """What bakes take of the disk, and where else they may lie."""
+        column = self.layout.column(align=True)
+        column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
+        column.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")
+        column.operator(load_bake.LEAFLIGHT_OT_remove_unused_bakes.bl_idname, icon="TRASH")
+        bakes = load_bake.bakes_of_this_file()
+        unused = load_bake.unused_among(bakes)
+        if bakes:
+            text = iface_("Bakes: %s") % load_bake.megabytes(bakes)
+            if unused:
+                sizes = load_bake.megabytes(bakes), load_bake.megabytes(unused)
+                text = iface_("Bakes: %s, of which unused: %s") % sizes
+            sentence(context, self.layout, text, icon="DISK_DRIVE")
+
+
+CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details, LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)

@@ -10,7 +10,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import versions
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..show import look
 
 _COLOR = (1.0, 0.6, 0.15, 1.0)

@@ -9,40 +9,36 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..bake import live, stopped
-from ..operators import active_volume, failures, jobs
+from ..operators import checks, failures, jobs
 from ..show import (
-    added,
-    cut_faces,
+    data_faces,
     display,
-    duplicates,
-    first_light,
     isovalues,
-    slices,
     surface_material,
     surface_object,
     walls,
     whole_detail,
 )
-from ..stage import lamp_strengths, staleness
-from ..store import cache, frame_bakes, moving
+from ..stage import staleness
+from ..store import bake_files, cache, frame_bakes
 
 
 def _follow(scene, depsgraph, by_hand):
     """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved.
 
-    Lamps are taken to be as strong as when follow() of lamp_strengths was called last.
+    Lamps are taken to be as strong as when staleness.follow_lamps() was called last.
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
     for volume in isovalues.volumes(scene):
-        cut_faces.update(volume, depsgraph)
-        slices.update(volume, depsgraph)
+        data_faces.update_cut(volume, depsgraph)
+        data_faces.update_slices(volume, depsgraph)
     whole_detail.watch(isovalues.isosurfaces(scene))
     return moved
 
 
 @persistent
 def _after_frame(scene, depsgraph):
-    lamp_strengths.follow(scene, depsgraph)
+    staleness.follow_lamps(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph) and _plays())
 
 
@@ -64,25 +60,25 @@ def _before_change(scene, *_):
 @persistent
 def _after_change(scene, depsgraph):
     if depsgraph.mode == "VIEWPORT":
-        active_volume.remember(scene, depsgraph.view_layer.objects.active)
+        checks.remember_active(scene, depsgraph.view_layer.objects.active)
     moved = list(_moved)
     _moved.clear()
     # At once: Blender may free its updates by the changes below.
     changes = [_Change(update) for update in depsgraph.updates]
     shown_anew = any(_is_isosurface(change.what) for change in changes)
     if shown_anew:
-        duplicates.complete()
-    may_shine = shown_anew or any(lamp_strengths.concern(change.what) for change in changes)
-    relit = may_shine and lamp_strengths.follow(scene, depsgraph)
+        isovalues.complete_duplicates()
+    may_shine = shown_anew or any(staleness.concerns_lamps(change.what) for change in changes)
+    relit = may_shine and staleness.follow_lamps(scene, depsgraph)
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     elif {change.what for change in changes} & _clip_boxes(scene):
         for volume in isovalues.volumes(scene):
-            cut_faces.update(volume, depsgraph)
+            data_faces.update_cut(volume, depsgraph)
     if shown_anew or relit or moved:
         # Blender draws anew where the isovalue was moved; it stands in two places.
         jobs.redraw_panels()
-    for obj in filter(added.is_isosurface, isovalues.known()):
+    for obj in filter(display.is_isosurface, isovalues.known()):
         if obj.library is None and not surface_material.shows_its_view(obj):
             surface_object.shade(obj)
     if any(_concerns_bakes(scene, change, moved) for change in changes):
@@ -113,7 +109,7 @@ class _Change:
 
 
 def _is_isosurface(changed):
-    return isinstance(changed, bpy.types.Object) and added.is_isosurface(changed)
+    return isinstance(changed, bpy.types.Object) and display.is_isosurface(changed)
 
 
 def _clip_boxes(scene):
@@ -154,14 +150,14 @@ def _before_undo(*_):
 
     Blender 5.2 keeps meshes that refer to them nevertheless, and crashes.
     """
-    own = [obj for obj in bpy.data.objects if obj.library is None and added.is_isosurface(obj)]
+    own = [obj for obj in bpy.data.objects if obj.library is None and display.is_isosurface(obj)]
     _taken_off.update({obj.name: surface_material.take_off(obj) for obj in own})
 
 
 def _put_on():
     for name, names in _taken_off.items():
         obj = bpy.data.objects.get((name, None))
-        if obj is not None and added.is_isosurface(obj):
+        if obj is not None and display.is_isosurface(obj):
             surface_material.put_on(obj, names)
     _taken_off.clear()
 
@@ -173,10 +169,10 @@ def _after_undo(scene, _depsgraph):
     failures.forget()
     staleness.forget()
     surface_object.forget()
-    _remove(first_light.forget)
-    duplicates.complete()
+    _remove(surface_material.forget_first_light)
+    isovalues.complete_duplicates()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    lamp_strengths.follow(scene, depsgraph)
+    staleness.follow_lamps(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     for obj in isovalues.isosurfaces(scene):
         # A mesh that lies before the step that was undone is kept, and the material that a pass of
@@ -213,7 +209,7 @@ def _before_load(*_):
 def _after_save(*_):
     """Blender has the new place only once the .blend is written: hence it is written again."""
     ours = [o for o in bpy.data.objects if o.library is None and frame_bakes.bakes_of(o.leaflight)]
-    changed, problems = moving.move_along(ours)
+    changed, problems = bake_files.move_along(ours)
     surface_object.forget()
     for obj in ours:
         surface_object.update_all(obj)
@@ -229,12 +225,12 @@ def _after_save(*_):
 
 @persistent
 def _after_load(*_):
-    first_light.forget()
+    surface_material.forget_first_light()
     for scene in bpy.data.scenes:
         if any(obj.leaflight.is_volume for obj in scene.objects):
             isovalues.lock_interface(scene)
     scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
-    lamp_strengths.follow(scene, depsgraph)
+    staleness.follow_lamps(scene, depsgraph)
     # The files of bakes may have gone or come meanwhile.
     _follow(scene, depsgraph, whole_detail.may_follow())
     live.changed(scene)

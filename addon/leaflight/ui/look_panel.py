@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of how the isosurfaces look."""
+"""The panels of how isosurfaces look, of what is beside them, of animations and comparisons."""
 
 import bpy
+from leaflight import LeaflightError
 
-from ..operators.active_volume import active_volume
-from ..show import look, surface_material
-from . import isosurface_look
-from .sidebar import VolumePanel, sentence, split
+from ..compare import render_comparison
+from ..edit import add_isosurface, animation, labels, looks
+from ..operators.checks import active_volume
+from ..show import data_faces, display, look, surface_material
+from ..store import source_files
+from ..translations import iface_
+from . import clip_outline
+from .sidebar import ClosedPanel, sentence, split
 
 
-class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
+class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
     bl_label = "Isosurfaces"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout = self.layout
@@ -19,7 +23,7 @@ class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
         volume = active_volume(context)
         settings = volume.leaflight
         layout.operator_menu_enum(
-            isosurface_look.LEAFLIGHT_OT_isosurface_preset.bl_idname, "preset", text="Look"
+            looks.LEAFLIGHT_OT_isosurface_preset.bl_idname, "preset", text="Look"
         )
         layout.prop(settings, "isosurface_scattering")
         if settings.isosurface_scattering == "GLASS":
@@ -38,11 +42,9 @@ class LEAFLIGHT_PT_isosurfaces(VolumePanel, bpy.types.Panel):
         else:
             row.prop(settings, "isosurface_albedo")
         buttons = row.column(align=True)
-        buttons.operator(isosurface_look.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
+        buttons.operator(looks.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
         if settings.isosurface_stops:
-            buttons.operator(
-                isosurface_look.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE"
-            )
+            buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
         column = layout.column(align=True)
         column.prop(settings, "isosurface_emission")
         column.prop(settings, "isosurface_emission_strength")
@@ -68,5 +70,106 @@ class LEAFLIGHT_UL_stops(bpy.types.UIList):
         row.prop(item, "color", text="")
 
 
-_CLASSES = (LEAFLIGHT_UL_stops, LEAFLIGHT_PT_isosurfaces)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
+    bl_label = "Clip Box"
+
+    def draw(self, context):
+        layout = self.layout
+        volume = active_volume(context)
+        shown = volume.leaflight_look
+        row = layout.row(align=True)
+        row.prop(shown, "box", text="", icon="MESH_CUBE")
+        row.operator(add_isosurface.LEAFLIGHT_OT_add_clip_box.bl_idname, text="", icon="ADD")
+        if shown.box is None or not shown.box.users_scene:
+            return
+        clip_outline.panel_is_open(context)
+        row = layout.row(align=True)
+        row.prop(shown, "keep", expand=True)
+        layout.prop(shown, "cut_colors")
+        column = layout.column(align=True)
+        for obj in display.surfaces_of(volume):
+            text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
+            column.prop(obj.leaflight_look, "is_cut", text=text)
+        if shown.box.type != "EMPTY" and not shown.box.hide_render:
+            text = iface_('"%s" renders and is baked: hide it in renders') % shown.box.name
+            sentence(context, layout, text, icon="ERROR")
+
+
+_AXES = ("X", "Y", "Z")
+# Across the axes of a patient's coordinates.
+_OF_A_PATIENT = ("Sagittal", "Coronal", "Axial")
+
+
+class LEAFLIGHT_PT_slices(ClosedPanel, bpy.types.Panel):
+    bl_label = "Slices"
+
+    def draw(self, context):
+        volume = active_volume(context)
+        settings, shown = volume.leaflight, volume.leaflight_look
+        column = self.layout.column(align=True)
+        names = _OF_A_PATIENT if source_files.is_patient(settings) else _AXES
+        for axis, name in enumerate(names):
+            row = column.split(factor=0.4, align=True)
+            row.prop(shown, "slice_axes", index=axis, text=name, toggle=True)
+            row = row.row(align=True)
+            row.active = shown.slice_axes[axis]
+            row.prop(shown, "slice_places", index=axis, text=_place(volume, axis), slider=True)
+        if any(shown.slice_axes):
+            self.layout.prop(shown, "slice_colors")
+            self.layout.prop(shown, "slices_inside")
+
+
+def _place(volume, axis):
+    """Of a slice, as a text in the unit of the file."""
+    try:
+        return f"{data_faces.slice_position(volume, axis):.4g} {volume.leaflight.unit}".rstrip()
+    except LeaflightError:
+        return ""
+
+
+class LEAFLIGHT_PT_animation(ClosedPanel, bpy.types.Panel):
+    bl_label = "Animation"
+
+    def draw(self, _context):
+        self.layout.row(align=True).operator_enum(animation.LEAFLIGHT_OT_animate.bl_idname, "kind")
+
+
+class LEAFLIGHT_PT_labels(ClosedPanel, bpy.types.Panel):
+    bl_label = "Scale and Labels"
+
+    def draw(self, context):
+        settings = active_volume(context).leaflight
+        if not settings.unit:
+            text = iface_("The file gives no unit of length")
+            sentence(context, self.layout, text, icon="QUESTION")
+        self.layout.prop(settings, "unit_choice")
+        row = self.layout.row(align=True)
+        row.operator(labels.LEAFLIGHT_OT_add_scale_bar.bl_idname)
+        row.operator(labels.LEAFLIGHT_OT_add_letters.bl_idname)
+        self.layout.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+
+
+class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):
+    bl_label = "Comparison"
+
+    def draw(self, context):
+        layout, volume = self.layout, active_volume(context)
+        layout.operator(
+            render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
+        )
+        if display.added_to(volume):
+            sentence(context, layout, "Of the volume's own isosurface alone", icon="INFO")
+        comparison = volume.leaflight.comparison
+        if comparison:
+            sentence(context, layout, comparison)
+
+
+CLASSES = (
+    LEAFLIGHT_UL_stops,
+    LEAFLIGHT_PT_isosurfaces,
+    LEAFLIGHT_PT_clip,
+    LEAFLIGHT_PT_slices,
+    LEAFLIGHT_PT_animation,
+    LEAFLIGHT_PT_labels,
+    LEAFLIGHT_PT_comparison,
+)

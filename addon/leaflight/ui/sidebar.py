@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels of the Leaflight tab share: their place, and sentences that wrap."""
 
-import textwrap
-
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
+from ..translations import draw_wrapped
 
 # Pixels that a letter takes on average, and those beside the text, both at a scale of 1.
 _LETTER, _MARGIN = 6.6, 66
@@ -25,6 +24,10 @@ class VolumePanel(SidebarPanel):
         return active_volume(context) is not None
 
 
+class ClosedPanel(VolumePanel):
+    bl_options = {"DEFAULT_CLOSED"}
+
+
 def split(layout):
     """Names left, values right, as in Blender's own panels."""
     layout.use_property_split = True
@@ -32,13 +35,10 @@ def split(layout):
 
 
 def sentence(context, layout, text, icon="NONE"):
-    """A text that is translated already; labels do not wrap by themselves."""
+    """A text that is translated already, as wide as the sidebar."""
     scale = context.preferences.system.ui_scale
     width = max(16, int((context.region.width / scale - _MARGIN) / _LETTER))
-    column = layout.column(align=True)
-    for line in textwrap.wrap(text, width):
-        column.label(text=line, icon=icon, translate=False)
-        icon = "BLANK1" if icon != "NONE" else icon
+    draw_wrapped(layout.column(align=True), text, width, icon)
 
 
 def optional(layout, settings, switch, value):

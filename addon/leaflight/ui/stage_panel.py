@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of what surrounds the volumes."""
+"""The panel of what surrounds the volumes, and the strip above the viewport: no tab to find."""
 
 import bpy
 
+from ..bake import bake, stopped
 from ..operators import jobs
-from ..operators.active_volume import active_volume
+from ..operators.checks import active_volume
 from ..stage import hidden, presets, stage
 from ..stage import orientation as orientation_of
 from ..translations import iface_
@@ -53,9 +54,57 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             row.operator(turn, text="", icon=icon).way = way
 
 
+class LEAFLIGHT_MT_stage(bpy.types.Menu):
+    bl_label = "Stage"
+    bl_description = "Choose what to put around the volumes"
+
+    def draw(self, _context):
+        for key, preset in presets.PRESETS.items():
+            operator = self.layout.operator(
+                stage.LEAFLIGHT_OT_stage.bl_idname, text=preset.name, icon=preset.icon
+            )
+            operator.preset = key
+
+
+def _draw_strip(header, context):
+    obj = active_volume(context)
+    if obj is None or context.mode != "OBJECT":
+        return
+    row = header.layout.row(align=True)
+    slider = row.row(align=True)
+    slider.ui_units_x = 10
+    slider.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
+    row.separator()
+    button = row.row(align=True)
+    button.ui_units_x = 4
+    button.operator(stage.LEAFLIGHT_OT_stage.bl_idname, icon="CUBE")
+    row.menu("LEAFLIGHT_MT_stage", text="", icon="DOWNARROW_HLT")
+    row.separator()
+    _draw_bake(row)
+    header.layout.separator()
+
+
+def _draw_bake(row):
+    work = jobs.running()
+    button = row.row(align=True)
+    if work is not None:
+        button.ui_units_x = 12
+        button.label(text=work.status(), icon="TIME")
+        row.operator(stopped.LEAFLIGHT_OT_stop_bake.bl_idname, text="", icon="CANCEL")
+    elif stopped.offered() is not None:
+        row.operator(stopped.LEAFLIGHT_OT_keep_bake.bl_idname, icon="CHECKMARK")
+        row.operator(stopped.LEAFLIGHT_OT_throw_bake_away.bl_idname, text="", icon="TRASH")
+    else:
+        button.ui_units_x = 4
+        button.operator(bake.LEAFLIGHT_OT_bake.bl_idname, text="Bake", icon="LIGHT_AREA")
+
+
 def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_stage)
+    bpy.types.VIEW3D_HT_tool_header.prepend(_draw_strip)
 
 
 def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_stage)
+    bpy.types.VIEW3D_HT_tool_header.remove(_draw_strip)
+
+
+CLASSES = (LEAFLIGHT_PT_stage, LEAFLIGHT_MT_stage)

@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The head of the tab: the isovalue of the active volume, or how to get a volume."""
+"""The head of the tab: the isovalue of the active volume, or how to get a volume; and its data."""
 
 import bpy
 
-from ..bake import load_bake
-from ..importing import import_image, import_volume
-from ..operators.active_volume import active_volume
-from ..show import added, backs, isovalues, look, surface_material, surface_object
-from ..stage import open_example
+from .. import versions
+from ..bake import continue_bake, load_bake
+from ..edit import add_isosurface, data_picture, pick_isovalue
+from ..flatland import isolines
+from ..importing import import_volume, open_example, smooth_volume
+from ..operators import jobs
+from ..operators.checks import active_volume
+from ..show import display, distribution, isovalues, look, surface_material, surface_object
+from ..store import frame_bakes
 from ..translations import iface_
-from . import add_isosurface, clip_outline, proposals
-from .sidebar import SidebarPanel, sentence
+from . import clip_outline
+from .sidebar import SidebarPanel, sentence, split
 
 
 class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
@@ -33,22 +37,22 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         problem = surface_object.problems.get(obj.name_full)
         if problem:
             sentence(context, layout, problem, icon="ERROR")
-        note = backs.note(obj)
+        note = look.note_on_backs(obj)
         if note:
             sentence(context, layout, note, icon="INFO")
-        for other in added.added_to(obj):
+        for other in display.added_to(obj):
             self._draw_added(context, other)
         row = layout.row(align=True)
         add = add_isosurface.LEAFLIGHT_OT_add_isosurface.bl_idname
         row.operator(add, icon="ADD")
-        if proposals.is_hounsfield(obj):
+        if add_isosurface.is_hounsfield(obj):
             row.operator_menu_enum(add, "tissue", text="", icon="DOWNARROW_HLT")
 
     def _draw_beginning(self):
         column = self.layout.column(align=True)
         column.operator(open_example.LEAFLIGHT_OT_open_example.bl_idname, icon="OUTLINER_OB_VOLUME")
         column.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
-        column.operator(import_image.LEAFLIGHT_OT_import_image.bl_idname, icon="IMAGE_DATA")
+        column.operator(isolines.LEAFLIGHT_OT_import_image.bl_idname, icon="IMAGE_DATA")
         column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
 
     def _draw_added(self, context, obj):
@@ -83,9 +87,92 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             column.label(text=f"{other.name}: {other.leaflight.isovalue:g}", icon="VOLUME_DATA")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_PT_volume)
+# Pixels of an icon of scale 1, and of the sidebar beside the picture, in an unscaled interface.
+ICON, BESIDE = 20, 40
 
 
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_PT_volume)
+class LEAFLIGHT_PT_data(bpy.types.Panel):
+    bl_label = "Data"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Leaflight"
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return active_volume(context) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        obj = active_volume(context)
+        icon = data_picture.icon_of(obj)
+        if icon:
+            width = context.region.width / context.preferences.system.ui_scale
+            layout.template_icon(icon_value=icon, scale=max(4.0, (width - BESIDE) / ICON))
+        else:
+            layout.label(text="Looking at the data", icon="TIME")
+        if obj.leaflight.frames > 1:
+            self._draw_frames(obj.leaflight)
+        layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
+        _draw_smooth(layout, obj.leaflight)
+        found = distribution.of(obj)
+        if found is not None and not obj.leaflight.smooth:
+            if found.are_labels:
+                layout.label(text="A mask or labels: smooth by 1 voxel", icon="INFO")
+            elif found.is_terraced:
+                layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
+
+    def _draw_frames(self, settings):
+        """Which frame of a series is shown, and how many are baked."""
+        layout = self.layout
+        layout.prop(settings, "shown_frame", text=iface_("Frame (0 to %d)") % (settings.frames - 1))
+        baked = frame_bakes.count_baked(settings)
+        if settings.bake_id:
+            text, icon = iface_("Baked; %d of %d frames are"), "CHECKMARK"
+        else:
+            text, icon = iface_("Not baked; %d of %d frames are"), "ERROR"
+        layout.label(text=text % (baked, settings.frames), icon=icon, translate=False)
+        layout.operator(continue_bake.LEAFLIGHT_OT_bake_frames.bl_idname, icon="RENDER_ANIMATION")
+
+
+def _draw_smooth(layout, settings):
+    name = smooth_volume.LEAFLIGHT_OT_smooth.bl_idname
+    for what, text in (
+        ("smooth", iface_("Smooth: %s voxels")),
+        ("smooth_normals", iface_("Smooth Normals: %s")),
+    ):
+        text = text % f"{getattr(settings, what):g}"
+        layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH").what = what
+
+
+class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
+    bl_label = "Flatland"
+    bl_parent_id = "LEAFLIGHT_PT_volume"
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.leaflight_flat.is_flatland
+
+    def draw(self, context):
+        layout = self.layout
+        split(layout)
+        settings = context.object.leaflight_flat
+        for names in (
+            ("height", "count", "width", "brightness_correction"),
+            ("low", "high"),
+            ("error", "resolution"),
+            ("seed", "scene_file"),
+        ):
+            column = layout.column(align=True)
+            for name in names:
+                column.prop(settings, name, text={"low": "Lowest", "high": "Highest"}.get(name))
+        layout.operator(isolines.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
+        job = jobs.running()
+        if job is not None:
+            versions.draw_progress(layout, job.fraction(), job.status())
+        problem = surface_object.problems.get(context.object.name_full)
+        if problem:
+            sentence(context, layout, problem, icon="ERROR")
+
+
+CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data, LEAFLIGHT_PT_flatland)

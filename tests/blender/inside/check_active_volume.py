@@ -5,7 +5,7 @@ import bpy
 import pytest
 from blends import save
 from leaflight_addon.operators import background, jobs
-from leaflight_addon.operators.active_volume import active_volume
+from leaflight_addon.operators.checks import active_volume
 from leaflight_addon.ui import bake_panel
 
 

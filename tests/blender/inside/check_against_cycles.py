@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from boxes import build_cornell_box
 from leaflight_addon import versions
-from leaflight_addon.compare import figures, stills
+from leaflight_addon.compare import stills
 from tools import add_light, constant_material, error_of, noise_image
 
 
@@ -34,7 +34,7 @@ def assert_agrees(isosurface, isovalue, samples=256, baked_samples=16, most=2.5)
     assert result["isosurface_rms_percent"] ** 2 - noise**2 < most**2
     assert result["image_rms_percent"] < most + noise
     cycles = result["cycles"].mean(axis=(0, 1))
-    assert not figures.doubt(result)
+    assert not stills.doubt(result)
     assert np.all(np.abs(result["baked"].mean(axis=(0, 1)) / cycles - 1.0) < 0.015)
     return result
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
-from leaflight_addon.stage import labels, scene_export
+from leaflight_addon.edit import labels
+from leaflight_addon.stage import scene_export
 from leaflight_addon.show import isosurface, surface_object
 from mathutils import Vector
 from tools import add_camera, close, error_of, vertices_of

@@ -15,7 +15,7 @@ import pytest
 from leaflight import _core
 from leaflight.measure import blender_versions
 from leaflight_addon import versions
-from leaflight_addon.compare import figures, process
+from leaflight_addon.compare import render_comparison, stills
 from PIL import Image
 from tools import close, error_of, start, wait_while
 
@@ -66,7 +66,7 @@ def check_images_and_figures(boxed, small_frame, tmp_path):
     assert 0 < result["isosurface_noise_percent"] < 3
     assert result["isosurface_noise_percent"] < result["isosurface_rms_percent"] < 6
     everywhere = np.ones((80, 80), bool)
-    rms = figures.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
+    rms = stills.rms_percent(images["baked"], images["cycles"], 1.0, everywhere)
     assert rms == pytest.approx(result["image_rms_percent"], rel=1e-3)
     assert f"{result['isosurface_rms_percent']:.2f}" in boxed.leaflight.comparison
     _flip_of(result, boxed.leaflight.comparison)
@@ -122,11 +122,11 @@ def _labelled_picture_and_table(stem, result):
 
 def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
     """What the window does: the job runs in a thread, and this Blender stays as it is."""
-    if not process.can_start():
+    if not render_comparison.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     before, statuses = _render_settings(), []
 
-    class Recorded(process.ComparisonJob):
+    class Recorded(render_comparison.ComparisonJob):
         """Records every status, however brief."""
 
         _status = property(lambda self: statuses[-1], lambda self, text: statuses.append(text))
@@ -150,10 +150,10 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
 
 def _cancel(isosurface, folder):
     """Cancels a comparison of hours while it renders; the job, and the seconds until it ended."""
-    if not process.can_start():
+    if not render_comparison.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 2000
-    job = process.ComparisonJob(isosurface, folder, 4096, 4096, 1.0)
+    job = render_comparison.ComparisonJob(isosurface, folder, 4096, 4096, 1.0)
     work = start(job)
     wait_while(work, lambda: "%" not in work.status())
     assert "Baked" in work.status()
@@ -183,7 +183,7 @@ def check_the_interval_of_the_mean_holds():
             [random.normal(mean, noise, (30, 30, 1)) * np.ones(3) for _ in range(2)]
             for mean, noise in ((1.02, 0.2), (1.0, 0.3))
         )
-        found = figures.mean_off(baked, cycles, mask)
+        found = stills.mean_off(baked, cycles, mask)
         off, within = found["isosurface_mean_off_percent"], found["isosurface_mean_off_within"]
         held += abs(off - 2.0) < within
     assert 365 < held < 394
@@ -209,10 +209,10 @@ def check_rms_is_thesis_equation_4_11_corrected():
     image = np.zeros((2, 1, 3))
     reference = np.array([[[0.3, 0.0, 0.0]], [[5.0, 5.0, 5.0]]])
     all_pixels = np.ones((2, 1), bool)
-    rms = figures.rms_percent(image, reference, 1.0, all_pixels)
+    rms = stills.rms_percent(image, reference, 1.0, all_pixels)
     assert rms == pytest.approx(100 * np.sqrt((0.3**2 / 3 + 1) / 2))
     first = np.array([[True], [False]])
-    assert figures.rms_percent(image, reference, 2.0, first) == pytest.approx(
+    assert stills.rms_percent(image, reference, 2.0, first) == pytest.approx(
         100 * np.sqrt(0.6**2 / 3)
     )
 

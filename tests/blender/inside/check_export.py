@@ -17,7 +17,7 @@ import pytest
 from leaflight.export.export import SUFFIXES
 from leaflight.stills.first_view import camera_around_bake
 from leaflight.stills.photograph import metered_stops, tone_mapped
-from leaflight_addon.compare.figures import rms_percent
+from leaflight_addon.compare.stills import rms_percent
 from leaflight_addon.export import export_bake
 from leaflight_addon.store import cache
 from tools import close, error_of, mesh_arrays, render_exr, to_world

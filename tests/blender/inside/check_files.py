@@ -19,10 +19,10 @@ from blends import (
     save,
     volume_object,
 )
-from leaflight_addon.bake import unused_bakes
+from leaflight_addon.bake import load_bake
 from leaflight_addon.show import surface_object
 from leaflight_addon.stage import staleness
-from leaflight_addon.store import atlases, bake_files, moving
+from leaflight_addon.store import atlases, bake_files
 from tools import close, error_of
 
 
@@ -163,8 +163,8 @@ def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, mon
         raise OSError(errno.EXDEV, "Invalid cross-device link")
 
     copy = no_space if linkable else full(shutil.copyfile)
-    monkeypatch.setattr(moving.os, "link", full(os.link) if linkable else no_links)
-    monkeypatch.setattr(moving.shutil, "copyfile", copy)
+    monkeypatch.setattr(bake_files.os, "link", full(os.link) if linkable else no_links)
+    monkeypatch.setattr(bake_files.shutil, "copyfile", copy)
     obj = open_saved(tmp_path / "scene.blend")
     monkeypatch.undo()
     assert len(made) > 1
@@ -233,10 +233,10 @@ def check_bakes_of_unsaved_files_stay_visible(unsaved, tmp_path):
         folder.mkdir()
         shutil.copy(first, folder)
     os.utime(given_up, (1, 1))
-    assert set(unused_bakes.unused()) == {given_up / first.name, first}
+    assert set(load_bake.unused()) == {given_up / first.name, first}
     save(tmp_path / "scene.blend")
     moved = tmp_path / "leaflight" / second.name
-    assert set(unused_bakes.of_this_file()) == {moved, first, given_up / first.name}
+    assert set(load_bake.bakes_of_this_file()) == {moved, first, given_up / first.name}
     bpy.ops.leaflight.remove_unused_bakes()
     assert moved.exists() and (recent / first.name).exists()
     assert not first.exists() and not given_up.exists()

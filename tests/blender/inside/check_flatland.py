@@ -6,8 +6,9 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import _core, flatland
-from leaflight_addon.bake import bake_flatland
-from leaflight_addon.show import graph_object, surface_object
+from leaflight_addon.flatland import isolines
+from leaflight_addon.flatland import graph_object
+from leaflight_addon.show import surface_object
 from leaflight_addon.stage import scene_export
 from tools import close, colours_of, error_of, smooth_image, vertices_of
 
@@ -67,7 +68,7 @@ def check_passes_are_shown_until_the_bake_is_cancelled(lit):
     before = colours_of(lit)
     # Texels so fine that one pass does not reach the error.
     lit.leaflight_flat.resolution, lit.leaflight_flat.seed = 800, 1
-    job = bake_flatland.FlatBakeJob(lit)
+    job = isolines.FlatBakeJob(lit)
     job._arguments["error"] = 0.02
     job.run(leaflight.Progress())
     job.show()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from blends import open_blend, open_saved
 from leaflight import blender
-from leaflight_addon.bake import unused_bakes
+from leaflight_addon.bake import load_bake
 from leaflight_addon.show import surface_material
 from leaflight_addon.store import bake_files, cache, frame_bakes
 from tools import assert_shows, close, mesh_arrays
@@ -95,4 +95,4 @@ def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
         assert_shows(played, played.leaflight.isovalue)
         assert mesh_arrays(played)[2] is not None
     assert found == frame_bakes.bakes_of(played.leaflight) and len(found) == FRAMES
-    assert not unused_bakes.unused()
+    assert not load_bake.unused()

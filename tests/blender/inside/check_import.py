@@ -9,7 +9,7 @@ import pytest
 from leaflight_addon.importing import stored_facts
 from leaflight_addon.show import surface_object
 from leaflight_addon.store import source_files
-from leaflight_addon.ui import distribution
+from leaflight_addon.show import distribution
 from tools import assert_shows, close, error_of, mesh_arrays
 
 N = 24

@@ -12,7 +12,8 @@ from blends import open_saved
 from leaflight_addon.importing import stored_facts
 from leaflight_addon.show import isosurfaces
 from leaflight_addon.store import cache, source_files
-from leaflight_addon.ui import data_picture, distribution
+from leaflight_addon.edit import data_picture
+from leaflight_addon.show import distribution
 from tools import assert_shows, close, error_of
 
 CHOICES = {"use_spacing": False, "level": 0, "dataset": "", "spacing": (1, 1, 1)}

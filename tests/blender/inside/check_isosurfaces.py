@@ -9,7 +9,7 @@ from leaflight.scene.scene import is_color
 from leaflight_addon.show import isosurfaces, surface_object
 from leaflight_addon.stage import scene_export
 from leaflight_addon.store import cache
-from leaflight_addon.ui import looks
+from leaflight_addon.edit import looks
 from tools import close, error_of, mesh_arrays
 
 

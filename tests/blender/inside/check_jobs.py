@@ -11,14 +11,15 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from leaflight_addon.bake import bake, bake_flatland, continue_bake, estimate_bake, live
+from leaflight_addon.bake import bake, continue_bake, estimate_bake, live
+from leaflight_addon.flatland import isolines
 from leaflight_addon.bake import photon_cloud, stopped
-from leaflight_addon.compare import process
+from leaflight_addon.compare import render_comparison
 from leaflight_addon.export import export_bake
 from leaflight_addon.importing import import_volume
 from leaflight_addon.operators import background, failures, jobs
-from leaflight_addon.show import first_light, preview, surface_object, whole_detail
-from leaflight_addon.ui import smooth_volume
+from leaflight_addon.show import preview, surface_material, surface_object, whole_detail
+from leaflight_addon.importing import smooth_volume
 from PIL import Image
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
@@ -54,7 +55,7 @@ def _flat(_obj):
     Image.fromarray(np.linspace(0, 255, 400).reshape(20, 20).astype(np.uint8)).save(path)
     bpy.ops.leaflight.import_image(filepath=path)
     bpy.context.object.leaflight_flat.error = 20.0
-    return bake_flatland.FlatBakeJob(bpy.context.object)
+    return isolines.FlatBakeJob(bpy.context.object)
 
 
 def _smooth(obj):
@@ -83,9 +84,9 @@ def _export(obj):
 
 def _compare(obj):
     """The program that renders is another one here, which has the figures at once."""
-    job = process.ComparisonJob(obj, bpy.path.abspath("//pictures"), 2, 2, 0.1)
+    job = render_comparison.ComparisonJob(obj, bpy.path.abspath("//pictures"), 2, 2, 0.1)
     figures = {"sentence": "Alike", "doubt": "", "report": "Alike"}
-    job._command = ["echo", process.MARK + json.dumps(figures)]
+    job._command = ["echo", render_comparison.MARK + json.dumps(figures)]
     return job
 
 
@@ -94,12 +95,12 @@ MAKERS = {
     continue_bake.ContinueJob: _continue,
     stopped.KeepJob: _keep,
     estimate_bake.EstimateJob: lambda obj: estimate_bake.EstimateJob(bpy.context, obj),
-    bake_flatland.FlatBakeJob: _flat,
+    isolines.FlatBakeJob: _flat,
     smooth_volume.SmoothJob: _smooth,
     import_volume.ImportJob: _import,
     photon_cloud.PhotonJob: _photons,
     export_bake.ExportJob: _export,
-    process.ComparisonJob: _compare,
+    render_comparison.ComparisonJob: _compare,
 }
 
 
@@ -166,7 +167,7 @@ def check_an_error_in_any_callback_ends_the_job(small, monkeypatch, kind):
         stopped.offer(None)
     # The next work begins as if nothing had been.
     assert Window(MAKERS[kind](small)).run() == {"FINISHED"} and not failures.sentence()
-    assert not [obj for obj in bpy.data.objects if first_light._is_ours(obj)]
+    assert not [obj for obj in bpy.data.objects if surface_material._is_first_light(obj)]
 
 
 def _break(job, callback, patch):

@@ -7,7 +7,7 @@ import pytest
 from blends import open_blend, save
 from leaflight import blender
 from leaflight_addon.compare import stills
-from leaflight_addon.show import cut_faces, surface_material
+from leaflight_addon.show import data_faces, surface_material
 from leaflight_addon.store import cache
 from tools import (
     camera_rays_down,
@@ -116,7 +116,7 @@ def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
     box.scale = (5.0, 5.0, 5.0)
     bpy.context.view_layer.update()
     blender.clip(baked, box, keep=kept)
-    faces = cut_faces.faces_of(baked)
+    faces = data_faces.cut_faces_of(baked)
     look_down(5.0, 1.6)
     bpy.context.scene.world = None
     seen = _from_above(faces, tmp_path / "faces.exr", samples=1)
@@ -146,13 +146,13 @@ def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
 
 def check_a_cut_is_open_where_that_is_chosen_and_goes_with_its_volume(baked, tmp_path):
     bpy.ops.leaflight.add_clip_box()
-    faces = cut_faces.faces_of(baked)
+    faces = data_faces.cut_faces_of(baked)
     assert len(faces.data.vertices) > 0
     baked.leaflight_look.cut_colors = "MAGMA"
     assert len(faces.data.materials[0].node_tree.nodes) > 0
     save(tmp_path / "scene.blend")
     baked = open_blend(tmp_path / "scene.blend")
-    faces = cut_faces.faces_of(baked)
+    faces = data_faces.cut_faces_of(baked)
     assert len(faces.data.vertices) > 0
     baked.leaflight_look.cut_colors = "NONE"
     assert len(faces.data.vertices) == 0
@@ -166,17 +166,17 @@ def check_undo_brings_back_what_was_shown(baked):
     baked.leaflight.shading = "ATTRIBUTE"
     bpy.ops.leaflight.add_clip_box()
     name, whole = baked.name, len(baked.data.vertices)
-    faces = len(cut_faces.faces_of(baked).data.vertices)
+    faces = len(data_faces.cut_faces_of(baked).data.vertices)
     bpy.ops.ed.undo_push(message="before")
     look = baked.leaflight_look
     look.dust, look.gloss, look.roughness, look.cut_colors = 1e3, 0.7, 0.2, "NONE"
-    assert len(baked.data.vertices) == 0 == len(cut_faces.faces_of(baked).data.vertices)
+    assert len(baked.data.vertices) == 0 == len(data_faces.cut_faces_of(baked).data.vertices)
     bpy.ops.ed.undo_push(message="after")
     bpy.ops.ed.undo()
     obj = bpy.data.objects[name]
     assert (obj.leaflight_look.dust, obj.leaflight_look.gloss) == (0.0, 0.0)
     assert len(obj.data.vertices) == whole
-    assert len(cut_faces.faces_of(obj).data.vertices) == faces
+    assert len(data_faces.cut_faces_of(obj).data.vertices) == faces
     assert "coat" not in obj.data.materials[0].node_tree.nodes
     bpy.ops.ed.redo()
     obj = bpy.data.objects[name]

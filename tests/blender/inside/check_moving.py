@@ -215,7 +215,7 @@ def check_panels_tell_of_a_change_when_the_scene_rests(baked, exports, monkeypat
         timers = bpy.app.timers
 
     class Bpy:
-        app, context = App, bpy.context
+        app, context, types = App, bpy.context, bpy.types
 
     clock = Clock()
     monkeypatch.setattr(staleness, "bpy", Bpy)

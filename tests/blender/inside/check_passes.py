@@ -13,9 +13,9 @@ import pytest
 from leaflight_addon.bake import bake, estimate_bake, stopped
 from leaflight.volume.memory import memory_of_light
 from leaflight_addon.operators import background, failures
-from leaflight_addon.show import bake_options, preview, surface_object, walls
+from leaflight_addon.show import bake_properties, preview, surface_object, walls
 from leaflight_addon.store import bake_files, cache
-from leaflight_addon.ui import advanced_panel, bake_panel
+from leaflight_addon.ui import bake_panel
 from passes import UNREACHED, assert_shows_pass, begin, drawn, passes_of, state, stop
 from tools import (
     ADDON,
@@ -324,7 +324,7 @@ def check_the_cost_is_estimated_before(passes):
     assert 0.5 < estimate.error < 2.5 and estimate.memory_bytes > 2**20
     # The same passes show what less would cost, and all that the panel offers, but not more.
     draft, good, final = (
-        estimate_bake.estimate_of(passes, error) for error in bake_options.QUALITIES.values()
+        estimate_bake.estimate_of(passes, error) for error in bake_properties.QUALITIES.values()
     )
     # Where texels are the error, less noise is of no use: then Final takes no longer than Good.
     assert 0 < draft.seconds <= min(good.seconds, final.seconds)
@@ -348,7 +348,7 @@ def check_a_quality_is_an_error(bumps):
     settings = bumps.leaflight
     settings.property_unset("error")
     assert settings.quality == "GOOD" and settings.error == 1.5
-    for quality, error in bake_options.QUALITIES.items():
+    for quality, error in bake_properties.QUALITIES.items():
         settings.quality = quality
         assert settings.error == pytest.approx(error) and settings.quality == quality
     settings.error = 2.2
@@ -386,11 +386,11 @@ def check_preferences_reach_the_bake(passes, tmp_path, monkeypatch):
 
 def check_the_panel_has_a_quality_and_keeps_the_rest_out_of_sight(endless):
     everyday = drawn(bake_panel.LEAFLIGHT_PT_bake)
-    advanced = drawn(advanced_panel.LEAFLIGHT_PT_advanced)
+    advanced = drawn(bake_panel.LEAFLIGHT_PT_advanced)
     assert {"DRAFT", "GOOD", "FINAL", "leaflight.bake", "leaflight.estimate_bake"} <= set(everyday)
     settings = {"error", "time_limit", "resolution", "seed", "bake_folder"}
     assert settings <= set(advanced) and not settings & set(everyday)
-    assert "DEFAULT_CLOSED" in advanced_panel.LEAFLIGHT_PT_advanced.bl_options
+    assert "DEFAULT_CLOSED" in bake_panel.LEAFLIGHT_PT_advanced.bl_options
     assert "leaflight.keep_bake" not in everyday
     job, work = begin(endless)
     stop(job, work)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from blends import open_blend, save
 from leaflight import blender
-from leaflight_addon.show import added, look, surface_material, surface_object
+from leaflight_addon.show import display, look, surface_material, surface_object
 from leaflight_addon.store import cache
-from leaflight_addon.ui import distribution, proposals
+from leaflight_addon.show import distribution
+from leaflight_addon.edit import add_isosurface
 from tools import (
     camera_rays_down,
     close,
@@ -70,12 +71,12 @@ def check_they_follow_their_volume(boxed, tmp_path):
     assert obj.matrix_world == boxed.matrix_world
     save(tmp_path / "scene.blend")
     boxed = open_blend(tmp_path / "scene.blend")
-    (obj,) = added.added_to(boxed)
+    (obj,) = display.added_to(boxed)
     obj.leaflight.isovalue = 44.0
     assert_lit_by_the_bake(obj, 44.0)
     bpy.ops.scene.new(type="FULL_COPY")
     copy = next(o for o in bpy.context.scene.objects if o.leaflight.is_volume)
-    (other,) = added.added_to(copy)
+    (other,) = display.added_to(copy)
     assert other != obj
     other.leaflight.isovalue = 48.0
     assert_lit_by_the_bake(other, 48.0)
@@ -102,8 +103,8 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     copy = _duplicate(baked)
     copy.location.x += 0.5
     bpy.context.view_layer.update()
-    own, other = added.added_to(copy)
-    assert {own, other}.isdisjoint(added.added_to(baked)) and len(added.added_to(baked)) == 2
+    own, other = display.added_to(copy)
+    assert {own, other}.isdisjoint(display.added_to(baked)) and len(display.added_to(baked)) == 2
     assert own.matrix_world == copy.matrix_world and own.users_scene == copy.users_scene
     assert own.leaflight_look.opacity == 0.5 and tuple(own.leaflight_look.color) == tuple(
         obj.leaflight_look.color
@@ -118,7 +119,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     bpy.context.scene.frame_set(2)
     assert_lit_by_the_bake(own, 61.0)
     assert_lit_by_the_bake(obj, 42.0)
-    assert_lit_by_the_bake(added.added_to(baked)[1], 50.0)
+    assert_lit_by_the_bake(display.added_to(baked)[1], 50.0)
     opacities = [o.data.materials[0].node_tree.nodes["opacity"] for o in (obj, own)]
     assert [round(node.outputs[0].default_value, 4) for node in opacities] == [0.5, 0.9]
     # What is taken from it stays away; what is deleted goes alone.
@@ -127,35 +128,35 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     bpy.context.view_layer.update()
     copy.leaflight.isovalue = 58.0
     bpy.context.view_layer.update()
-    assert not added.added_to(copy) and len(added.added_to(baked)) == 2
+    assert not display.added_to(copy) and len(display.added_to(baked)) == 2
     again = _duplicate(baked)
     bpy.data.objects.remove(baked)
     bpy.context.view_layer.update()
-    assert len(added.added_to(again)) == 2 == sum(map(added.is_added, bpy.data.objects))
+    assert len(display.added_to(again)) == 2 == sum(map(display.is_added, bpy.data.objects))
 
 
 def check_a_duplicate_of_a_duplicate_and_of_a_scene(baked):
     blender.add_isosurface(baked, 40.0)
     second = _duplicate(baked)
-    (own,) = added.added_to(second)
+    (own,) = display.added_to(second)
     own.leaflight.isovalue = 45.0
-    (shown,) = added.added_to(_duplicate(second))
+    (shown,) = display.added_to(_duplicate(second))
     assert_lit_by_the_bake(shown, 45.0)
     bpy.ops.scene.new(type="FULL_COPY")
     first = next(o for o in bpy.context.scene.objects if o.leaflight.is_volume)
-    added.added_to(first)[0].leaflight.isovalue = 48.0
-    (shown,) = added.added_to(_duplicate(first))
+    display.added_to(first)[0].leaflight.isovalue = 48.0
+    (shown,) = display.added_to(_duplicate(first))
     assert_lit_by_the_bake(shown, 48.0)
     volumes = [o for o in bpy.data.objects if o.leaflight.is_volume]
-    assert [len(added.added_to(volume)) for volume in volumes] == [1] * 7
-    assert len({added.mark_of(volume) for volume in volumes}) == 7
+    assert [len(display.added_to(volume)) for volume in volumes] == [1] * 7
+    assert len({display.mark_of(volume) for volume in volumes}) == 7
 
 
 def check_there_are_three_at_most(baked):
     isovalue = baked.leaflight.isovalue = 60.0
     bpy.ops.leaflight.add_isosurface()
     bpy.ops.leaflight.add_isosurface()
-    surfaces = (baked, *added.added_to(baked))
+    surfaces = (baked, *display.added_to(baked))
     with pytest.raises(RuntimeError, match="remove one first"):
         bpy.ops.leaflight.add_isosurface()
     shown = [obj.leaflight.isovalue for obj in surfaces]
@@ -163,26 +164,26 @@ def check_there_are_three_at_most(baked):
     # Opaque inside, translucent outside.
     opacities = [obj.leaflight_look.opacity for obj in surfaces]
     close(opacities, [0.3, 0.3, 1.0], 1e-6)
-    bpy.ops.leaflight.remove_isosurface(name=added.added_to(baked)[0].name)
-    assert len(added.added_to(baked)) == 1
+    bpy.ops.leaflight.remove_isosurface(name=display.added_to(baked)[0].name)
+    assert len(display.added_to(baked)) == 1
     assert "choose one" in error_of(bpy.ops.leaflight.remove_isosurface, name=baked.name)
 
 
 def check_where_nothing_is_inside_one_around_it_is_proposed(baked):
     own = baked.leaflight.isovalue = baked.leaflight.bake_high
     bpy.ops.leaflight.add_isosurface()
-    (obj,) = added.added_to(baked)
+    (obj,) = display.added_to(baked)
     assert baked.leaflight.bake_low < obj.leaflight.isovalue < own
     close([obj.leaflight_look.opacity, baked.leaflight_look.opacity], [0.3, 1.0], 1e-6)
 
 
 def check_tissues_have_names(bumps):
-    assert not proposals.is_hounsfield(bumps)
+    assert not add_isosurface.is_hounsfield(bumps)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(distribution, "of", lambda _: SimpleNamespace(low=-1024.5, high=3071.5))
-        assert proposals.is_hounsfield(bumps)
+        assert add_isosurface.is_hounsfield(bumps)
     bpy.ops.leaflight.add_isosurface(tissue="MUSCLE")
-    (obj,) = added.added_to(bumps)
+    (obj,) = display.added_to(bumps)
     assert obj.leaflight.isovalue == 50.0
 
 

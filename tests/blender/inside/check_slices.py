@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blends import open_blend, save
 from leaflight_addon import versions
-from leaflight_addon.show import slices
+from leaflight_addon.show import data_faces
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache, source_files
 from tools import camera_rays_down, close, displayed_gray, look_down, render_exr, vertices_of
@@ -37,9 +37,9 @@ def check_a_slice_has_the_colors_of_the_data(baked, tmp_path, place):
     look.slice_axes, look.slice_places[2] = (False, False, True), place
     look_down(5.0, 1.6)
     bpy.context.scene.world = None
-    faces = slices.slices_of(baked)
+    faces = data_faces.slices_of(baked)
     seen = _seen_alone(faces, tmp_path / "all.exr")
-    values = _values_from_above(baked, slices.position(baked, 2))
+    values = _values_from_above(baked, data_faces.slice_position(baked, 2))
     low, high = baked.leaflight.low, baked.leaflight.high
     expected = displayed_gray((values - low) / (high - low))
     known = values > low + 2.0
@@ -60,7 +60,7 @@ def check_a_slice_has_the_colors_of_the_data(baked, tmp_path, place):
 def check_slices_move_with_their_places_and_their_animation(baked, tmp_path):
     look = baked.leaflight_look
     look.slice_axes = (True, True, True)
-    faces = slices.slices_of(baked)
+    faces = data_faces.slices_of(baked)
     low, high = np.asarray(cache.volume_of(baked).field().bounds)
     for axis in range(3):
         look.slice_axes = [other == axis for other in range(3)]
@@ -76,15 +76,15 @@ def check_slices_move_with_their_places_and_their_animation(baked, tmp_path):
     close(vertices_of(faces)[:, 2], low[2] + 0.3 * (high - low)[2], 1e-5)
     save(tmp_path / "scene.blend")
     baked = open_blend(tmp_path / "scene.blend")
-    assert len(slices.slices_of(baked).data.vertices) > 0
+    assert len(data_faces.slices_of(baked).data.vertices) > 0
     baked.leaflight_look.slice_axes = (False, False, False)
-    assert len(slices.slices_of(baked).data.vertices) == 0
+    assert len(data_faces.slices_of(baked).data.vertices) == 0
 
 
 def check_no_bake_sees_slices_and_they_go_with_their_volume(baked):
     before = staleness.change_since_bake(bpy.context, baked)
     baked.leaflight_look.slice_axes = (True, False, False)
-    name = slices.slices_of(baked).name
+    name = data_faces.slices_of(baked).name
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, baked) == before
     scene = scene_export.export_scene(bpy.context, baked)

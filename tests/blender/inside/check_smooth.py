@@ -9,7 +9,7 @@ from blends import open_blend, save
 from boxes import build_cornell_box
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
-from leaflight_addon.ui import distribution
+from leaflight_addon.show import distribution
 from tools import assert_shows, close, vertices_of
 
 

@@ -7,16 +7,7 @@ import bpy
 import nibabel
 import numpy as np
 import pytest
-from leaflight_addon.stage import (
-    hidden,
-    camera,
-    facing,
-    framing,
-    presets,
-    scene_export,
-    stage,
-    world,
-)
+from leaflight_addon.stage import camera, facing, hidden, presets, scene_export, stage, world
 from leaflight_addon.store import cache, source_files
 from mathutils import Matrix
 from tools import (
@@ -92,7 +83,7 @@ def check_what_has_margins_stands_on_the_floor(ball):
 
 
 def check_dust_does_not_count(ball):
-    points = framing.shown_points([ball])
+    points = camera.shown_points([ball])
     assert len(points) < len(vertices_of(ball))
     middle = (source_files.place_of_file(ball) @ (20, 20, 22, 1))[:3]
     close(0.5 * (points.min(axis=0) + points.max(axis=0)), middle, 0.02)
@@ -104,8 +95,8 @@ def check_parts_of_a_mesh_are_distinguished():
     numbers = np.random.default_rng(0).permutation(16)
     for share, kept in ((0.1, 16), (0.5, 12)):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(framing, "_SHARE", share)
-            large = framing.in_large_parts(16, numbers[strips])
+            patch.setattr(camera, "_SHARE", share)
+            large = camera.in_large_parts(16, numbers[strips])
         assert set(numbers[:kept]) == set(np.flatnonzero(large))
 
 
@@ -134,7 +125,7 @@ def _heightin_frame(obj):
 @pytest.mark.parametrize("preset", BUILT)
 def check_a_stage_comes_back_as_it_was_described(bumps, preset):
     turn = np.array(Matrix.Rotation(facing.direction(bumps), 3, "Z"))
-    wanted = presets.fitted(preset, framing.shown_points([bumps]) @ turn)
+    wanted = presets.fitted(preset, camera.shown_points([bumps]) @ turn)
     _stage(preset)
     found, _, warnings = scene_export.export_scene(bpy.context, bumps)
     assert warnings == []
@@ -192,7 +183,7 @@ def check_the_isosurface_stands_on_the_floor_and_within_the_walls(bumps, preset)
             if obj.type == "MESH" and stage.is_staged(obj)
         ]
     )
-    shown = framing.shown_points([bumps]) @ turn
+    shown = camera.shown_points([bumps]) @ turn
     assert 0 < shown[:, 2].min() - walls[:, 2].min() < 0.05
     assert np.all(walls.min(axis=0)[:2] < shown.min(axis=0)[:2])
     assert np.all(walls.max(axis=0)[:2] > shown.max(axis=0)[:2])
@@ -218,7 +209,7 @@ def check_the_camera_stands_before_the_face(head, degrees):
 
 
 def _middle(obj):
-    points = framing.shown_points([obj])
+    points = camera.shown_points([obj])
     return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 

@@ -15,7 +15,7 @@ from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import whole_detail
-from leaflight_addon.stage import framing
+from leaflight_addon.stage import camera
 from leaflight_addon.store import cache
 from mathutils import Vector
 
@@ -96,7 +96,7 @@ def to_world(obj, points):
 def in_frame(obj):
     """Where the large parts of an isosurface are in the camera's frame, and how far away."""
     scene = bpy.context.scene
-    points = framing.shown_points([obj])
+    points = camera.shown_points([obj])
     return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
 
 

@@ -17,7 +17,7 @@ import nibabel
 import numpy as np
 from leaflight import blender
 from leaflight.io.readers import watched
-from leaflight_addon.compare import process
+from leaflight_addon.compare import render_comparison
 from leaflight_addon.operators import jobs
 
 sys.path.insert(0, os.path.dirname(__file__))
@@ -31,7 +31,7 @@ drawn, statuses = [], []
 
 
 def main():
-    process.ComparisonJob._status = property(
+    render_comparison.ComparisonJob._status = property(
         lambda self: statuses[-1], lambda self, text: statuses.append(text)
     )
     bpy.types.SpaceView3D.draw_handler_add(

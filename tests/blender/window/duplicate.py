@@ -10,7 +10,7 @@ import sys
 
 import bpy
 from leaflight import blender
-from leaflight_addon.show import added, surface_object
+from leaflight_addon.show import display, surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
@@ -48,7 +48,7 @@ def steps():
     found["moved"] = copy.location.length > 0.1
     found["duplicated"] = state()
     # By hand, as the slider of the panel does.
-    (own,) = added.added_to(copy)
+    (own,) = display.added_to(copy)
     own.leaflight.isovalue = 80.0
     with viewport():
         bpy.ops.ed.undo_push(message="Isovalue")
@@ -68,7 +68,7 @@ def state():
     return [
         [
             [round(surface_object.shown_isovalue(obj), 3), round(obj.leaflight_look.opacity, 3)]
-            for obj in added.added_to(volume)
+            for obj in display.added_to(volume)
         ]
         for volume in volumes()
     ]

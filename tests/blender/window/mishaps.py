@@ -16,7 +16,7 @@ import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight_addon.bake import continue_bake, stopped
 from leaflight_addon.operators import failures, jobs
-from leaflight_addon.stage import framing
+from leaflight_addon.stage import camera
 from leaflight_addon.store import cache
 from leaflight_addon.ui import clip_outline
 
@@ -241,7 +241,7 @@ def volume():
 def height_in_frame():
     """The share of the height of the camera's frame that large parts of the isosurface fill."""
     scene = bpy.context.scene
-    places = map(mathutils.Vector, framing.shown_points([volume()]))
+    places = map(mathutils.Vector, camera.shown_points([volume()]))
     heights = [world_to_camera_view(scene, scene.camera, place)[1] for place in places]
     return max(heights) - min(heights)
 

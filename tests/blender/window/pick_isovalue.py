@@ -10,7 +10,7 @@ import sys
 
 import bpy
 import numpy as np
-from leaflight_addon.ui import data_picture, pick_isovalue
+from leaflight_addon.edit import data_picture, pick_isovalue
 
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402

@@ -7,7 +7,7 @@ SEEN holds a function for each; the folder is that of the .blend that is open.
 import bpy
 from leaflight_addon.bake import estimate_bake, live, stopped
 from leaflight_addon.operators import jobs
-from leaflight_addon.show import added, display
+from leaflight_addon.show import display
 from leaflight_addon.stage import hidden
 from leaflight_addon.store import frame_bakes
 
@@ -94,7 +94,7 @@ SEEN = {
     "smoothing": lambda: volume().leaflight.smooth,
     "look": _look,
     "stops": lambda: len(volume().leaflight.isosurface_stops),
-    "isosurfaces": lambda: [obj.name for obj in added.added_to(volume())],
+    "isosurfaces": lambda: [obj.name for obj in display.added_to(volume())],
     "clip box": _box,
     "keyframes": _keyframes,
     "labels": _labels,

@@ -3,9 +3,8 @@
 
 import bpy
 import hand
-from leaflight_addon import versions
+from leaflight_addon import PANELS, registration, versions
 from leaflight_addon.operators import jobs
-from leaflight_addon.ui import panels
 
 # Each time that the panels were drawn.
 _drawn = []
@@ -13,7 +12,7 @@ _drawn = []
 
 def show_all_panels():
     """There are no other tabs, save Blender's innermost; no panel begins closed."""
-    panels.unregister()
+    registration.unregister(PANELS)
     for cls in list(bpy.types.Panel.__subclasses__()):
         place = [getattr(cls, name, None) for name in ("bl_space_type", "bl_region_type")]
         if cls.__name__.startswith("LEAFLIGHT"):
@@ -23,7 +22,7 @@ def show_all_panels():
                 bpy.utils.unregister_class(cls)
             except RuntimeError:
                 pass
-    panels.register()
+    registration.register(PANELS)
     bpy.types.LEAFLIGHT_PT_volume.append(lambda *_: _drawn.append(True))
 
 

@@ -8,7 +8,7 @@ import bpy.utils.previews
 import numpy as np
 
 from .. import session
-from . import distribution
+from ..show import distribution
 
 # Pixels of the whole, which Blender shows as a square, and of its lower part.
 SIDE, HISTOGRAM = 256, 84

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 import bpy
-import leaflight
+from leaflight import LeaflightError
 
 from ..operators import checks, jobs
 from ..store import bake_files
@@ -16,26 +16,21 @@ _SCANS = [Path("/usr/share/mricron/templates") / name for name in ("ch2bet.nii.g
 _NODES = 96
 
 
-class LEAFLIGHT_OT_open_example(bpy.types.Operator):
+class LEAFLIGHT_OT_open_example(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.open_example"
     bl_label = "Open Example"
     bl_description = (
         "Import a volume to try Leaflight with: a scan of a brain where this computer has one "
         "(Debian's mricron-data), else the computed cloud of an electron in a hydrogen atom"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, checks.in_object_mode)
 
-    @classmethod
-    def poll(cls, context):
-        return jobs.is_free(cls) and checks.in_object_mode(cls, context)
-
-    def execute(self, _context):
+    def run(self, _context):
+        path = next((scan for scan in _SCANS if scan.exists()), None) or _computed()
         try:
-            path = next((scan for scan in _SCANS if scan.exists()), None) or _computed()
-            return bpy.ops.leaflight.import_volume(filepath=str(path))
-        except (leaflight.LeaflightError, RuntimeError) as error:
-            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
-            return {"CANCELLED"}
+            bpy.ops.leaflight.import_volume(filepath=str(path))
+        except RuntimeError as error:
+            raise LeaflightError(str(error).strip().removeprefix("Error: ")) from None
 
 
 def _computed():
@@ -57,11 +52,5 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_open_example.bl_idname, text="Example for Leaflight")
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_open_example)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_menu)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_menu)
-    bpy.utils.unregister_class(LEAFLIGHT_OT_open_example)
+CLASSES = (LEAFLIGHT_OT_open_example,)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -7,15 +7,12 @@ node. Its child holds the isolines as thin tubes on the graph. Both emit the col
 """
 
 import bpy
-import leaflight
 import numpy as np
-from leaflight import _core, flatland
+from leaflight import LeaflightError, _core, flatland
 
 from .. import session
-from . import display, fill, shader, surface_object
-from .isosurface import RADIANCE
-
-LeaflightError = leaflight.LeaflightError
+from ..show import display, fill, shader, surface_object
+from ..show.isosurface import RADIANCE
 
 # More nodes along a side would only slow the viewport down; the bake always has every pixel.
 _MOST_NODES = 1024

@@ -1,24 +1,73 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Showing further isosurfaces of a volume, and a box that cuts them."""
 
 import bpy
-import leaflight
 import mathutils
 import numpy as np
 from bpy.props import EnumProperty, FloatProperty, StringProperty
+from leaflight import LeaflightError
+from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..operators import checks
-from ..operators.active_volume import active_volume
-from ..show import added, isovalues, surface_object, whole_detail
+from ..operators.checks import active_volume
+from ..show import display, distribution, isovalues, surface_object, whole_detail
 from ..store import cache
 from ..translations import iface_
-from . import proposals
+
+_PROPOSED = "PROPOSED"
+# In Hounsfield units.
+TISSUES = {"SKIN": -300.0, "MUSCLE": 50.0, "BONE": 300.0}
+TISSUE_ITEMS = [
+    (_PROPOSED, "What Is Inside", "The isosurface that best parts what is inside the present one"),
+    ("SKIN", "Skin", "The border of the body to the air, -300 HU"),
+    ("MUSCLE", "Muscle", "Muscles and organs within fat, 50 HU"),
+    ("BONE", "Bone", "300 HU"),
+]
+# Of the air around a patient, -1000 HU, and of what scanners write beside their circle.
+_AIR = (-3100.0, -900.0)
+
+
+def is_hounsfield(obj):
+    """Whether the values of an object's volume are those of a CT scan; False until it was seen."""
+    found = distribution.of(obj)
+    low, high = (found.low, found.high) if found is not None else (0.0, 0.0)
+    return _AIR[0] <= low <= _AIR[1] and high > TISSUES["BONE"]
+
+
+def next_isovalue(volume, tissue=_PROPOSED):
+    """Of an isosurface to show beside those that a volume object shows. Raises LeaflightError."""
+    if tissue != _PROPOSED:
+        return TISSUES[tissue]
+    low, high = isovalues.isovalue_range(volume.leaflight)
+    shown = [obj.leaflight.isovalue for obj in display.surfaces_of(volume)]
+    inner = inner_isovalue(cache.volume_of(volume), max(shown))
+    if inner is not None and max(shown) < inner < high:
+        return inner
+    # Nothing to be seen is inside.
+    if min(shown) - low > 0.1 * (high - low):
+        return 0.5 * (low + min(shown))
+    return 0.5 * (max(shown) + high)
+
+
+def shown_outside(volume, isovalue):
+    """The isosurfaces of a volume object around another one."""
+    surfaces = display.surfaces_of(volume)
+    return [obj for obj in surfaces if obj.leaflight.isovalue < isovalue]
+
 
 # Of an isosurface around others, through which they show.
 _OPACITY = 0.3
 # Surfaces behind each other that are cut away.
 _LAYERS = 128
+
+
+def _has_room(operator, context):
+    if len(display.added_to(active_volume(context))) + 1 < display.MOST:
+        return True
+    operator.poll_message_set(
+        iface_("%d isosurfaces are shown already: remove one first") % display.MOST
+    )
+    return False
 
 
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
@@ -29,13 +78,20 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         "present one, which becomes translucent, where there is something inside. Isosurfaces that "
         "are shown together neither light nor shade each other"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).library is None,
+            "Make a library override of the linked volume first",
+        ),
+        _has_room,
+    )
 
     isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
     tissue: EnumProperty(
         name="Tissue",
         description="Which tissue of a CT scan to show",
-        items=proposals.TISSUE_ITEMS,
+        items=TISSUE_ITEMS,
         options={"SKIP_SAVE"},
     )
     opacity: FloatProperty(
@@ -47,60 +103,37 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         max=1.0,
     )
 
-    @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        volume = active_volume(context)
-        if volume.library is not None:
-            cls.poll_message_set("Make a library override of the linked volume first")
-            return False
-        if len(added.added_to(volume)) + 1 >= added.MOST:
-            cls.poll_message_set(
-                iface_("%d isosurfaces are shown already: remove one first") % added.MOST
-            )
-            return False
-        return True
-
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
         given = self.properties.is_property_set("isovalue")
-        try:
-            isovalue = self.isovalue if given else proposals.next_isovalue(volume, self.tissue)
-            # Those around it; a script says itself how opaque it is.
-            outer = [] if given else proposals.shown_outside(volume, isovalue)
-            obj = added.add(volume, isovalue, 1.0 if outer else self.opacity)
-            isovalues.limit(obj)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        isovalue = self.isovalue if given else next_isovalue(volume, self.tissue)
+        # Those around it; a script says itself how opaque it is.
+        outer = [] if given else shown_outside(volume, isovalue)
+        obj = display.add(volume, isovalue, 1.0 if outer else self.opacity)
+        isovalues.limit(obj)
         for one in outer:
             one.leaflight_look.opacity = min(one.leaflight_look.opacity, self.opacity)
         if not whole_detail.may_follow():
             obj.leaflight.isovalue = isovalue
-            return {"FINISHED"}
+            return
         # The window does not wait for the whole detail, which follows in the background.
         surface_object.update(obj, isovalue, moving=True)
         whole_detail.watch([obj])
-        return {"FINISHED"}
 
 
-class LEAFLIGHT_OT_remove_isosurface(bpy.types.Operator):
+class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_isosurface"
     bl_label = "Remove Isosurface"
     bl_description = "Show this isosurface no more"
-    bl_options = {"REGISTER", "UNDO"}
 
     name: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
-    def execute(self, context):
+    def run(self, context):
         obj = context.scene.objects.get(self.name)
-        if obj is None or not added.is_added(obj):
-            self.report({"ERROR"}, f'"{self.name}" is no isosurface that was added: choose one.')
-            return {"CANCELLED"}
+        if obj is None or not display.is_added(obj):
+            raise LeaflightError(f'"{self.name}" is no isosurface that was added: choose one.')
         surface_object.problems.pop(obj.name_full, None)
-        added.remove(obj)
-        return {"FINISHED"}
+        display.remove(obj)
 
 
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
@@ -110,15 +143,10 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
         "Cut the isosurfaces by a box: an Empty, which you move, turn and scale as any object. It "
         "begins at the eighth of the volume that is nearest to the camera"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def run(self, context):
         volume = active_volume(context)
-        try:
-            low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
         box = bpy.data.objects.new(f"{volume.name} Clip Box", None)
         box.empty_display_type = "CUBE"
         _place_nearest(box, volume.matrix_world, low, high)
@@ -130,7 +158,6 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
         cycles = getattr(context.scene, "cycles", None)
         if cycles is not None:
             cycles.transparent_max_bounces = max(cycles.transparent_max_bounces, _LAYERS)
-        return {"FINISHED"}
 
 
 def _place_nearest(box, volume_to_world, low, high):
@@ -148,9 +175,4 @@ def _place_nearest(box, volume_to_world, low, high):
     box.matrix_world = volume_to_world @ local
 
 
-_CLASSES = (
-    LEAFLIGHT_OT_add_isosurface,
-    LEAFLIGHT_OT_remove_isosurface,
-    LEAFLIGHT_OT_add_clip_box,
-)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_add_isosurface, LEAFLIGHT_OT_remove_isosurface, LEAFLIGHT_OT_add_clip_box)

@@ -4,14 +4,15 @@
 import blf
 import bpy
 import gpu
-import leaflight
 import numpy as np
 from gpu_extras.batch import batch_for_shader
+from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import checks
-from ..operators.active_volume import active_volume
-from . import data_picture, distribution
+from ..operators.checks import active_volume
+from ..show import distribution
+from . import data_picture
 
 # Of the viewport, in shares of its width and in pixels of an unscaled interface.
 MARGIN, HEIGHT, ABOVE_THE_FLOOR = 0.08, 130, 46
@@ -29,7 +30,6 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
         "Show the histogram in the viewport and drag the isovalue in it. Enter or a click beside "
         "it keeps the isovalue, Esc brings back the one before"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
     def invoke(self, context, _event):
         if context.area is None or context.area.type != "VIEW_3D":
@@ -43,7 +43,7 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
         self.dragging = False
         try:
             self.found = distribution.look_now(volume)
-        except leaflight.LeaflightError as error:
+        except LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         _remove_all()
@@ -170,10 +170,7 @@ def _remove_all():
     _drawn.clear()
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_pick_isovalue)
+unregister = _remove_all
 
 
-def unregister():
-    _remove_all()
-    bpy.utils.unregister_class(LEAFLIGHT_OT_pick_isovalue)
+CLASSES = (LEAFLIGHT_OT_pick_isovalue,)

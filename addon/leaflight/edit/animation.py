@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Animations in one click: a sweep of the isovalue, a turntable, a wipe by the clip box."""
 
 import math
 
 import bpy
-import leaflight
 import mathutils
 import numpy as np
 from bpy.props import EnumProperty, IntProperty
-from leaflight import blender
+from leaflight import LeaflightError, blender
 
 from .. import versions
 from ..operators import checks
-from ..operators.active_volume import active_volume
-from ..show import added, isovalues, isosurfaces
-from .sidebar import VolumePanel
+from ..operators.checks import active_volume
+from ..show import display, isosurfaces, isovalues
 
 _PIVOT = "leaflight_turntable"
 # Degrees between the places of the camera that are tried, and of view to both sides of the volume.
@@ -26,7 +23,6 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.animate"
     bl_label = "Animate"
     bl_description = "Keyframe an animation of the volume, over as many frames as chosen"
-    bl_options = {"REGISTER", "UNDO"}
 
     kind: EnumProperty(
         name="Animation",
@@ -42,14 +38,8 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     )
     frames: IntProperty(name="Frames", description="How long it is", default=120, min=2)
 
-    def execute(self, context):
-        volume = active_volume(context)
-        try:
-            _ANIMATIONS[self.kind](context, volume, self.frames)
-        except leaflight.LeaflightError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def run(self, context):
+        _ANIMATIONS[self.kind](context, active_volume(context), self.frames)
 
 
 def _sweep(context, volume, frames):
@@ -61,7 +51,7 @@ def _turntable(context, volume, frames):
     scene = context.scene
     camera = scene.camera
     if camera is None:
-        raise leaflight.LeaflightError("The scene has no camera: add one, or use Stage.")
+        raise LeaflightError("The scene has no camera: add one, or use Stage.")
     pivot = camera.parent
     if pivot is None or _PIVOT not in pivot:
         middle = isosurfaces.world_box(volume).mean(axis=0)
@@ -95,7 +85,7 @@ def _free_degrees(context, volume, camera, pivot):
 
     def cast(start, direction, **limit):
         hit, _, _, _, obj, _ = context.scene.ray_cast(depsgraph, start, direction, **limit)
-        return hit and added.volume_object(obj) != volume
+        return hit and display.volume_object(obj) != volume
 
     def is_free(degrees):
         place = middle + _turned(arm, degrees)
@@ -127,7 +117,7 @@ def _wipe(context, volume, frames):
         bpy.ops.leaflight.add_clip_box()
     box, camera = look.box, context.scene.camera
     if box.type != "EMPTY":
-        raise leaflight.LeaflightError(
+        raise LeaflightError(
             f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
         )
     low, high = isosurfaces.world_box(volume)
@@ -160,13 +150,4 @@ def _keyframe(obj, path, values, scene):
 _ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe}
 
 
-class LEAFLIGHT_PT_animation(VolumePanel, bpy.types.Panel):
-    bl_label = "Animation"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, _context):
-        self.layout.row(align=True).operator_enum(LEAFLIGHT_OT_animate.bl_idname, "kind")
-
-
-_CLASSES = (LEAFLIGHT_OT_animate, LEAFLIGHT_PT_animation)
-register, unregister = bpy.utils.register_classes_factory(_CLASSES)
+CLASSES = (LEAFLIGHT_OT_animate,)

@@ -8,10 +8,11 @@ import os
 from dataclasses import dataclass
 
 import bpy
-import leaflight
 import numpy as np
+from leaflight import LeaflightError
 
 from .. import session
+from ..operators import jobs
 from ..store import cache, source_files
 
 BINS = 256
@@ -83,13 +84,10 @@ def _look(name, key):
         return
     try:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
-    except leaflight.LeaflightError:
+    except LeaflightError:
         # The panel of the volume shows why.
         return
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    jobs.redraw_panels()
 
 
 def _distribution(volume, isovalue):

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """The part of Object.leaflight about the file of a volume."""
 
+from leaflight.volume.units import METERS
+
 from .. import versions
-from . import isovalues, surface_object, units
+from . import isovalues, surface_object
 from .overridable import (
     BoolProperty,
     EnumProperty,
@@ -13,6 +14,41 @@ from .overridable import (
     IntVectorProperty,
     StringProperty,
 )
+
+_UNKNOWN = "UNKNOWN"
+# Identifiers of Blender are ASCII.
+_NAMED_UNITS = [
+    ("mm", "mm", "Millimeters, as CT and MRI have"),
+    ("µm", "um", "Micrometers, as microscopes have"),
+    ("nm", "nm", "Nanometers"),
+    ("Å", "angstrom", "Angstroms, as molecules have"),
+    ("bohr", "bohr", "Atomic units"),
+    ("cm", "cm", "Centimeters"),
+    ("m", "m", "Meters"),
+]
+assert {unit for unit, _, _ in _NAMED_UNITS} == {*METERS}
+UNIT_ITEMS = [
+    (_UNKNOWN, "Not Known", "The file does not say"),
+    *((key, unit, text) for unit, key, text in _NAMED_UNITS),
+]
+_UNITS = ["", *(unit for unit, _, _ in _NAMED_UNITS)]
+_UNIT_KEYS = [key for key, _, _ in UNIT_ITEMS]
+
+
+def unit_of(key):
+    """The unit, a key of METERS or an empty text, of an item."""
+    return _UNITS[_UNIT_KEYS.index(key)]
+
+
+def unit_number(unit):
+    """The number of the item of a unit."""
+    return _UNITS.index(unit)
+
+
+def unit_at(number):
+    """The unit of the item of a number."""
+    return _UNITS[number]
+
 
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
@@ -33,7 +69,54 @@ def _frame_changed(settings, _context):
         isovalues.show_frame(settings.id_data)
 
 
-class VolumeSource:
+class ReadingChoices:
+    """Which volume of a file is read, and how: as it was, and as it is to be on import."""
+
+    dims: IntVectorProperty(
+        name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
+    )
+    value_type: EnumProperty(
+        name="Type",
+        description="Type of the values in a .raw file",
+        items=VALUE_TYPE_ITEMS,
+    )
+    endian: EnumProperty(
+        name="Byte Order",
+        description="Byte order of the values in a .raw file",
+        items=ENDIAN_ITEMS,
+    )
+    skip: IntProperty(
+        name="Skip",
+        description="Bytes before the values in a .raw file; -1 if the values are its end",
+        default=0,
+        min=-1,
+    )
+    spacing: FloatVectorProperty(
+        name="Voxel Size",
+        description="Distance of the voxels along x, y and z",
+        size=3,
+        default=(1.0, 1.0, 1.0),
+        min=1e-9,
+    )
+    frame: IntProperty(
+        name="Frame",
+        description="Which volume of a series to read, counted from 0; -1 for a single volume",
+        default=-1,
+        min=-1,
+    )
+    channel: IntProperty(
+        name="Channel",
+        description="Which of several values a voxel has to read, counted from 0; -1 where it has "
+        "one",
+        default=-1,
+        min=-1,
+    )
+    level: IntProperty(
+        name="Level", description="Which of several resolutions to read; 0 is the finest", min=0
+    )
+
+
+class VolumeSource(ReadingChoices):
     """The file of a volume, and how it is read."""
 
     source: StringProperty(
@@ -42,17 +125,11 @@ class VolumeSource:
         subtype="FILE_PATH",
         options=versions.RELATIVE_PATH,
     )
-    dims: IntVectorProperty(name="Dimensions", size=3, min=0)
-    value_type: EnumProperty(name="Type", items=VALUE_TYPE_ITEMS)
-    endian: EnumProperty(name="Byte Order", items=ENDIAN_ITEMS)
-    skip: IntProperty(name="Skip", default=0, min=-1)
-    spacing: FloatVectorProperty(name="Voxel Size", size=3, default=(1.0, 1.0, 1.0))
     use_spacing: BoolProperty(
         name="Own Voxel Size",
         description="The voxel size was given, and not taken from the file",
         default=True,
     )
-    frame: IntProperty(name="Frame", default=-1, min=-1)
     frames: IntProperty(
         name="Frames",
         description="Volumes of the file over time",
@@ -67,8 +144,6 @@ class VolumeSource:
         update=_frame_changed,
     )
     frame_bakes: StringProperty(name="Bakes of the Other Frames")
-    channel: IntProperty(name="Channel", default=-1, min=-1)
-    level: IntProperty(name="Level", default=0, min=0)
     dataset: StringProperty(name="Dataset")
     downsample: IntProperty(name="Downsample", default=1, min=1, max=8)
     smooth: FloatProperty(
@@ -98,7 +173,7 @@ class VolumeSource:
     unit_choice: EnumProperty(
         name="Unit",
         description="What the coordinates of the file are measured in",
-        items=units.ITEMS,
-        get=lambda settings: units.number_of(settings.unit),
-        set=lambda settings, number: setattr(settings, "unit", units.unit_at(number)),
+        items=UNIT_ITEMS,
+        get=lambda settings: unit_number(settings.unit),
+        set=lambda settings, number: setattr(settings, "unit", unit_at(number)),
     )

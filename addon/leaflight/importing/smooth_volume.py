@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# flake8: noqa: F722,F821  (Blender declares properties as annotations)
 """Smooth: reads the volume again, its values or the normals under a Gaussian."""
 
 import bpy
 from bpy.props import EnumProperty
 
 from ..operators import background, checks, jobs
-from ..operators.active_volume import active_volume
-from ..show import added, isovalues
+from ..operators.checks import active_volume
+from ..show import display, isovalues
 from ..store import cache, source_files
 
 
@@ -34,11 +33,17 @@ class SmoothJob(jobs.Job):
         settings[self._what] = self._amount
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         setattr(settings, self._what, self._amount)
-        for surface in (obj, *added.added_to(obj)):
+        for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
         cache.forget_unused()
         normals = "normals " if self._what == "smooth_normals" else ""
         return f"{obj.name}: {normals}smoothed by {self._amount:g} voxels"
+
+
+_has_file = checks.needs(
+    lambda c: active_volume(c).library is None and active_volume(c).leaflight.source,
+    "The volume has no file of its own here: import it",
+)
 
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
@@ -49,7 +54,7 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         "the normals alone, and isosurfaces stay where they are. A bake keeps the values that it "
         "was made of: bake again after a change"
     )
-    bl_options = {"REGISTER", "UNDO"}
+    conditions = (jobs.is_free, *checks.VOLUME, _has_file)
 
     what: EnumProperty(
         name="What",
@@ -71,23 +76,8 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         default="1",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if not (cls.is_free() and checks.has_volume(cls, context)):
-            return False
-        volume = active_volume(context)
-        if volume.library is not None or not volume.leaflight.source:
-            cls.poll_message_set("The volume has no file of its own here: import it")
-            return False
-        return True
-
     def start(self, context):
         return SmoothJob(active_volume(context), self.what, float(self.amount))
 
 
-def register():
-    bpy.utils.register_class(LEAFLIGHT_OT_smooth)
-
-
-def unregister():
-    bpy.utils.unregister_class(LEAFLIGHT_OT_smooth)
+CLASSES = (LEAFLIGHT_OT_smooth,)

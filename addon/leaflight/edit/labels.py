@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scale bar, letters for a patient's sides, and a cube in the corner of the camera's picture that
+turns as a volume does, with its axes' names.
+
+They are objects that render and that no bake sees.
+"""
+
+import bpy
+import numpy as np
+from leaflight import LeaflightError
+from mathutils import Matrix, Vector
+
+from .. import versions
+from ..operators import checks
+from ..operators.checks import active_volume
+from ..show import display, shader
+from ..store import cache, source_files
+
+_BAR, _LETTER = "scale bar", "letter"
+# Right, left, front, back, up and down in a patient's coordinates: (letter, axis, direction).
+SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
+# Shares of the volume's longest side.
+_TEXT, _GAP, _LENGTH, _WIDTH = 0.06, 0.06, 0.3, 0.008
+_WHITE = (0.9, 0.9, 0.9)
+
+
+def add_scale_bar(context, volume):
+    """A bar before the volume's lower edge with its length. Raises LeaflightError."""
+    unit = volume.leaflight.unit
+    if not unit:
+        raise LeaflightError(
+            f"{volume.leaflight.source or volume.name}: the file gives no unit of length; choose "
+            "one under Scale and Labels."
+        )
+    _remove(volume, _BAR)
+    low, high, side = _box(volume)
+    length = round_length(_LENGTH * side)
+    across, deep = _axes(context, volume)
+    width = _WIDTH * side
+    start = np.array(low, np.float64)
+    start[deep[0]] = (low if deep[1] < 0 else high)[deep[0]] + deep[1] * _GAP * side
+    start[across] = 0.5 * (low + high - length)[across]
+    size = np.full(3, width)
+    size[across] = length
+    bar = _object(volume, _BAR, "Scale Bar", _cuboid(start, start + size))
+    text = _text(context, volume, _BAR, f"{length:g} {unit}", _TEXT * side)
+    text.location = start + 0.5 * size + np.array([0.0, 0.0, 0.5 * _TEXT * side + width])
+    return bar
+
+
+def add_letters(context, volume):
+    """R, L, A, P, S and I beside the volume. Raises LeaflightError."""
+    if not source_files.is_patient(volume.leaflight):
+        raise LeaflightError(
+            f"{volume.leaflight.source or volume.name}: the file does not say where a patient's "
+            "right, front and up are."
+        )
+    _remove(volume, _LETTER)
+    low, high, side = _box(volume)
+    for letter, axis, direction in SIDES:
+        place = 0.5 * (low + high)
+        place[axis] = (high if direction > 0 else low)[axis] + direction * _GAP * side
+        _text(context, volume, _LETTER, letter, _TEXT * side).location = place
+
+
+def round_length(length):
+    """The greatest of 1, 2 or 5 times a power of ten that is not longer."""
+    power = 10.0 ** np.floor(np.log10(length))
+    return float(max(n * power for n in (1, 2, 5) if n * power <= length * (1 + 1e-9)))
+
+
+def _box(volume):
+    """Lowest and highest corner in the object's coordinates, and the longest side."""
+    low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
+    return low, high, float((high - low).max())
+
+
+def _axes(context, volume):
+    """The axis that runs across the camera's picture, and (axis, direction) towards the camera."""
+    camera = context.scene.camera
+    if camera is None:
+        return 0, (1, -1)
+    turned = np.array((volume.matrix_world.to_3x3().inverted() @ camera.matrix_world.to_3x3()))
+    across = int(np.argmax(np.abs(turned[:2, 0])))
+    deep = 1 - across
+    return across, (deep, 1 if turned[deep, 2] > 0 else -1)
+
+
+def _cuboid(low, high):
+    corners = [[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (0, 1)]
+    corners = [[(low, high)[x][0], y, z] for x, y, z in corners]
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    mesh = bpy.data.meshes.new("Scale Bar")
+    mesh.from_pydata(corners, [], quads)
+    return mesh
+
+
+def _text(context, volume, kind, words, size):
+    curve = bpy.data.curves.new(words, "FONT")
+    curve.body, curve.size = words, size
+    curve.align_x = curve.align_y = "CENTER"
+    obj = _object(volume, kind, words, curve)
+    if context.scene.camera is not None:
+        obj.constraints.new("COPY_ROTATION").target = context.scene.camera
+    return obj
+
+
+def _object(volume, kind, name, data):
+    obj = display.new_display(volume, kind, name, data)
+    obj.parent = volume
+    obj.matrix_parent_inverse = Matrix()
+    data.materials.append(_material())
+    return obj
+
+
+def _material():
+    name = "Leaflight Label"
+    material = bpy.data.materials.get(name)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        versions.do_not_sample_as_light(material)
+        shader.build_emission(material, exposed(_WHITE))
+    return material
+
+
+def exposed(color):
+    """The radiance that shows as a color with the scene's exposure."""
+    exposure = bpy.context.scene.view_settings.exposure
+    return tuple(2.0**-exposure * x for x in color)
+
+
+def _remove(volume, kind):
+    for obj in [obj for obj in volume.children if display.is_display(obj, kind)]:
+        bpy.data.objects.remove(obj)
+
+
+_CUBE = "orientation cube"
+# Along +x, -x, +y, -y, +z and -z.
+_OF_A_PATIENT = tuple(letter for letter, _, _ in SIDES)
+_OF_OTHERS = ("X", "-X", "Y", "-Y", "Z", "-Z")
+# Of the sides across x, y and z, so that their edges are seen; of the letters.
+_GRAYS, _DARK = (0.1, 0.2, 0.4), 0.002
+# Shares of the height of the picture: an edge, and its distance from the picture's borders.
+_EDGE, _MARGIN = 0.09, 0.04
+# From the camera, as a multiple of where it begins to see.
+_DISTANCE = 4.0
+
+
+def add_cube(context, volume):
+    """Puts the cube into the camera's picture, for an earlier one. Raises LeaflightError."""
+    camera = context.scene.camera
+    if camera is None:
+        raise LeaflightError(
+            "The scene has no camera, in whose picture the cube would stand: stage it first."
+        )
+    is_patient = source_files.is_patient(volume.leaflight)
+    names = _OF_A_PATIENT if is_patient else _OF_OTHERS
+    for obj in [obj for obj in camera.children if display.is_display(obj, _CUBE)]:
+        for part in (*obj.children, obj):
+            bpy.data.objects.remove(part)
+    corner, height = _corner(context.scene, camera)
+    edge = _EDGE * height
+    cube = _cube_object(volume, "Orientation Cube", _cube_mesh(edge), _GRAYS)
+    cube.parent, cube.matrix_parent_inverse = camera, Matrix()
+    # Half of its diagonal and the margin from two borders of the picture.
+    cube.location = corner + (0.5 * 3**0.5 * edge + _MARGIN * height) * Vector((1, 1, 0))
+    cube.constraints.new("COPY_ROTATION").target = volume
+    for side, name in enumerate(names):
+        letter = _cube_object(volume, f"Orientation {name}", _letter(name, 0.8 * edge), (_DARK,))
+        letter.parent, letter.matrix_parent_inverse = cube, Matrix()
+        letter.matrix_local = _on_side(side, 0.51 * edge)
+    return cube
+
+
+def _corner(scene, camera):
+    """The lower left corner of the picture in the camera's coordinates, and its height there."""
+    distance = _DISTANCE * camera.data.clip_start
+    frame = np.array(camera.data.view_frame(scene=scene))
+    if camera.data.type == "PERSP":
+        frame *= distance / -frame[0, 2]
+    frame[:, 2] = -distance
+    return Vector(frame.min(axis=0)), float(np.ptp(frame[:, 1]))
+
+
+def _on_side(side, distance):
+    """Where a text lies that is upright on a side and is read from outside."""
+    axis, sign = side // 2, 1 - 2 * (side % 2)
+    out = Vector([sign * (a == axis) for a in range(3)])
+    up = Vector((0, 0, 1)) if axis < 2 else Vector((0, 1, 0))
+    matrix = Matrix((up.cross(out), up, out)).transposed().to_4x4()
+    matrix.translation = distance * out
+    return matrix
+
+
+def _cube_mesh(edge):
+    mesh = bpy.data.meshes.new("Orientation Cube")
+    ends = 0.5 * edge * np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
+    sides = [(1, 3, 7, 5), (0, 4, 6, 2), (2, 6, 7, 3), (0, 1, 5, 4), (4, 5, 7, 6), (0, 2, 3, 1)]
+    mesh.from_pydata(ends.tolist(), [], sides)
+    for side, polygon in enumerate(mesh.polygons):
+        polygon.material_index = side // 2
+    return mesh
+
+
+def _letter(name, size):
+    curve = bpy.data.curves.new(name, "FONT")
+    curve.body, curve.size = name, size
+    curve.align_x = curve.align_y = "CENTER"
+    return curve
+
+
+def _cube_object(volume, name, data, grays):
+    obj = display.new_display(volume, _CUBE, name, data)
+    obj.hide_select = True
+    for gray in grays:
+        material = bpy.data.materials.new(name)
+        versions.do_not_sample_as_light(material)
+        shader.build_emission(material, exposed((gray,) * 3))
+        data.materials.append(material)
+    return obj
+
+
+class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_scale_bar"
+    bl_label = "Scale Bar"
+    bl_description = "Put a bar of a round length before the volume, in the unit of its file"
+
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.unit, "Choose the unit of length first"
+        ),
+    )
+
+    def run(self, context):
+        add_scale_bar(context, active_volume(context))
+
+
+class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_letters"
+    bl_label = "Orientation"
+    bl_description = (
+        "Put letters at the sides of a patient: R and L, A and P, S and I for right and left, "
+        "front and back, up and down"
+    )
+
+    def run(self, context):
+        add_letters(context, active_volume(context))
+
+
+class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_orientation_cube"
+    bl_label = "Orientation Cube"
+    bl_description = (
+        "Put a cube into the lower left corner of the camera's picture that turns as the volume "
+        "does and names its sides"
+    )
+
+    def run(self, context):
+        add_cube(context, active_volume(context))
+
+
+CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_OT_add_orientation_cube)

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks of isosurfaces by name, and the stops of their color ramps."""
+
+from dataclasses import dataclass, field
+
+import bpy
+from bpy.props import EnumProperty
+from leaflight import LeaflightError
+from leaflight.looks import LOOKS as OF_ONE_COLOR
+
+from ..operators import checks
+from ..operators.checks import active_volume
+from ..show import data_faces, isosurfaces, isovalues, surface_object
+from ..stage import stage
+
+
+@dataclass(frozen=True)
+class Look:
+    """name, text: for people; settings: of Object.leaflight; stops: (part of the isovalue range,
+    linear color); gloss, roughness: of Object.leaflight_look; background: linear color or None.
+    """
+
+    name: str
+    text: str
+    settings: dict = field(default_factory=dict)
+    stops: tuple = ()
+    gloss: float = 0.0
+    roughness: float = 0.3
+    background: tuple = None
+
+
+def _one_color(look):
+    settings = {"isosurface_albedo": look.color}
+    return Look(look.name, look.text, settings, (), look.gloss, look.roughness, look.background)
+
+
+def _mapped(name, text, colors):
+    stops = tuple((i / (len(colors) - 1), color) for i, color in enumerate(colors))
+    return Look(name, text, stops=stops)
+
+
+LOOKS = {
+    **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
+    "TISSUE": Look(
+        "Tissue",
+        "Skin, flesh and bone from low to high isovalues",
+        stops=((0.0, (0.8, 0.55, 0.42)), (0.45, (0.6, 0.2, 0.15)), (1.0, (0.88, 0.84, 0.72))),
+        gloss=0.4,
+    ),
+    "GLOW": Look(
+        "Glowing",
+        "Sends light of its own",
+        {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
+    ),
+    "MIRROR": Look(
+        "Mirror",
+        "Polished metal; what it shows is rendered, not baked",
+        {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
+    ),
+    "GLASS": Look(
+        "Glass",
+        "Clear glass, which throws caustics",
+        {
+            "isosurface_scattering": "GLASS",
+            "isosurface_albedo": (1.0, 1.0, 1.0),
+            "isosurface_ior": 1.45,
+        },
+    ),
+}
+MAPS = {key: _mapped(*of) for key, of in data_faces.MAPS.items()}
+
+
+_PLAIN = {"isosurface_scattering": "DIFFUSE", "isosurface_emission_strength": 0.0}
+
+
+def _items(looks):
+    return [(key, look.name, look.text) for key, look in looks.items()]
+
+
+class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.isosurface_preset"
+    bl_label = "Look"
+    bl_description = (
+        "Give the isosurfaces a look by its name: color or color map, gloss, and the color of the "
+        "stage's backdrop"
+    )
+
+    preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
+
+    def run(self, context):
+        volume = active_volume(context)
+        settings, shown = volume.leaflight, volume.leaflight_look
+        chosen = {**LOOKS, **MAPS}[self.preset]
+        settings.isosurface_stops.clear()
+        for name, value in {**_PLAIN, **chosen.settings}.items():
+            setattr(settings, name, value)
+        for part, color in chosen.stops:
+            isosurfaces.add_stop(settings, isovalues.isovalue_at(settings, part), color)
+        if chosen.background is not None:
+            stage.paint_backdrop(context.scene, chosen.background)
+        shown.gloss, shown.roughness = chosen.gloss, chosen.roughness
+        surface_object.shade_all(volume)
+
+
+class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.add_stop"
+    bl_label = "Add Color Stop"
+    bl_description = (
+        "Add a stop at the present isovalue, with its present color; the first stop replaces the "
+        "single albedo"
+    )
+
+    def run(self, context):
+        volume = active_volume(context)
+        settings = volume.leaflight
+        isovalue = settings.isovalue
+        if any(stop.isovalue == isovalue for stop in settings.isosurface_stops):
+            raise LeaflightError(f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
+        isosurfaces.add_stop(settings, isovalue, isosurfaces.albedo_at(volume, isovalue))
+        surface_object.shade_all(volume)
+
+
+class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
+    bl_idname = "leaflight.remove_stop"
+    bl_label = "Remove Color Stop"
+    bl_description = (
+        "Remove the chosen stop; without stops the albedo is the same for all isovalues"
+    )
+
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: active_volume(context).leaflight.isosurface_stops,
+            "There is no stop to remove",
+        ),
+    )
+
+    def run(self, context):
+        volume = active_volume(context)
+        settings = volume.leaflight
+        settings.isosurface_stops.remove(
+            min(settings.isosurface_stop, len(settings.isosurface_stops) - 1)
+        )
+        settings.isosurface_stop = max(
+            0, min(settings.isosurface_stop, len(settings.isosurface_stops) - 1)
+        )
+        surface_object.shade_all(volume)
+
+
+CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

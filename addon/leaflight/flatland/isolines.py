@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flatland: File > Import > Image for Leaflight, what the graph of an image remembers, and Bake
+Isolines.
+"""
+
+import time
+import uuid
+
+import bpy
+import leaflight
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError, flatland
+from leaflight.flatland.flat_scene import load_flat_scene
+
+from .. import versions
+from ..operators import background, checks, jobs
+from ..show import display
+from ..show.bake_properties import ERROR
+from . import graph_object
+
+
+def _changed(settings, _context):
+    if settings.is_flatland:
+        graph_object.rebuild(settings.id_data)
+
+
+class LeaflightFlatSettings(bpy.types.PropertyGroup):
+    """A graph, its isolines and how they are baked: Object.leaflight_flat."""
+
+    source: StringProperty(
+        name="Image",
+        description="File of the image; empty is the bump box",
+        subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
+    )
+    nodes: IntProperty(name="Nodes", default=200, min=4)
+    height: FloatProperty(
+        name="Height",
+        description="Height of the graph as part of its longest side",
+        default=0.25,
+        min=0.0,
+        soft_max=1.0,
+        update=_changed,
+    )
+    low: FloatProperty(
+        name="Lowest Isovalue", description="Lowest isovalue that is lit", update=_changed
+    )
+    high: FloatProperty(
+        name="Highest Isovalue", description="Highest isovalue that is lit", update=_changed
+    )
+    count: IntProperty(
+        name="Isolines",
+        description="Number of isolines, spread evenly between lowest and highest isovalue",
+        default=12,
+        min=1,
+        soft_max=100,
+        update=_changed,
+    )
+    width: FloatProperty(
+        name="Line Width",
+        description="Width of the isolines as part of the longest side of the image",
+        default=0.008,
+        min=1e-5,
+        soft_max=0.1,
+        update=_changed,
+    )
+    brightness_correction: BoolProperty(
+        name="Brightness Correction",
+        description="Multiply the light of the plane by 2 / pi, about as bright as the same scene "
+        "in space",
+        default=True,
+        update=_changed,
+    )
+    scene_file: StringProperty(
+        name="Scene",
+        description="Scene file of flatland with walls and lamps; empty is the flatland box",
+        subtype="FILE_PATH",
+        options=versions.RELATIVE_PATH,
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Texels along the longest side; 0 takes as many as the image needs",
+        min=0,
+        soft_max=4096,
+    )
+    error: FloatProperty(**ERROR)
+    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    bake_id: StringProperty(name="Bake Identifier")
+    is_flatland: BoolProperty(name="Leaflight Flatland")
+
+
+class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
+    bl_idname = "leaflight.import_image"
+    bl_label = "Import Image (Flatland)"
+    bl_description = "Show an image as the graph of its brightness, with isolines on it"
+
+    filter_glob: StringProperty(default="*.png;*.jpg;*.jpeg;*.tif;*.tiff;*.exr", options={"HIDDEN"})
+    source: EnumProperty(
+        name="Height Field",
+        items=[
+            ("IMAGE", "Image", "The brightness of the chosen image"),
+            ("BUMP_BOX", "Bump Box", "The reference data set of flatland; no file is read"),
+        ],
+    )
+    size: FloatProperty(
+        name="Size",
+        description="Length of the longest side in Blender units",
+        default=2.0,
+        min=1e-3,
+        soft_max=100.0,
+    )
+    height: FloatProperty(
+        name="Height",
+        description="Height of the graph as part of its longest side",
+        default=0.25,
+        min=0.0,
+        soft_max=1.0,
+    )
+    count: IntProperty(name="Isolines", description="Number of isolines", default=12, min=1)
+    nodes: IntProperty(
+        name="Nodes", description="Nodes along each side of the bump box", default=200, min=4
+    )
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "source")
+        if self.source == "BUMP_BOX":
+            layout.prop(self, "nodes")
+        for name in ("size", "height", "count"):
+            layout.prop(self, name)
+
+    def run(self, context):
+        path = bpy.path.abspath(self.filepath) if self.source == "IMAGE" else ""
+        field = flatland.read_image(path) if path else flatland.bump_box_2d(self.nodes)
+        low, high = leaflight.default_isovalue_range(field)
+        settings = {
+            "source": path,
+            "nodes": self.nodes,
+            "height": self.height,
+            "count": self.count,
+            "low": low,
+            "high": high,
+        }
+        obj = graph_object.create(context, field, self.size, settings)
+        display.select(context, [obj], obj)
+        rows, columns = field.values.shape
+        self.report({"INFO"}, f"{field.name}: {columns} x {rows} pixels")
+
+
+def _draw_menu(menu, _context):
+    name = LEAFLIGHT_OT_import_image.bl_idname
+    menu.layout.operator(name, text="Image for Leaflight, Flatland (.png, .jpg, .tif, .exr)")
+
+
+class FlatBakeJob(jobs.Job):
+    """One bake of all isolines: what it needs, the work, and lighting the object by it."""
+
+    def __init__(self, obj):
+        """Raises LeaflightError when the settings cannot be baked."""
+        settings = obj.leaflight_flat
+        self.object_name = obj.name
+        scene = bpy.path.abspath(settings.scene_file)
+        self._arguments = {
+            "volume": graph_object.field_of(obj),
+            "scene": load_flat_scene(scene) if scene else None,
+            "isovalues": (settings.low, settings.high),
+            "resolution": settings.resolution or None,
+            "error": settings.error,
+            "seed": settings.seed,
+        }
+        self.latest = self._shown = None
+
+    def run(self, progress):
+        """In any thread: touches no Blender data."""
+        start = time.perf_counter()
+        self.bake = flatland.bake_flatland(**self._arguments, on_pass=self._keep, progress=progress)
+        if progress.cancelled:
+            raise leaflight.Cancelled
+        self.seconds = time.perf_counter() - start
+
+    def _keep(self, bake):
+        self.latest = bake
+
+    def show(self):
+        """Lights the object by the last pass."""
+        if self.latest is not self._shown:
+            self._shown = self.latest
+            self._rebuild(self.latest)
+
+    def ended(self):
+        self._rebuild(None)
+        return super().ended()
+
+    def _rebuild(self, passed):
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is not None and obj.leaflight_flat.is_flatland:
+            graph_object.rebuild(obj, passed)
+
+    def apply(self):
+        obj = bpy.data.objects.get(self.object_name)
+        if obj is None or not obj.leaflight_flat.is_flatland:
+            raise LeaflightError(
+                f'"{self.object_name}" is gone, so the bake lights nothing: import it again.'
+            )
+        identifier = uuid.uuid4().hex
+        graph_object.keep_bake(identifier, self.bake)
+        obj.leaflight_flat.bake_id = identifier
+        graph_object.rebuild(obj)
+        return f"Baked all isolines in {self.seconds:.1f} s"
+
+
+class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operator):
+    bl_idname = "leaflight.bake_flatland"
+    bl_label = "Bake Isolines"
+    bl_description = "Compute the light on every isoline at once, within the plane. Esc cancels"
+    conditions = (
+        jobs.is_free,
+        checks.needs(
+            lambda context: context.object and context.object.leaflight_flat.is_flatland,
+            "Select the graph of an image first (File > Import > Image for Leaflight)",
+        ),
+        checks.in_object_mode,
+    )
+
+    def start(self, context):
+        return FlatBakeJob(context.object)
+
+
+CLASSES = (LeaflightFlatSettings, LEAFLIGHT_OT_import_image, LEAFLIGHT_OT_bake_flatland)
+PROPERTIES = ((bpy.types.Object, "leaflight_flat", PointerProperty(type=LeaflightFlatSettings)),)
+MENUS = (("TOPBAR_MT_file_import", _draw_menu),)
