@@ -158,6 +158,13 @@ def print_progress(name: str, work: BackgroundWork) -> None:
         print()
 
 
+def show_status(text: str | None) -> None:
+    """Shows a text in the status bar, or no longer (None)."""
+    for window in bpy.context.window_manager.windows:
+        with bpy.context.temp_override(window=window):
+            window.workspace.status_text_set(text)
+
+
 def redraw_panels() -> None:
     """Draws the sides and heads of viewports anew, not the viewports: these take long."""
     for window in bpy.context.window_manager.windows:
