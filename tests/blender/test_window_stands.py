@@ -29,8 +29,8 @@ def test_the_window_does_not_wait_for_the_light_of_walls(found):
     row = found["beside walls"]["found"]
     assert row["waited"] == ["dark picture"] and row["box"] and row["live"]
     assert row["size"][0] == "Estimating its size" and row["size"][1].endswith(" MB")
-    first, last = row["walls"]
-    assert first == 0 and last > 0
+    first, rendered, last = row["walls"]
+    assert first == 0 and 0 < rendered == last
 
 
 def test_the_status_bar_shows_how_far_the_light_of_walls_is(found):

@@ -6,6 +6,7 @@ mesh that was baked shows it in place of the original, which is hidden meanwhile
 the next bake still sees it.
 """
 
+import threading
 from contextlib import suppress
 
 import bpy
@@ -27,6 +28,8 @@ _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _BAKED_AS = "leaflight_baked_as"
+
+_completing = threading.Lock()
 
 
 def is_hidden(obj):
@@ -74,11 +77,15 @@ def _has_as_many_vertices(obj, bake):
 
 
 def complete(scene):
-    """Shows the lit walls that waited for the light of a bake."""
-    if _displays(scene):
-        update(scene)
-    elif _leader(scene) is not None:
-        refresh(scene)
+    """Shows the lit walls that waited for the light of a bake.
+
+    A render and the window come here at the same time, in threads of their own.
+    """
+    with _completing:
+        if _displays(scene):
+            update(scene)
+        elif _leader(scene) is not None:
+            refresh(scene)
 
 
 def finish(scene):

@@ -90,17 +90,17 @@ def beside_walls():
     """The file has just been opened: the walls of its bake have no light before it is there.
 
     Returns what "waited" for that light in Blender's own threads, and what was seen: the "box", the
-    "size" of a page, "live" at work, the number of "walls" when they are wanted and when a picture
-    was rendered, and the texts of the "status" bar.
+    "size" of a page, "live" at work, the number of "walls" when they are wanted, when a picture
+    was rendered and at last, and the texts of the "status" bar.
     """
     may_go_on, with_walls, result = threading.Event(), reading.with_walls, reading.Reading.result
     step, waited, status, shown = "", [], [], {}
 
-    def record(*arguments):
-        if threading.current_thread().name != "Leaflight":
+    def record(begun, *arguments):
+        if threading.current_thread().name != "Leaflight" and begun.is_alive():
             waited.append(step)
             may_go_on.set()
-        return result(*arguments)
+        return result(begun, *arguments)
 
     reading.with_walls = lambda *read: may_go_on.wait() and with_walls(*read)
     reading.Reading.result = record
@@ -122,6 +122,7 @@ def beside_walls():
     shown["walls"] += [len(seen.displays("wall"))]
     may_go_on.set()
     yield from stepwise.until(lambda: not cache._readings and None in status)
+    shown["walls"] += [len(seen.displays("wall"))]
     yield from stepwise.until(lambda: page_size() != shown["size"])
     shown["size"] = [shown["size"], page_size()]
     return {**shown, "waited": waited, "status": [status[:1], status[-1:]]}
