@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: an isovalue goes among noise, which has many times the triangles; a clip box cuts
-when a file has just been opened.
+"""A real window: an isovalue goes among noise, which has many times the triangles; a bake that was
+read from its file is used before its walls have their light.
 
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """
@@ -23,8 +23,30 @@ def found(blender, tmp_path_factory):
 
 
 def test_the_window_does_not_wait_for_the_light_of_walls(found):
-    assert found["beside walls"] and found["walls"]
+    """A clip box, a page's size, pictures of walls as they were lit, Live, Show Lit Walls; a
+    picture alone waits for walls that have no light yet.
+    """
+    row = found["beside walls"]["found"]
+    assert row["waited"] == ["dark picture"] and row["box"] and row["live"]
+    assert row["size"][0] == "Estimating its size" and row["size"][1].endswith(" MB")
+    first, rendered, last = row["walls"]
+    assert first == 0 and 0 < rendered == last
+
+
+def test_the_status_bar_shows_how_far_the_light_of_walls_is(found):
+    first, last = found["beside walls"]["found"]["status"]
+    assert first[0].endswith(" % Lighting walls") and last == [None]
+
+
+def test_lit_walls_go_with_their_volume_and_come_with_undo(found):
+    deleted, undone, redone, again = found["deleted"]["found"]
+    assert deleted == redone == [0, 0, 0]
+    assert undone == again and undone[0] == 1 and undone[1] == undone[2] > 0
+
+
+def test_a_bake_without_lit_walls_needs_no_thread(found):
+    assert not found["without walls"]["found"]
 
 
 def test_noise_is_coarse_at_first(found):
-    assert found["among noise"]["at first"] <= MOVING_TRIANGLES
+    assert found["among noise"]["found"] <= MOVING_TRIANGLES

@@ -21,8 +21,8 @@ class ContinueJob(bake.BakeJob):
     def __init__(self, context, obj, resume=False):
         """Raises LeaflightError when the bake is not found, or as BakeJob does."""
         super().__init__(context, obj, resume)
-        self._previous = cache.bake_of(obj)
-        self._seconds_before = self._previous.statistics.seconds
+        self._previous = cache.whole_of(obj)
+        self._seconds_before = cache.light_of(obj).statistics.seconds
         settings = obj.leaflight
         self._arguments = {
             "error": settings.error,
@@ -35,7 +35,7 @@ class ContinueJob(bake.BakeJob):
 
     def _light(self, **how):
         arguments = {**self._arguments, "checkpoint": self.checkpoint}
-        return leaflight.resume(self._previous, **arguments, **how)
+        return leaflight.resume(self._previous(how["progress"]), **arguments, **how)
 
 
 def _relit(obj):

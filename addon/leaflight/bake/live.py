@@ -57,7 +57,7 @@ class LiveJob(bake.BakeJob):
         volumes = [bpy.data.objects[name] for name in self.names]
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
             raise LeaflightError("Volumes were added or removed since the bake: bake again.")
-        self._lit = cache.bake_of(obj)
+        self._lit, self._whole = cache.light_of(obj), cache.whole_of(obj)
         # A bake that is begun anew with each move leaves nothing to go on with.
         path = self.checkpoint.path.with_suffix(".live")
         self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
@@ -74,6 +74,7 @@ class LiveJob(bake.BakeJob):
     def _pass_after_direct(self, progress):
         # Only the passes say how much there is to do.
         progress.expect(math.inf)
+        self._lit = self._whole(progress)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
         blurs_maps, blurs_walls = self.is_rough, self._wall_work() > _QUICK_WALLS
         self.latest = moved(self._lit, **known, quick=blurs_maps, walls=False, progress=progress)

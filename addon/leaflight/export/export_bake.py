@@ -12,11 +12,12 @@ from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
 from leaflight.export.page_size import estimated_bytes
 
+from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..show import isovalues, lamps
 from ..store import cache, source_files
-from ..translations import draw_wrapped
+from ..translations import draw_wrapped, iface_
 
 _FORMATS = (
     (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, unlit vertex colors"),
@@ -28,22 +29,25 @@ _FORMATS = (
     (".am", "Amira Colors (.am)", "The colors of all isosurfaces, four bytes a texel"),
 )
 
+# (id of a bake, how much coarser) -> the _SizeJob for a page with its BackgroundWork.
+_sizes = session.remembered()
+
 
 class ExportJob(jobs.Job):
     """The file is written in the background; large volumes take their time."""
 
     def __init__(self, obj, path, values, **page):
         """page: the options of a web page."""
-        self._bake, self._index = lamps.bake_of(obj), obj.leaflight.bake_index
-        if self._bake is None:
+        if not obj.leaflight.bake_id:
             raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
+        self._bake, self._index = lamps.whole_of(obj), obj.leaflight.bake_index
         self._path, self._page = path, page
         self._isovalues = values
         self._surfaces = {}
 
     def run(self, progress):
         self._surfaces = leaflight.export(
-            self._bake,
+            self._bake(progress),
             self._path,
             self._isovalues,
             volume=self._index,
@@ -59,6 +63,41 @@ class ExportJob(jobs.Job):
         triangles = sum(len(surface.triangles) for surface in self._surfaces.values())
         what = f"{triangles} triangles, " if self._surfaces else ""
         return f"{self._path.name}: {what}{size:.1f} MB"
+
+
+class _SizeJob(jobs.Job):
+    """Estimates the bytes of a page."""
+
+    def __init__(self, obj, coarser):
+        self._bake, self._coarser = cache.whole_of(obj), coarser
+        self.bytes = None
+
+    def run(self, progress):
+        self.bytes = estimated_bytes(self._bake(progress), self._coarser)
+
+
+def _size_of(obj, coarser):
+    """The bytes of a page, or None while they are estimated. Raises what the work did."""
+    key = obj.leaflight.bake_id, coarser
+    if key not in _sizes:
+        job = _SizeJob(obj, coarser)
+        _sizes[key] = job, jobs.BackgroundWork(job)
+        bpy.app.timers.register(_redraw_browsers)
+    job, work = _sizes[key]
+    if work.is_alive():
+        return None
+    work.result()
+    return job.bytes
+
+
+def _redraw_browsers():
+    """Of a timer: shows the sizes that are estimated by now."""
+    goes_on = any(work.is_alive() for _, work in _sizes.values())
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "FILE_BROWSER":
+                area.tag_redraw()
+    return 0.1 if goes_on else None
 
 
 class _ExportOperator(background.AskingOperator, ExportHelper):
@@ -94,7 +133,7 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
         if suffix in OF_VOLUME:
             return ExportJob(obj, path, None)
         values = self.chosen_isovalues(obj)
-        if len(cache.bake_of(obj).volumes) > 1:
+        if len(cache.light_of(obj).volumes) > 1:
             values = [isovalues.common_isovalue(obj.leaflight, value) for value in values]
         return ExportJob(obj, path, values, **self.page_options(obj))
 
@@ -205,14 +244,14 @@ class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
         return {"coarser": self.coarser, "lengths": _lengths(obj)}
 
     def _size(self, obj):
-        try:
-            # The volume may be deleted while the browser is open.
-            bake = None if obj is None else cache.bake_of(obj)
-        except LeaflightError:
-            bake = None
-        if bake is None:
+        # The volume may be deleted while the browser is open.
+        if obj is None or not obj.leaflight.bake_id:
             return ""
-        return f"About {estimated_bytes(bake, self.coarser) / 1e6:.0f} MB"
+        try:
+            size = _size_of(obj, self.coarser)
+        except Exception:  # a page that cannot be written has no size; the export says why
+            return ""
+        return iface_("Estimating its size") if size is None else f"About {size / 1e6:.0f} MB"
 
 
 def _absent(suffix):

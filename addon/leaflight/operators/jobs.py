@@ -162,6 +162,13 @@ def viewports() -> list[tuple[bpy.types.Window, bpy.types.Area]]:
     return [(window, area) for window, area in found if area.type == "VIEW_3D"]
 
 
+def show_status(text: str | None) -> None:
+    """Shows a text in the status bar, or no longer (None)."""
+    for window in bpy.context.window_manager.windows:
+        with bpy.context.temp_override(window=window):
+            window.workspace.status_text_set(text)
+
+
 def redraw_panels() -> None:
     """Draws the sides and heads of viewports anew, not the viewports: these take long."""
     for _, area in viewports():

@@ -76,21 +76,18 @@ def label(settings):
     return repr(factors) if factors else ""
 
 
-def bake_of(obj):
-    """The bake that lights an object, with its lamps as strong as they are now, or None.
-
-    Raises LeaflightError.
-    """
-    return _with_lamps(obj, cache.bake_of(obj))
-
-
 def light_of(obj):
-    """bake_of(), but perhaps still without walls (cache.py). Raises LeaflightError."""
-    return _with_lamps(obj, cache.light_of(obj))
+    """light_of() of the cache, with its lamps as strong as they are now. Raises LeaflightError."""
+    return _with_lamps(cache.light_of(obj), factors_of(obj.leaflight))
 
 
-def _with_lamps(obj, bake):
-    factors = factors_of(obj.leaflight)
+def whole_of(obj):
+    """whole_of() of the cache, with its lamps as strong as they are now. Raises LeaflightError."""
+    wait, factors = cache.whole_of(obj), factors_of(obj.leaflight)
+    return lambda progress: _with_lamps(wait(progress), factors)
+
+
+def _with_lamps(bake, factors):
     if bake is None or not factors:
         return bake
     known = _relit.get(bake.id)

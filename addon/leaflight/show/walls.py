@@ -6,10 +6,14 @@ mesh that was baked shows it in place of the original, which is hidden meanwhile
 the next bake still sees it.
 """
 
+import threading
+from contextlib import suppress
+
 import bpy
 import numpy as np
 from leaflight import LeaflightError
 
+from ..store import cache
 from . import display, fill, lamps, preview, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
 
@@ -22,6 +26,8 @@ _WALL_MATERIAL = "leaflight_wall_material"
 _HIDDEN = "leaflight_hidden"
 _SHOWN = "leaflight_shown"
 _BAKED_AS = "leaflight_baked_as"
+
+_completing = threading.Lock()
 
 
 def is_hidden(obj):
@@ -55,7 +61,7 @@ def show_pass(scene):
     leader = _leader(scene)
     if leader is None or not _pass_with_walls(leader):
         return
-    displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
+    displays = _displays(scene)
     if displays and all(_has_as_many_vertices(obj, _bake_of(leader)[0]) for obj in displays):
         update(scene)
     else:
@@ -68,20 +74,49 @@ def _has_as_many_vertices(obj, bake):
     return known and len(bake.walls.mesh(index)[0]) == len(obj.data.vertices)
 
 
-def update(scene):
-    """Lights the displays for the isosurface that is shown, unless they show it already."""
-    displays = [obj for obj in scene.objects if display.is_display(obj, _WALL)]
-    leader = _leader(scene) if displays else None
+def complete(scene):
+    """Shows the lit walls that waited for the light of a bake.
+
+    A render and the window come here at the same time, in threads of their own.
+    """
+    with _completing:
+        if _displays(scene):
+            update(scene)
+        elif _leader(scene) is not None:
+            refresh(scene)
+
+
+def finish(scene):
+    """complete() for a render, which waits for that light where walls show another or none."""
+    leader, displays = _leader(scene), _displays(scene)
     if leader is None:
         return
-    settings = leader.leaflight
-    light, of_pass = f"{settings.bake_id} {lamps.label(settings)}", _pass_with_walls(leader)
-    if of_pass:
-        light = f"pass {preview.of(leader).walls_key}"
-    label = f"{surface_object.shown_isovalue(leader)!r} lit by {light}"
-    stale = [obj for obj in displays if obj.data.get(_SHOWN) != label]
+    waits = scene.leaflight.show_walls and cache.lacks_walls(leader)
+    if _stale(displays, leader) or (waits and not displays):
+        with suppress(LeaflightError):
+            cache.bake_of(leader)
+        complete(scene)
+
+
+def are_left_alone(scene):
+    """Whether the volume that lit the displays of a scene is gone, as when it was deleted."""
+    return any(not any(map(_leader, obj.users_scene)) for obj in _displays(scene))
+
+
+def remove_left_alone():
+    for scene in bpy.data.scenes:
+        if are_left_alone(scene):
+            _clear(scene)
+
+
+def update(scene):
+    """Lights the displays for the isosurface that is shown, unless they show it already."""
+    displays = _displays(scene)
+    leader = _leader(scene) if displays else None
+    stale = _stale(displays, leader) if leader is not None else []
     if not stale:
         return
+    of_pass, label = _pass_with_walls(leader), _label(leader)
     try:
         bake, index = _bake_of(leader)
     except LeaflightError as error:
@@ -101,6 +136,23 @@ def update(scene):
             fill.colour(obj.data, name, radiance)
         obj.data[_SHOWN] = label
         obj.data.update()
+
+
+def _displays(scene):
+    return [obj for obj in scene.objects if display.is_display(obj, _WALL)]
+
+
+def _stale(displays, leader):
+    """Those that show another light than the present isosurface's."""
+    return [obj for obj in displays if obj.data.get(_SHOWN) != _label(leader)]
+
+
+def _label(leader):
+    settings = leader.leaflight
+    light = f"{settings.bake_id} {lamps.label(settings)}"
+    if _pass_with_walls(leader):
+        light = f"pass {preview.of(leader).walls_key}"
+    return f"{surface_object.shown_isovalue(leader)!r} lit by {light}"
 
 
 def _leader(scene):
@@ -133,7 +185,7 @@ def _common_isovalue(leader, bake, index):
 
 
 def _build(scene, leader):
-    bake = _bake_of(leader)[0] if _pass_with_walls(leader) else lamps.bake_of(leader)
+    bake, _ = _bake_of(leader)
     if bake.walls is None:
         return
     collection = bpy.data.collections.new(COLLECTION)
@@ -182,7 +234,7 @@ def _hide(scene, obj):
 
 def _clear(scene):
     """Removes the displays and shows what they hid."""
-    for obj in [obj for obj in scene.objects if display.is_display(obj, _WALL)]:
+    for obj in _displays(scene):
         bpy.data.meshes.remove(obj.data)
     for collection in [c for c in scene.collection.children if _COLLECTION in c]:
         bpy.data.collections.remove(collection)

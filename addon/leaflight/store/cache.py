@@ -13,6 +13,7 @@ import bpy
 import leaflight
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.bake.load_bake import open_bake
 
 from .. import session
 from . import bake_files, reading, source_files
@@ -21,8 +22,9 @@ _volumes = session.remembered()
 _bakes = session.remembered()
 # Bakes without the light of their walls, by id, while a thread computes it.
 _readings = session.remembered()
-# Functions that are called when the walls of a bake are lit.
-when_whole = []
+# Functions that are called by and by while the walls of a bake are lit, with the Progress of that,
+# and at its end with None.
+watching = []
 
 # Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
 _MOST = 2 << 30
@@ -77,15 +79,11 @@ def keep_volume(obj, volume):
 
 def bake_of(obj):
     """The bake that lights an object, None before the first. Raises LeaflightError."""
-    identifier = obj.leaflight.bake_id
-    if not identifier:
-        return None
-    if identifier in _readings:
-        _finish(identifier)
-    if identifier not in _bakes:
-        _make_room()
-        _bakes[identifier] = _load(bake_files.locate(obj), leaflight.load_bake)
-    return _bakes[identifier]
+    bake = light_of(obj)
+    if lacks_walls(obj):
+        _finish(obj.leaflight.bake_id)
+        return light_of(obj)
+    return bake
 
 
 def light_of(obj):
@@ -94,21 +92,42 @@ def light_of(obj):
     A thread makes it meanwhile. Raises LeaflightError.
     """
     identifier = obj.leaflight.bake_id
-    if bpy.app.background or identifier in _bakes or not identifier or obj.leaflight.frames > 1:
-        return bake_of(obj)
-    if identifier not in _readings:
+    if not identifier:
+        return None
+    if identifier in _readings:
+        return _readings[identifier].bake
+    if identifier not in _bakes:
         _make_room()
-        begun = _load(bake_files.locate(obj), reading.Reading)
-        _readings[identifier] = begun
-        bpy.app.timers.register(partial(_await, identifier, begun), persistent=True)
-    return _readings[identifier].bake
+        _open(identifier, bake_files.locate(obj), waits=obj.leaflight.frames > 1)
+        return light_of(obj)
+    return _bakes[identifier]
 
 
-def finish_readings():
-    """Waits for the light of all walls."""
-    for identifier in list(_readings):
-        with suppress(LeaflightError):
-            _finish(identifier)
+def _open(identifier, path, waits):
+    """waits: whether the walls are lit before it returns."""
+    if waits or bpy.app.background:
+        _bakes[identifier] = _load(path, leaflight.load_bake)
+        return
+    bake, walls = _load(path, open_bake)
+    if walls is None:
+        _bakes[identifier] = bake
+        return
+    _readings[identifier] = begun = reading.Reading(path, bake, walls)
+    bpy.app.timers.register(partial(_await, identifier, begun), persistent=True)
+
+
+def whole_of(obj):
+    """A function that returns bake_of(): it waits in any thread, until a Progress is cancelled.
+
+    Raises LeaflightError; so does the function.
+    """
+    bake, begun = light_of(obj), _readings.get(obj.leaflight.bake_id)
+    return begun.result if begun is not None else lambda _progress: bake
+
+
+def lacks_walls(obj):
+    """Whether the walls of the bake that lights an object are still to be lit."""
+    return obj.leaflight.bake_id in _readings
 
 
 def stop_readings():
@@ -119,16 +138,16 @@ def stop_readings():
 
 def _await(identifier, begun):
     """A timer's function."""
-    if _readings.get(identifier) is not begun:
+    is_wanted = _readings.get(identifier) is begun
+    goes_on = is_wanted and begun.is_alive()
+    if not is_wanted:
         begun.cancel()
-        return None
-    if begun.is_alive():
-        return 0.1
-    with suppress(LeaflightError):
-        _finish(identifier)
-    for call in when_whole:
-        call()
-    return None
+    elif not goes_on:
+        with suppress(LeaflightError):
+            _finish(identifier)
+    for call in watching:
+        call(begun.progress if goes_on else None)
+    return 0.1 if goes_on else None
 
 
 def _finish(identifier):

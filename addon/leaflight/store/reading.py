@@ -4,25 +4,25 @@
 import threading
 
 import leaflight
-from leaflight.bake.load_bake import open_bake, with_walls
+from leaflight.bake.load_bake import with_walls
 
 
 class Reading:
-    """The bake without walls at once; a thread gives the walls their light, for up to a minute.
+    """A bake without walls; a thread gives these their light, for up to a minute.
 
-    Touches no Blender data. Raises LeaflightError.
+    Touches no Blender data.
     """
 
-    def __init__(self, path):
-        self.path = path
-        self.bake, self._walls = open_bake(path)
-        self._progress, self._whole, self._error = leaflight.Progress(), None, None
+    def __init__(self, path, bake, walls):
+        self.path, self.bake, self._walls = path, bake, walls
+        self.progress, self._whole, self._error = leaflight.Progress(), None, None
+        self.progress.begin("Lighting walls")
         self._thread = threading.Thread(target=self._run, name="Leaflight walls")
         self._thread.start()
 
     def _run(self):
         try:
-            self._whole = with_walls(self.bake, self._walls, self._progress)
+            self._whole = with_walls(self.bake, self._walls, self.progress)
         except BaseException as error:  # result() raises it again, in the main thread
             self._error = error
 
@@ -30,11 +30,16 @@ class Reading:
         return self._thread.is_alive()
 
     def cancel(self):
-        self._progress.cancel()
+        self.progress.cancel()
 
-    def result(self):
-        """Waits for the whole bake. Raises LeaflightError."""
-        self._thread.join()
+    def result(self, progress=None):
+        """Waits for the whole bake. Raises LeaflightError, or Cancelled as soon as progress is."""
+        if progress is not None:
+            progress.begin("Lighting walls")
+        while self.is_alive():
+            self._thread.join(0.1)
+            if progress is not None and progress.cancelled:
+                raise leaflight.Cancelled
         if self._error is not None:
             raise self._error
         return self._whole

@@ -84,8 +84,13 @@ def _after_change(scene, depsgraph):
     if any(_concerns_bakes(scene, change, moved) for change in changes):
         staleness.forget()
         live.changed(scene, at_once=depsgraph.mode == "VIEWPORT")
-    if isovalues.left_alone():
-        _remove(isovalues.remove_left_alone)
+    if isovalues.left_alone() or walls.are_left_alone(scene):
+        _remove(_left_alone)
+
+
+def _left_alone():
+    isovalues.remove_left_alone()
+    walls.remove_left_alone()
 
 
 def _remove(remove):
@@ -182,16 +187,23 @@ def _after_undo(scene, _depsgraph):
     live.changed(scene)
 
 
-def _after_reading():
-    """Lights walls by a bake that had been read without theirs."""
-    for scene in bpy.data.scenes:
-        walls.update(scene)
+def _light_walls(progress):
+    """Shows how far the light of a bake's walls is, and at its end (None) that light.
+
+    The status bar is that of the work in progress, if there is any.
+    """
+    is_lit = progress is None
+    if jobs.running() is None:
+        text = None if is_lit else f"{100.0 * progress.fraction:3.0f} % {progress.stage}"
+        jobs.show_status(text and f"Leaflight  {text}")
+    if is_lit:
+        for scene in bpy.data.scenes:
+            walls.complete(scene)
 
 
 @persistent
 def _before_render(scene, *_):
-    cache.finish_readings()
-    walls.update(scene)
+    walls.finish(scene)
     whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
@@ -254,13 +266,13 @@ _HANDLERS = (
 def register():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
-    cache.when_whole.append(_after_reading)
+    cache.watching.append(_light_walls)
 
 
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
-    cache.when_whole.remove(_after_reading)
+    cache.watching.remove(_light_walls)
     cache.stop_readings()
     jobs.abandon()
     stopped.save_offered()

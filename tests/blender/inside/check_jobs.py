@@ -4,6 +4,7 @@
 import json
 import time
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,7 +25,7 @@ from PIL import Image
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
 # Jobs with drivers of their own.
-SPECIAL = {live.LiveJob, whole_detail._Making}
+SPECIAL = {live.LiveJob, whole_detail._Making, export_bake._SizeJob}
 UNREACHED = 0.01
 
 
@@ -217,6 +218,14 @@ def check_start_and_the_next_job_may_raise(small):
     window.operator.next_job = lambda _context: 1 // 0
     assert window.run() == {"CANCELLED"} and "ZeroDivisionError" in window.said[-1][1]
     assert jobs.running() is None
+
+
+def check_a_page_whose_size_is_not_found_has_none(small, monkeypatch):
+    monkeypatch.setattr(export_bake, "estimated_bytes", None)
+    size = partial(export_bake.LEAFLIGHT_OT_export_page._size, SimpleNamespace(coarser=0), small)
+    while size() == "Estimating its size":
+        time.sleep(0.01)
+    assert size() == ""
 
 
 def check_live_goes_on_after_an_error(small, monkeypatch):

@@ -70,7 +70,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     lit.leaflight.isovalue = 45.0
     points = vertices_of(lit)
     close(
-        colours_of(lit), lamps.bake_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
+        colours_of(lit), lamps.light_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
     )
     lit.leaflight.isovalue = 50.0
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
@@ -83,7 +83,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     lamp().color, lamp().energy = (1.0, 1.0, 1.0), energy / 3.0
     bpy.context.view_layer.update()
     assert_scaled(lit, before, 1.0)
-    assert lamps.bake_of(lit) is cache.bake_of(lit)
+    assert lamps.light_of(lit) is cache.bake_of(lit)
     assert change(lit) == "" and EXACT not in drawn(bake_panel.LEAFLIGHT_PT_bake_details)
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Up and Front: of files, by menus and by turns of 90 degrees, before and after a bake."""
 
+from types import SimpleNamespace
+
 import bpy
 import nibabel
 import numpy as np
@@ -65,6 +67,12 @@ def check_four_turns_are_none(scan, way, axes):
     for _ in range(3):
         bpy.ops.leaflight.turn_volume(way=way)
     close(scan.matrix_world, before, 1e-5)
+
+
+def check_each_turn_has_its_tooltip():
+    description = orientation.LEAFLIGHT_OT_turn_volume.description
+    texts = {description(None, SimpleNamespace(way=way)) for way in ("TIP", "ROLL", "TURN")}
+    assert len(texts) == 3 and all(texts)
 
 
 def check_a_stage_follows_without_being_staged_again(scan):

@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python stands.py -- FOLDER: what made the window stand still.
 
-A scan whose background is noise is lit, and then: its file is opened again, a clip box is added,
-the isovalue goes among the noise, and a picture is rendered. Prints a line WINDOW and a JSON
-object. Each step has the longest time that the window stood and what Leaflight did then. The step
-into the noise also has the number of triangles at first. "beside walls": the clip box was there
-before the light of the walls, which is computed when a bake is read. "walls": that light came.
+A scan whose background is noise is lit, and then: its file is opened again, what takes the bake is
+pressed, the isovalue goes among the noise, and a picture is rendered. Prints a line WINDOW and a
+JSON object. Each step has the longest time that the window stood and what Leaflight did then. The
+step into the noise also has the number of triangles at first. "beside walls": see beside_walls().
 """
 
 import os
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
+from leaflight_addon.bake import live
+from leaflight_addon.export import export_bake
 from leaflight_addon.operators import jobs
-from leaflight_addon.show import surface_object
+from leaflight_addon.show import surface_object, walls
 from leaflight_addon.stage import viewport
 from leaflight_addon.store import cache, reading
 
@@ -53,15 +55,17 @@ def drive():
     yield from light()
     for name, step in (
         ("reopened", reopen),
-        ("clip box", add_clip_box),
+        ("beside walls", beside_walls),
         ("among noise", go_among_noise),
         ("rendered", render),
+        ("deleted", delete),
+        ("without walls", open_without_walls),
     ):
         print(f"Step: {name}", flush=True)
         beat.start()
-        at_first = yield from step()
+        result = yield from step()
         yield from settle()
-        found[name] = {"seconds": beat.seconds, "where": beat.where, "at first": at_first}
+        found[name] = {"seconds": beat.seconds, "where": beat.where, "found": result}
 
 
 def light():
@@ -82,22 +86,80 @@ def reopen():
     yield from hand.steps(2)
 
 
-def add_clip_box():
-    """The file has just been opened: the walls of its bake have no light before it is there."""
-    may_go_on, with_walls = threading.Event(), reading.with_walls
+def beside_walls():
+    """The file has just been opened: the walls of its bake have no light before it is there.
+
+    Returns what "waited" for that light in Blender's own threads, and what was seen: the "box", the
+    "size" of a page, "live" at work, the number of "walls" when they are wanted, when a picture
+    was rendered and at last, and the texts of the "status" bar.
+    """
+    may_go_on, with_walls, result = threading.Event(), reading.with_walls, reading.Reading.result
+    step, waited, status, shown = "", [], [], {}
+
+    def record(begun, *arguments):
+        if threading.current_thread().name != "Leaflight" and begun.is_alive():
+            waited.append(step)
+            may_go_on.set()
+        return result(begun, *arguments)
+
     reading.with_walls = lambda *read: may_go_on.wait() and with_walls(*read)
+    reading.Reading.result = record
+    bpy.types.WorkSpace.status_text_set = lambda _workspace, text: status.append(text)
+    for step, press in (
+        ("box", add_box),
+        ("size", see_size),
+        ("picture", render),
+        ("live", go_live),
+    ):
+        shown[step] = yield from press()
+    step = "walls"
+    bpy.context.scene.leaflight.show_walls = False
+    bpy.context.scene.leaflight.show_walls = True
+    shown["walls"] = [len(seen.displays("wall"))]
+    yield from stepwise.until(lambda: status or waited)
+    step = "dark picture"
+    yield from render()
+    shown["walls"] += [len(seen.displays("wall"))]
+    may_go_on.set()
+    yield from stepwise.until(lambda: not cache._readings and None in status)
+    shown["walls"] += [len(seen.displays("wall"))]
+    yield from stepwise.until(lambda: page_size() != shown["size"])
+    shown["size"] = [shown["size"], page_size()]
+    return {**shown, "waited": waited, "status": [status[:1], status[-1:]]}
+
+
+def add_box():
     with hand.in_view():
         bpy.ops.leaflight.add_clip_box()
     yield from hand.steps(2)
-    has_box = seen.volume().leaflight_look.box is not None
-    found["beside walls"] = has_box and bool(cache._readings)
-    may_go_on.set()
-    yield from stepwise.until(lambda: not cache._readings)
-    found["walls"] = cache.bake_of(seen.volume()).walls is not None
+    return seen.volume().leaflight_look.box is not None
+
+
+def see_size():
+    yield from hand.steps(1)
+    return page_size()
+
+
+def page_size():
+    return export_bake.LEAFLIGHT_OT_export_page._size(SimpleNamespace(coarser=0), seen.volume())
+
+
+def go_live():
+    """Returns whether it was at work for the new place of a lamp, which goes back."""
+    lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
+    lamp = next(lamp for lamp in lamps if not lamp.hide_render)
+    bpy.context.scene.leaflight_live = True
+    lamp.location.x += 0.1
+    yield from hand.steps(8)
+    was_at_work = live.at_work() is not None
+    bpy.context.scene.leaflight_live = False
+    lamp.location.x -= 0.1
+    yield from stepwise.until(lambda: live.at_work() is None)
+    return was_at_work
 
 
 def go_among_noise():
-    # As the slider does.
+    """Returns the number of triangles at first, as the slider has moved it."""
     seen.volume().leaflight["isovalue"] = NOISE
     seen.volume().update_tag()
     bpy.context.view_layer.update()
@@ -115,6 +177,40 @@ def render():
     with hand.in_view():
         bpy.ops.render.render("INVOKE_DEFAULT")
     yield from stepwise.until(lambda: done)
+
+
+def delete():
+    """Returns the numbers of volumes, lit walls and objects that these hide, after each key."""
+    hand.bind(hand.DELETE, "object.delete", {"confirm": False})
+    with hand.in_view():
+        bpy.ops.object.select_all(action="DESELECT")
+        seen.volume().select_set(True)
+        bpy.ops.ed.undo_push(message="Selected")
+    states = []
+    for key, modifiers in (
+        (hand.DELETE, {}),
+        ("Z", {"ctrl": True}),
+        ("Z", {"ctrl": True, "shift": True}),
+        ("Z", {"ctrl": True}),
+    ):
+        yield from hand.key(key, **modifiers)
+        yield from hand.steps(8)
+        hidden = sum(map(walls.is_hidden, bpy.context.scene.objects))
+        states.append([len(seen.volumes()), len(seen.displays("wall")), hidden])
+    return states
+
+
+def open_without_walls():
+    """Returns whether a thread lights the walls of a bake that has none."""
+    seen.volume().leaflight.light_walls = False
+    with hand.in_view():
+        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    yield from settle()
+    bpy.ops.wm.save_mainfile()
+    begun, with_walls = [], reading.with_walls
+    reading.with_walls = lambda *read: begun.append(True) or with_walls(*read)
+    yield from reopen()
+    return cache.light_of(seen.volume()) is None or bool(begun)
 
 
 def settle():
