@@ -228,12 +228,6 @@ Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
 }
 
 template <int D>
-Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel) {
-  return std::visit([&](const auto* values) { return voxel_gradient(field, values, voxel); },
-                    field.shading_values);
-}
-
-template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   return std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
                     field.shading_values);
@@ -263,8 +257,6 @@ template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
 template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
 template Vec<2> shading_normal<2>(const Field<2>&, const Vec<2>&);
 template Vec<3> shading_normal<3>(const Field<3>&, const Vec<3>&);
-template Vec<2> voxel_gradient<2>(const Field<2>&, const Index<2>&);
-template Vec<3> voxel_gradient<3>(const Field<3>&, const Index<3>&);
 template Vec<2> shading_gradient<2>(const Field<2>&, const CellPoint<2>&);
 template Vec<3> shading_gradient<3>(const Field<3>&, const CellPoint<3>&);
 

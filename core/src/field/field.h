@@ -107,13 +107,9 @@ double value_at(const Field<D>& field, const Vec<D>& index_position);
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
-// Central differences of the values of shading, in index coordinates; one-sided at the border of
-// the domain and beside masked voxels.
-template <int D>
-Vec<D> voxel_gradient(const Field<D>& field, const Index<D>& voxel);
-
-// The same interpolated between the voxels: continuous. Used for the cosine of shading and the
-// normals of meshes.
+// Central differences of the values of shading at the voxels, interpolated between them; in index
+// coordinates. They are one-sided at the border of the domain and beside masked voxels. Used for
+// the cosine of shading and the normals of meshes.
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 

@@ -46,8 +46,8 @@ class LineBundle {
   // ascending order.
   int first() const { return all_.first; }
   int last() const { return all_.last; }
-  int first(int lane) const { return range_[lane + 1].first; }
-  int last(int lane) const { return range_[lane + 1].last; }
+  int first(int lane) const { return range_[lane].first; }
+  int last(int lane) const { return range_[lane].last; }
   float value(int plane, int lane) const { return rows_[plane].value[lane]; }
   // Whether all lines are in empty space there.
   bool is_empty(int plane) const { return rows_[plane].is_empty; }
@@ -56,7 +56,7 @@ class LineBundle {
   Vec<D> position(int lane, double z) const {
     Vec<D> p;
     p[set_.axis] = z;
-    p[axes_[0]] = track_[lane + 1].at(z);
+    p[axes_[0]] = track_[lane].at(z);
     if constexpr (D == 3) p[axes_[1]] = row_track_.at(z);
     return p;
   }
@@ -64,59 +64,43 @@ class LineBundle {
   Vec<D> direction(int lane) const {
     Vec<D> d;
     d[set_.axis] = 1;
-    d[axes_[0]] = track_[lane + 1].slope;
+    d[axes_[0]] = track_[lane].slope;
     if constexpr (D == 3) d[axes_[1]] = row_track_.slope;
     return d;
   }
-  // The number of the texel whose part of a plane the line crosses, or -1: it may lie between the
-  // texels' planes, in empty space, or a line of a lower number may come to the same texel.
+  // Returns the number of the texel that the line crosses in a plane, or -1 between the texels'
+  // planes and in empty space.
   std::int64_t texel(int plane, int lane) const;
   // How much the value grows on the way to where z is 1 more, by central differences; in units of
   // about the field's range, so that its square is a float, whatever the units of the data.
   float slope(int plane, int lane) const;
-  // The gradient, in index coordinates and the same units, by which isosurfaces are shaded where
-  // the line crosses a plane: central differences at the voxels, interpolated as the values are.
-  // Made of the values each time, since those of all voxels would take 12 bytes of each.
-  Vec<D, float> gradient(int plane, int lane) const;
 
  private:
   static constexpr int across = D - 1;
   using Track = typename LineSet<D>::Track;
   struct PlaneRange {
     int first, last;
-
-    bool contains(int plane) const { return first <= plane && plane <= last; }
   };
-  // Where the lines cross a plane. Lane 0 of `texel` is that of the line before the first.
+  // Places where the lines cross a plane.
   struct Row {
     std::array<float, width> value;
     std::array<float, width> local;         // coordinate across the axis from a voxel on
     std::array<std::int32_t, width> voxel;  // from the row's first voxel on
-    std::array<std::int32_t, width + 1> texel;
+    std::array<std::int32_t, width> texel;
     std::size_t first_voxel;
     std::int32_t row_cell;
     float row_local;
     std::int32_t row_texel;
-    bool row_taken;  // the lines of the row before come to the same texels
     bool is_empty;
   };
 
-  // The row of lines before the bundle's, whose texels are taken; an empty range where there is
-  // none.
-  struct RowBefore {
-    Track track;
-    PlaneRange range;
-  };
-
   PlaneRange range_of(const Track& track, int axis) const;
-  RowBefore take_tracks(const Tracks& tracks);
-  // Where the lines cross plane k.
-  void cross(int k, const RowBefore& before);
+  void take_tracks(const Tracks& tracks);
+  // Computes where the lines cross plane k.
+  void cross(int k);
   // Takes the values of the rows.
   template <class Value>
   void read(const Value* values);
-  template <class Value>
-  Vec<D, float> gradient(const Value* values, int plane, int lane) const;
   // Whether the plane is in empty space at all lanes.
   bool in_empty_space(int plane, int row_cell) const;
 
@@ -130,9 +114,8 @@ class LineBundle {
   std::array<int, static_cast<std::size_t>(across)> axes_;
   std::array<std::size_t, static_cast<std::size_t>(D)> stride_;
   int lanes_ = 0;
-  // One before the first line, then those of the lanes.
-  std::array<Track, width + 1> track_;
-  std::array<PlaneRange, width + 1> range_;
+  std::array<Track, width> track_;
+  std::array<PlaneRange, width> range_;
   PlaneRange all_{0, -1};
   Track row_track_{0, 0};
   std::vector<Row> rows_;
@@ -157,7 +140,7 @@ LineBundle<D>::LineBundle(const Field<D>& field, const EmptySpace<D>& empty,
 
 template <int D>
 typename LineBundle<D>::PlaneRange LineBundle<D>::range_of(const Track& track, int axis) const {
-  double low = set_.low, high = set_.high;
+  double low = 0, high = lattice_.resolution[set_.axis] - 1;
   const double end = lattice_.resolution[axis] - 1;
   if (track.slope == 0) {
     if (!(track.origin >= 0 && track.origin <= end)) return {0, -1};
@@ -174,42 +157,36 @@ typename LineBundle<D>::PlaneRange LineBundle<D>::range_of(const Track& track, i
 
 template <int D>
 void LineBundle<D>::follow(const Tracks& tracks) {
-  const RowBefore before = take_tracks(tracks);
-  for (int k = all_.first; k <= all_.last; ++k) cross(k, before);
+  take_tracks(tracks);
+  for (int k = all_.first; k <= all_.last; ++k) cross(k);
   std::visit([this](const auto* values) { this->read(values); }, field_.values);
 }
 
 template <int D>
-typename LineBundle<D>::RowBefore LineBundle<D>::take_tracks(const Tracks& tracks) {
+void LineBundle<D>::take_tracks(const Tracks& tracks) {
   const std::vector<Track>& of = set_.tracks[0];
   lanes_ = std::min(width, static_cast<int>(of.size()) - tracks[0]);
   PlaneRange row{0, static_cast<int>(planes_.planes.size()) - 1};
-  RowBefore before{{0, 0}, {0, -1}};
   if constexpr (D == 3) {
     row_track_ = set_.tracks[1][tracks[1]];
     row = range_of(row_track_, axes_[1]);
-    if (set_.crowded && tracks[1] > 0) {
-      const Track& track = set_.tracks[1][tracks[1] - 1];
-      before = {track, range_of(track, axes_[1])};
-    }
   }
   all_ = {static_cast<int>(planes_.planes.size()), -1};
-  for (int i = 0; i <= width; ++i) {
-    const int number = tracks[0] + i - 1;
-    const bool exists = number >= 0 && i <= lanes_;
+  for (int i = 0; i < width; ++i) {
+    const int number = tracks[0] + i;
+    const bool exists = i < lanes_;
     // Lanes without a line repeat the nearest: they read nothing else, and in_empty_space() sees
     // all.
-    track_[i] = of[std::clamp(number, 0, static_cast<int>(of.size()) - 1)];
+    track_[i] = of[std::min(number, static_cast<int>(of.size()) - 1)];
     range_[i] = exists ? range_of(track_[i], axes_[0]) : PlaneRange{0, -1};
     range_[i] = {std::max(range_[i].first, row.first), std::min(range_[i].last, row.last)};
-    if (i == 0 || range_[i].first > range_[i].last) continue;
+    if (range_[i].first > range_[i].last) continue;
     all_ = {std::min(all_.first, range_[i].first), std::max(all_.last, range_[i].last)};
   }
-  return before;
 }
 
 template <int D>
-void LineBundle<D>::cross(int k, const RowBefore& before) {
+void LineBundle<D>::cross(int k) {
   const double scale = lattice_.voxels_per_texel[axes_[0]];
   const int last_cell = field_.dims[axes_[0]] - 2, end = lattice_.resolution[axes_[0]] - 1;
   const auto dx = static_cast<std::int32_t>(stride_[axes_[0]]);
@@ -224,18 +201,16 @@ void LineBundle<D>::cross(int k, const RowBefore& before) {
     at.row_local = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
     at.first_voxel += cell * stride_[axes_[1]];
     at.row_texel = static_cast<int>(y + 0.5);
-    at.row_taken = before.range.contains(k) &&
-                   static_cast<int>(before.track.at(plane.z) + 0.5) == at.row_texel;
   }
   at.is_empty = in_empty_space(k, at.row_cell);
   if (at.is_empty) return;
-  std::array<double, width + 1> x;
-  for (int i = 0; i <= width; ++i) x[i] = track_[i].origin + track_[i].slope * plane.z;
-  for (int i = 0; i <= width; ++i) {
+  std::array<double, width> x;
+  for (int i = 0; i < width; ++i) x[i] = track_[i].origin + track_[i].slope * plane.z;
+  for (int i = 0; i < width; ++i) {
     at.texel[i] = std::clamp(static_cast<int>(x[i] + 0.5), 0, end);
   }
   for (int i = 0; i < width; ++i) {
-    const double voxels = x[i + 1] * scale;
+    const double voxels = x[i] * scale;
     const int cell = std::clamp(static_cast<int>(voxels), 0, last_cell);
     at.local[i] = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
     at.voxel[i] = cell * dx;
@@ -286,7 +261,7 @@ bool LineBundle<D>::in_empty_space(int plane, int row_cell) const {
   const double scale = lattice_.voxels_per_texel[axes_[0]];
   // Each of these lanes speaks for a brick on either side of its own.
   constexpr std::array<int, 3> lanes{0, 3, width - 1};
-  if ((track_[width].at(z) - track_[1].at(z)) * scale > 4 * EmptySpace<D>::brick_width)
+  if ((track_[width - 1].at(z) - track_[0].at(z)) * scale > 4 * EmptySpace<D>::brick_width)
     return false;
   Index<D> voxel;
   voxel[set_.axis] = std::min(static_cast<int>(z * lattice_.voxels_per_texel[set_.axis] + 1e-9),
@@ -294,7 +269,7 @@ bool LineBundle<D>::in_empty_space(int plane, int row_cell) const {
   if constexpr (D == 3) voxel[axes_[1]] = row_cell;
   for (const int lane : lanes) {
     voxel[axes_[0]] =
-        std::clamp(static_cast<int>(track_[lane + 1].at(z) * scale), 0, field_.dims[axes_[0]] - 2);
+        std::clamp(static_cast<int>(track_[lane].at(z) * scale), 0, field_.dims[axes_[0]] - 2);
     if (!empty_.holds(voxel)) return false;
   }
   return true;
@@ -306,13 +281,9 @@ std::int64_t LineBundle<D>::texel(int plane, int lane) const {
   if (of.texel < 0) return -1;
   const Row& at = rows_[plane];
   if (at.is_empty) return -1;
-  if (set_.crowded) {
-    if (D == 3 && at.row_taken) return -1;
-    if (range_[lane].contains(plane) && at.texel[lane] == at.texel[lane + 1]) return -1;
-  }
   Index<D> texel;
   texel[set_.axis] = of.texel;
-  texel[axes_[0]] = at.texel[lane + 1];
+  texel[axes_[0]] = at.texel[lane];
   if constexpr (D == 3) texel[axes_[1]] = at.row_texel;
   return static_cast<std::int64_t>(lattice_.linear(texel));
 }
@@ -328,56 +299,6 @@ float LineBundle<D>::slope(int plane, int lane) const {
   if (std::isnan(high)) high = h, --planes;
   if (planes <= 0) return 0;
   return (high - low) * per_range_ * static_cast<float>(planes_per_texel_ / planes);
-}
-
-template <int D>
-Vec<D, float> LineBundle<D>::gradient(int plane, int lane) const {
-  return std::visit([&](const auto* values) { return gradient(values, plane, lane); },
-                    field_.shading_values) *
-         per_range_;
-}
-
-template <int D>
-template <class Value>
-Vec<D, float> LineBundle<D>::gradient(const Value* values, int plane, int lane) const {
-  const Row& at = rows_[plane];
-  const auto between = static_cast<float>(planes_.planes[plane].between);
-  const std::size_t dx = stride_[axes_[0]];
-  Index<D> cell;
-  cell[set_.axis] = planes_.planes[plane].voxel;
-  cell[axes_[0]] = at.voxel[lane] / static_cast<std::int32_t>(dx);
-  if constexpr (D == 3) cell[axes_[1]] = at.row_cell;
-  bool has_neighbours = !field_.masked;
-  for (int a = 0; a < D; ++a) {
-    const int last = cell[a] + (a != set_.axis || between != 0);
-    has_neighbours = has_neighbours && cell[a] > 0 && last < field_.dims[a] - 1;
-  }
-  const auto at_voxel = [&](const Value* h, const Index<D>& voxel) {
-    if (!has_neighbours) return Vec<D, float>(voxel_gradient(field_, voxel));
-    Vec<D, float> g;
-    for (int a = 0; a < D; ++a) {
-      const auto step = static_cast<std::ptrdiff_t>(stride_[a]);
-      g[a] = 0.5f * (static_cast<float>(h[step]) - static_cast<float>(h[-step]));
-    }
-    return g;
-  };
-  const auto in_row = [&](const Value* h, Index<D> voxel) {
-    const Vec<D, float> low = at_voxel(h, voxel);
-    ++voxel[axes_[0]];
-    return low + (at_voxel(h + dx, voxel) - low) * at.local[lane];
-  };
-  const auto in_plane = [&](const Value* h, Index<D> voxel) {
-    const Vec<D, float> bottom = in_row(h, voxel);
-    if constexpr (D == 2) return bottom;
-    ++voxel[axes_[across - 1]];
-    const Vec<D, float> top = in_row(h + stride_[axes_[across - 1]], voxel);
-    return bottom + (top - bottom) * at.row_local;
-  };
-  const Value* h = values + at.first_voxel + at.voxel[lane];
-  const Vec<D, float> below = in_plane(h, cell);
-  if (between == 0) return below;
-  ++cell[set_.axis];
-  return below + (in_plane(h + stride_[set_.axis], cell) - below) * between;
 }
 
 }  // namespace leaflight
