@@ -10,25 +10,25 @@
 
 namespace leaflight {
 
-// Planes across one axis of a lattice at which lines are looked at: those of the texels' centres
-// and, where a texel is wider than a voxel, more between them.
+// Planes across one axis of a lattice at which lines are sampled. They pass through the texels'
+// centers; if a texel is wider than a voxel, there are more between them.
 template <int D>
 struct Planes {
   struct Plane {
     double z;            // in texels
-    int texel;           // of the centre plane, or -1
-    int voxel;           // the plane of voxels below it, or in it
-    std::size_t voxels;  // the number of that plane's first voxel
-    double between;      // how far it lies on the way to the next plane of voxels, in [0,1)
+    int texel;           // texel of a plane through centers, or -1
+    int voxel;           // plane of voxels at or below it
+    std::size_t voxels;  // number of that plane's first voxel
+    double between;      // fraction of the distance to the next plane of voxels, in [0,1)
   };
   std::vector<Plane> planes;
 
   Planes(const Field<D>& field, const TexelLattice<D>& lattice, int axis);
 };
 
-// Lines of a set on neighbouring tracks, which pass the planes together, so that what they read
-// lies side by side: the values of a field where they cross the planes. Lanes are its lines. Empty
-// space is not read.
+// Lines of a set on neighboring tracks that cross the planes together, so that their reads are
+// adjacent. It holds the values of a field where the lines cross the planes. Each line is a lane.
+// Empty space is not read.
 template <int D>
 class LineBundle {
  public:
@@ -38,21 +38,20 @@ class LineBundle {
   LineBundle(const Field<D>& field, const EmptySpace<D>& empty, const TexelLattice<D>& lattice,
              const LineSet<D>& set, const Planes<D>& planes);
 
-  // Takes the values along the line of these tracks and along those of the next first tracks.
+  // Samples the line of these tracks and the lines of the next first tracks.
   void follow(const Tracks& tracks);
   int lanes() const { return lanes_; }
 
-  // The planes that any line crosses, and that a line crosses within the field: [first, last], in
-  // ascending order.
+  // Returns the range of planes [first, last] that any line, or one line, crosses within the field.
   int first() const { return all_.first; }
   int last() const { return all_.last; }
   int first(int lane) const { return range_[lane + 1].first; }
   int last(int lane) const { return range_[lane + 1].last; }
   float value(int plane, int lane) const { return rows_[plane].value[lane]; }
-  // Whether all lines are in empty space there.
+  // True if all lines are in empty space at a plane.
   bool is_empty(int plane) const { return rows_[plane].is_empty; }
   double z(int plane) const { return planes_.planes[plane].z; }
-  // In texels, at a coordinate along the axis.
+  // Returns a line's position in texels at a coordinate along the axis.
   Vec<D> position(int lane, double z) const {
     Vec<D> p;
     p[set_.axis] = z;
@@ -60,7 +59,7 @@ class LineBundle {
     if constexpr (D == 3) p[axes_[1]] = row_track_.at(z);
     return p;
   }
-  // The direction in texels, by which z grows by 1.
+  // Returns the direction in texels per unit of z.
   Vec<D> direction(int lane) const {
     Vec<D> d;
     d[set_.axis] = 1;
@@ -68,15 +67,15 @@ class LineBundle {
     if constexpr (D == 3) d[axes_[1]] = row_track_.slope;
     return d;
   }
-  // The number of the texel whose part of a plane the line crosses, or -1: it may lie between the
-  // texels' planes, in empty space, or a line of a lower number may come to the same texel.
+  // Returns the number of the texel at which the line crosses a plane, or -1. It is -1 between the
+  // texels' planes, in empty space, or if a line of a lower number serves the texel.
   std::int64_t texel(int plane, int lane) const;
-  // How much the value grows on the way to where z is 1 more, by central differences; in units of
-  // about the field's range, so that its square is a float, whatever the units of the data.
+  // Returns the derivative of the value along z, by central differences. Its unit is about the
+  // field's range, so that its square fits a float for any data.
   float slope(int plane, int lane) const;
-  // The gradient, in index coordinates and the same units, by which isosurfaces are shaded where
-  // the line crosses a plane: central differences at the voxels, interpolated as the values are.
-  // Made of the values each time, since those of all voxels would take 12 bytes of each.
+  // Returns the shading gradient where the line crosses a plane, in index coordinates and the same
+  // units. It interpolates central differences at the voxels. It is recomputed, because stored
+  // gradients would take 12 bytes per voxel.
   Vec<D, float> gradient(int plane, int lane) const;
 
  private:
@@ -87,22 +86,22 @@ class LineBundle {
 
     bool contains(int plane) const { return first <= plane && plane <= last; }
   };
-  // Where the lines cross a plane. Lane 0 of `texel` is that of the line before the first.
+  // The lines at a plane. Lane 0 of `texel` is the line before the first.
   struct Row {
     std::array<float, width> value;
-    std::array<float, width> local;         // coordinate across the axis from a voxel on
-    std::array<std::int32_t, width> voxel;  // from the row's first voxel on
+    std::array<float, width> local;         // coordinate across the axis, from the voxel
+    std::array<std::int32_t, width> voxel;  // from the row's first voxel
     std::array<std::int32_t, width + 1> texel;
     std::size_t first_voxel;
     std::int32_t row_cell;
     float row_local;
     std::int32_t row_texel;
-    bool row_taken;  // the lines of the row before come to the same texels
+    bool row_taken;  // true if lines of the row before serve the same texels
     bool is_empty;
   };
 
-  // The row of lines before the bundle's, whose texels are taken; an empty range where there is
-  // none.
+  // The row of lines before the bundle's, which serves its texels first; its range is empty if
+  // there is none.
   struct RowBefore {
     Track track;
     PlaneRange range;
@@ -110,14 +109,14 @@ class LineBundle {
 
   PlaneRange range_of(const Track& track, int axis) const;
   RowBefore take_tracks(const Tracks& tracks);
-  // Where the lines cross plane k.
+  // Computes where the lines cross plane k.
   void cross(int k, const RowBefore& before);
-  // Takes the values of the rows.
+  // Reads the values of the rows.
   template <class Value>
   void read(const Value* values);
   template <class Value>
   Vec<D, float> gradient(const Value* values, int plane, int lane) const;
-  // Whether the plane is in empty space at all lanes.
+  // True if the plane is in empty space at all lanes.
   bool in_empty_space(int plane, int row_cell) const;
 
   const Field<D>& field_;
@@ -125,12 +124,12 @@ class LineBundle {
   const TexelLattice<D>& lattice_;
   const LineSet<D>& set_;
   const Planes<D>& planes_;
-  float per_range_;  // a power of two, which passes nothing
+  float per_range_;  // a power of two, so that scaling is exact
   double planes_per_texel_;
   std::array<int, static_cast<std::size_t>(across)> axes_;
   std::array<std::size_t, static_cast<std::size_t>(D)> stride_;
   int lanes_ = 0;
-  // One before the first line, then those of the lanes.
+  // The line before the first, then those of the lanes.
   std::array<Track, width + 1> track_;
   std::array<PlaneRange, width + 1> range_;
   PlaneRange all_{0, -1};
@@ -197,8 +196,7 @@ typename LineBundle<D>::RowBefore LineBundle<D>::take_tracks(const Tracks& track
   for (int i = 0; i <= width; ++i) {
     const int number = tracks[0] + i - 1;
     const bool exists = number >= 0 && i <= lanes_;
-    // Lanes without a line repeat the nearest: they read nothing else, and in_empty_space() sees
-    // all.
+    // Lanes without a line repeat the nearest line, so that they cause no other reads.
     track_[i] = of[std::clamp(number, 0, static_cast<int>(of.size()) - 1)];
     range_[i] = exists ? range_of(track_[i], axes_[0]) : PlaneRange{0, -1};
     range_[i] = {std::max(range_[i].first, row.first), std::min(range_[i].last, row.last)};
@@ -240,7 +238,7 @@ void LineBundle<D>::cross(int k, const RowBefore& before) {
     at.local[i] = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
     at.voxel[i] = cell * dx;
   }
-  // Planes lie far from each other in memory: what is read next comes meanwhile.
+  // Prefetch, because planes are far apart in memory.
   for (const int i : {0, width - 1}) {
     const std::size_t voxel = at.first_voxel + at.voxel[i];
     __builtin_prefetch(address_of(field_.values, voxel));
@@ -284,7 +282,7 @@ template <int D>
 bool LineBundle<D>::in_empty_space(int plane, int row_cell) const {
   const double z = planes_.planes[plane].z;
   const double scale = lattice_.voxels_per_texel[axes_[0]];
-  // Each of these lanes speaks for a brick on either side of its own.
+  // Each of these lanes also covers the bricks on both sides of its brick.
   constexpr std::array<int, 3> lanes{0, 3, width - 1};
   if ((track_[width].at(z) - track_[1].at(z)) * scale > 4 * EmptySpace<D>::brick_width)
     return false;
@@ -323,7 +321,7 @@ float LineBundle<D>::slope(int plane, int lane) const {
   const float h = value(plane, lane);
   float low = value(before, lane), high = value(after, lane);
   int planes = after - before;
-  // Next to masked voxels one side alone is known.
+  // Use one-sided differences next to masked voxels.
   if (std::isnan(low)) low = h, --planes;
   if (std::isnan(high)) high = h, --planes;
   if (planes <= 0) return 0;

@@ -7,7 +7,7 @@
 namespace leaflight {
 namespace {
 
-// The axis of the b-th tracks.
+// Returns the axis of the b-th tracks.
 template <int D>
 int across(int axis, int b) {
   return b < axis ? b : b + 1;
@@ -41,7 +41,7 @@ std::vector<LineSet<D>> lines_from(const TexelLattice<D>& lattice, const Vec<D>&
   for (int axis = 0; axis < D; ++axis) {
     for (const int sense : {1, -1}) {
       const double end = lattice.resolution[axis] - 1;
-      // Distances of the planes along the axis.
+      // Distances of the farthest and the nearest plane along the axis.
       const double far = sense > 0 ? end - point[axis] : point[axis];
       const double near = std::max(sense > 0 ? -point[axis] : point[axis] - end, 1e-9);
       if (!(far > near)) continue;
@@ -57,7 +57,7 @@ std::vector<LineSet<D>> lines_from(const TexelLattice<D>& lattice, const Vec<D>&
         const int other = across<D>(axis, b);
         const double before = -point[other];
         const double behind = lattice.resolution[other] - 1 - point[other];
-        // In the order of the axis, up to 45 degrees: beyond lie the lines of another axis.
+        // Slopes are limited to 45 degrees; lines of another axis cover the rest.
         const double least = std::max(-1.0, std::min(before / near, before / far));
         const double most = std::min(1.0, std::max(behind / near, behind / far));
         const int last = static_cast<int>(std::ceil(most / spacing - offset[b]));

@@ -9,9 +9,9 @@
 
 namespace leaflight {
 
-// Values of a field as bytes, for shadow comparisons. 1 to 253 cover a range; 0 is below it, and
-// 254 is above it. 255 is behind a mesh, where nothing is lit. For backs, the order of the values
-// is reversed.
+// Values of a field as bytes, for shadow comparisons. Codes 1 to 253 cover a range; 0 is below it,
+// and 254 is above it. Code 255 is behind a mesh, where nothing is lit. For backs, the order of the
+// values is reversed.
 struct VisibilityCode {
   IsovalueRange range;
   bool back = false;

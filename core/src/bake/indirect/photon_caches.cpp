@@ -46,7 +46,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   }
   const auto trace = [&](PhotonPaths paths, std::uint64_t count) {
     const auto store = [&](const PhotonHit<D>& photon) {
-      // Caustic photons bring these.
+      // Caustic photons carry this light.
       const bool caustic = photon.arrival == Arrival::caustic;
       if (paths == PhotonPaths::all && plan.caustics && caustic) return;
       if (photon.point.kind() == HitKind::isosurface) {
