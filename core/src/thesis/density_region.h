@@ -21,27 +21,27 @@ namespace leaflight {
 //                   volume of the ellipsoid.
 enum class DensityRegion { sphere, clipped_sphere, box, cylinder, graph };
 
-// Throws Error for an unknown name.
+// Returns the region of a name. Throws Error for an unknown name.
 DensityRegion density_region_from(const std::string& name);
 
-// 4/3 pi d^3 / kappa; pi d^2 / kappa in the plane.
+// Returns 4/3 pi d^3 / kappa, or pi d^2 / kappa in 2D.
 template <int D>
 double sphere_volume(double d, double kappa);
 
-// Between the isovalues low and high, relative to the centre's.
+// Returns the volume between the isovalues low and high, relative to the center's isovalue.
 template <int D>
 double clipped_sphere_volume(double d, double kappa, double low, double high);
 
 template <int D>
 double graph_volume(double d, double kappa, double gradient_length);
 
-// The half side of the box, and its volume.
+// Return the half side of the box, and its volume.
 template <int D>
 double box_half_side(double d, double kappa, double gradient_length);
 template <int D>
 double box_volume(double half_side, double kappa);
 
-// The radius of the cylinder, a rectangle in the plane, and its volume.
+// Return the radius of the cylinder, a rectangle in 2D, and its volume.
 template <int D>
 double cylinder_radius(double d, double kappa, double gradient_length);
 template <int D>

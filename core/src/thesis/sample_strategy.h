@@ -21,22 +21,22 @@ namespace leaflight {
 //   regular     in the middle of each cell of the grid of `stratified`
 enum class SampleStrategy { uniform, stratified, importance, level_set, letters, slabs, regular };
 
-// Throws Error, with the choices, for an unknown name.
+// Returns the strategy of a name. Throws Error, with the choices, for an unknown name.
 SampleStrategy sample_strategy_from(const std::string& name);
 std::string name_of(SampleStrategy strategy);
 
 struct SampleSettings {
   SampleStrategy strategy = SampleStrategy::stratified;
   std::size_t samples = 1'000'000;
-  // Of level_set: how many adaptive ones, or which, in data units.
+  // for level_set: the number of adaptive isovalues, or isovalues in data units
   std::variant<int, std::vector<double>> isovalues = 9;
   std::uint64_t seed = 0;
 };
 
-// Index positions of the samples, all on isosurfaces of the isovalue range; a function of the
-// settings alone. Strata that reach no isosurface of the isovalue range, and what a grid leaves
-// over, are made up for by uniform samples; `regular` has fewer instead. Throws Error for settings
-// that make no sense and when hardly any of the domain lies in the isovalue range.
+// Returns index positions of the samples, all on isosurfaces of the isovalue range. They depend
+// only on the settings. Uniform samples replace those of strata without isosurfaces of the isovalue
+// range, and those that a grid leaves over; `regular` has fewer instead. Throws Error for invalid
+// settings and if hardly any of the domain is in the isovalue range.
 template <int D>
 std::vector<Vec<D>> sample_positions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                      const SampleSettings& settings);

@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// Finds what only rays can find of a bad scene: a light that a mesh encloses while the volumes are
-// outside it, and a volume outside the walls that no light reaches. Throws Error with one
-// sentence that names the object.
+// Finds errors of a scene that need rays: a light that a mesh encloses although the volumes are
+// outside it, and a volume outside the walls that no light reaches. Throws Error with one sentence
+// that names the object.
 template <int D>
 void check_placement(const SceneTracer<D>& tracer);
 
