@@ -52,7 +52,7 @@ struct TexelLattice {
 template <int D>
 std::int32_t nearest_active_slot(const TexelLattice<D>& lattice, const Vec<D>& index_position);
 
-// Return the resolution with texels `width` times as wide, or half as wide.
+// Returns the resolution with texels `width` times as wide; finer_resolution(): half as wide.
 template <int D>
 Index<D> coarser_resolution(Index<D> resolution, int width) {
   for (int& n : resolution) n = std::max(2, (n - 1 + width - 1) / width + 1);

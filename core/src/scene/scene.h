@@ -12,8 +12,8 @@ namespace leaflight {
 
 enum class Scattering { diffuse, mirror, glass };
 
-// A two-sided mesh of the walls. It exists next to every isosurface: the thesis's prism over the
-// range of h (4.3.3).
+// A mesh of the walls with the same material on both sides. It exists next to every isosurface: the
+// thesis's prism over the range of h (4.3.3).
 template <int D>
 struct Mesh {
   using Facet = std::array<std::uint32_t, static_cast<std::size_t>(D)>;
@@ -29,7 +29,7 @@ struct Mesh {
   std::shared_ptr<const Texture> texture;  // multiplies the albedo; null: none
   std::vector<FacetUv> uv;                 // per corner of each facet, if there is a texture
 
-  // u, v: barycentric coordinates of the facet's second and third vertex.
+  // Returns the albedo. u, v: barycentric coordinates of the facet's second and third vertex.
   Rgb albedo_at(std::size_t facet, double u, double v) const;
 };
 

@@ -112,8 +112,8 @@ class ShortestDiagonals {
   std::vector<int> length_, apex_;
 };
 
-// Triangulates a polygon. Uses a fan from the first corner if it is allowed, or else the shortest
-// diagonals, or else a fan from the given point inside the cell.
+// Triangulates a polygon by a fan from its first corner, if it is allowed. Otherwise uses the
+// shortest diagonals, or else a fan from the given point inside the cell.
 Cover cover(const Polygon& polygon, const Diagonals& diagonals, int point) {
   const std::size_t n = polygon.size();
   Cover found;

@@ -33,7 +33,7 @@ class MeshEdges {
  private:
   std::vector<std::uint32_t> first_;  // start of each vertex in others_
   std::vector<std::int32_t> others_;
-  // first edge of each vertex; at the end, the number of all edges
+  // First edge of each vertex; at the end, the number of all edges.
   std::vector<std::int32_t> number_;
 };
 

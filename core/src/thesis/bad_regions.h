@@ -5,8 +5,7 @@
 
 namespace leaflight {
 
-// Bad examples of where to sample, of the thesis's Tables 3.1 and 4.2, as parts of a domain
-// [0,1]^D.
+// Regions of a domain [0,1]^D that the thesis's Tables 3.1 and 4.2 use as bad examples for samples.
 
 // True inside the letters B, A, D, which leave the domain's bottom empty; extruded along z in 3D.
 template <int D>

@@ -21,14 +21,14 @@ struct ScatteredBake {
 template <int D>
 struct FixedSettings {
   Index<D> resolution{};  // texels; zeros: one per voxel
-  // per texel or scattered sample, each with one shadow ray and one gather ray
+  // Per texel or scattered sample, each with one shadow ray and one gather ray.
   int samples = 32;
   std::uint64_t photons = 2'000'000, caustic_photons = 2'000'000;
   EstimatorName estimator = EstimatorName::gather;
   PhotonMapSettings photon_map;            // for the thesis's estimator
   std::optional<ScatteredBake> scattered;  // nothing: samples in each texel
-  // World positions: only the texels that lookups there use. Empty: all. Of the path estimator, as
-  // the others look up other texels.
+  // World positions. If there are any, only texels that lookups there use are baked. They require
+  // the path estimator, because the others look up other texels.
   std::vector<Vec<D>> only_at;
   std::uint64_t seed = 0;
   int threads = 0;          // 0: all

@@ -150,7 +150,7 @@ typename PhotonMap<D>::Region PhotonMap<D>::region_around(
   // Counts photons whose offset along the isosurface and in the isovalue, scaled by kappa, is
   // accepted. An offset without its part between the isosurfaces keeps its length along them. A
   // projection onto the tangent plane would be shorter on curved isosurfaces, and count too many
-  // photons (5 % too high on a sphere of radius 0.3 lit by 55,000 photons).
+  // photons. On a sphere of radius 0.3 lit by 55,000 photons, the result would be 5 % too high.
   const auto accepted = [&](double volume, auto accepts) {
     Region region{volume};
     if (!(gradient_length > 0)) return region;

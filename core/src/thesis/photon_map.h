@@ -38,17 +38,18 @@ struct PhotonMapSettings {
 // Throws Error for invalid numbers.
 void validate(const PhotonMapSettings& settings);
 
-// The thesis's own estimator (4.3.5), the baseline of every comparison: photons at (x, c) in a
-// kd-tree of D + 1 dimensions; E = sum of F_p / dV (Eq. 4.8) over the k that are nearest by
+// The thesis's estimator (4.3.5), the baseline of all comparisons. Photons at (x, c) are in a
+// kd-tree of D + 1 dimensions. E = sum of F_p / dV (Eq. 4.8) over the k nearest photons by
 // |dx|^2 + (kappa dc)^2, with kappa = g * extent of the domain / extent of the range.
 //
-// All k count, as in Jensen's photon map, though the region just reaches the last: spheres and
-// graph are too high by 1 / (k - 1). Box and cylinder leave out the last, and this bias with it.
+// All k photons count, as in Jensen's photon map, although the last one is on the border of the
+// region. So spheres and graph are too high by 1 / (k - 1). Box and cylinder exclude the last
+// photon and avoid this bias.
 template <int D>
 class PhotonMap {
  public:
-  // The photons of one volume. `domain_extent`: the longest side of its box in the frame;
-  // `range_extent`: of the common isovalue over its data; `height`: the unit of flux-heights.
+  // Makes a map of one volume's photons. `domain_extent`: longest side of its box in the frame.
+  // `range_extent`: extent of its data in common isovalues. `height`: unit of flux-heights.
   PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
             const PhotonMapSettings& settings, double height = 1);
 

@@ -10,15 +10,15 @@
 
 namespace leaflight {
 
-// Where the radiance is sampled; a sample at x lies on the isosurface c = h(x).
+// The distribution of samples of the radiance. A sample at x lies on the isosurface c = h(x).
 //   uniform     at random over the domain (thesis 3.4.1 and 4.5)
 //   stratified  one at random in each cell of a grid with the domain's proportions (thesis 4.7)
 //   importance  more in data cells whose values span more of the isovalue range (thesis Eq. 4.12)
 //   level_set   uniform over the isosurfaces of a few isovalues (thesis 3.4.1)
-//   letters     within the letters B, A, D, the domain's bottom left out: the thesis's bad example
-//               in the plane, extruded along z in space
-//   slabs       within five thin diagonal slabs: the thesis's bad example in space
-//   regular     in the middle of each cell of the grid of `stratified`
+//   letters     inside the letters B, A, D, without the domain's bottom: the thesis's bad example
+//               in 2D, extruded along z in 3D
+//   slabs       inside five thin diagonal slabs: the thesis's bad example in 3D
+//   regular     at the center of each cell of the grid of `stratified`
 enum class SampleStrategy { uniform, stratified, importance, level_set, letters, slabs, regular };
 
 // Returns the strategy of a name. Throws Error, with the choices, for an unknown name.

@@ -93,7 +93,7 @@ class SceneTracer {
   const std::vector<Mesh<D>>& meshes() const { return meshes_; }   // frame
   const std::vector<Light<D>>& lights() const { return lights_; }  // frame
   const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
-  // The box around volumes and meshes.
+  // Returns the box around volumes and meshes.
   const Box<D>& box() const { return box_; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
   const Walls<D>& walls() const { return walls_; }

@@ -20,8 +20,8 @@ struct IsosurfaceTexel {
 
 // A one-sample estimator of the radiance that a point reflects of indirect light. The point is on
 // an isosurface or a wall. Indirect light has bounced diffusely before, and may have passed mirrors
-// and glass. In thesis Eq. 1.5 it is indirect indirect light. Caustics are excluded unless the
-// estimator says otherwise.
+// and glass. It is the indirect part of thesis Eq. 1.5. Caustics are excluded unless the estimator
+// says otherwise.
 template <int D>
 class IndirectEstimator {
  public:

@@ -29,9 +29,9 @@ class Paths {
  public:
   explicit Paths(const SceneTracer<D>& tracer) : tracer_(tracer) {}
 
-  // Returns the mean flux from a lamp that reaches isosurfaces. `emit`: makes a photon from random
-  // numbers, which are the same for every lamp. `unreflected`: true if photons count before their
-  // first reflection.
+  // Returns the mean flux from a lamp that reaches isosurfaces. The callback `emit` makes a photon
+  // from random numbers, which are the same for every lamp. `unreflected`: true if photons count
+  // before their first reflection.
   template <class Emit>
   Imath::V3d of(Emit emit, bool unreflected) const {
     Imath::V3d sum(0);

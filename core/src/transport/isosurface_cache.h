@@ -40,7 +40,7 @@ class IsosurfaceCache {
   Rgb indirect(std::int32_t slot, bool back) const { return value(sides_[back].indirect, slot); }
   Rgb caustic(std::int32_t slot, bool back) const { return value(sides_[back].caustic, slot); }
 
-  // Return the variances, averaged over the channels, from the number of photons.
+  // Returns the variance, averaged over the channels, from the number of photons.
   float indirect_variance(std::int32_t slot, bool back) const {
     return variance(sides_[back].indirect, slot);
   }

@@ -9,8 +9,8 @@
 
 namespace leaflight {
 
-// The emission of all isosurfaces of a volume within the isovalue range, from both sides. ("Level
-// sets could emit their own illumination", thesis 4.3.3.) Since dA dc = |grad c| dV, a point of the
+// The emission of all isosurfaces of a volume within the isovalue range, from both sides (thesis
+// 4.3.3: "level sets could emit their own illumination"). Since dA dc = |grad c| dV, a point of the
 // volume represents the isosurface through it. So no isosurface is extracted.
 template <int D>
 class IsosurfaceEmitter {

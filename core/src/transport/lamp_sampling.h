@@ -43,9 +43,8 @@ struct LightSource {
   double strength(const Vec<D>& way, double distance) const;
 };
 
-// The functions that each kind of lamp provides. Lights and positions are in the frame; `bounds`
-// contains the scene; `u` is uniform in [0,1)^2. power_of() returns the power, averaged over the
-// channels.
+// Returns the power, averaged over the channels. In this and the next functions, lights and
+// positions are in the frame, `bounds` contains the scene, and `u` is uniform in [0,1)^2.
 template <int D>
 double power_of(const Light<D>& light, const BoundingSphere<D>& bounds);
 

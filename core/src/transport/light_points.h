@@ -36,8 +36,8 @@ inline constexpr int light_point_sets = 7;
 template <int D>
 std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>& tracer);
 
-// Returns, for each point, the number of an earlier one at the same position, whatever its amount;
-// -1: none.
+// Returns, for each point, the number of an earlier one with the same geometry, whatever its
+// amount; -1: none.
 template <int D>
 std::vector<int> same_points(const std::vector<LightPoint<D>>& points,
                              const std::vector<LightPoint<D>>& earlier);

@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// Finds errors of a scene that need rays: a light that a mesh encloses although the volumes are
-// outside it, and a volume outside the walls that no light reaches. Throws Error with one sentence
-// that names the object.
+// Finds errors of a scene that need rays. A mesh may enclose a light although the volumes are
+// outside it. A volume may be outside the walls, where no light reaches it. Throws Error with one
+// sentence that names the object.
 template <int D>
 void check_placement(const SceneTracer<D>& tracer);
 

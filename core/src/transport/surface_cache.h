@@ -39,8 +39,8 @@ class SurfaceCache {
   void finish(std::size_t column, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
-  // Returns the radiance of the side that a ray hits. `u`: uniform in [0,1); it chooses one of two
-  // nodes, so that the mean is linear in c with a single lookup.
+  // Returns the radiance of the side that a ray hits. The number `u`, uniform in [0,1), chooses one
+  // of two nodes. So the mean is linear in c with a single lookup.
   Rgb radiance(const WallHit& hit, const Vec<D>& direction, double c, double u) const;
   // Returns the side of a square with the area of the patch that a ray hits.
   double patch_width(const WallHit& hit) const {
@@ -49,7 +49,7 @@ class SurfaceCache {
   }
   // True if it holds light of mirrors and glass, which paths from here cannot find.
   bool holds_caustics() const { return !caustic_.empty(); }
-  // Interpolate the irradiance from photons at a point on a wall, linearly in c.
+  // Returns the irradiance from photons at a point on a wall, linearly in c.
   Rgb indirect_irradiance(const SurfacePoint<D>& point) const {
     return between_nodes(indirect_sides_, point);
   }

@@ -31,11 +31,11 @@ class DirectLight {
   // Work per texel of a map, in the unit of the progress: points of lines.
   static constexpr double work_of_texel = 0.2;
 
-  // Computes the maps of one volume. `resolution`: of the maps. `back`: includes the backs, which
-  // requires that the scene has only this volume. `spacing`: see VisibilitySweep. `earlier`: direct
-  // light of the same scene under other lights, whose maps are reused for points that have not
-  // moved. The result does not depend on the number of threads, nor on `earlier` if its texels are
-  // as wide. Throws Cancelled.
+  // Computes the maps of one volume in a `resolution`. With `back`, it includes the backs, which
+  // requires that the scene has only this volume. For `spacing`, see VisibilitySweep. An `earlier`
+  // light is that of the same scene under other lights. Its maps are reused for points that have
+  // not moved. The result does not depend on the number of threads, nor on `earlier` if its texels
+  // are as wide. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
               const DirectLight* earlier = nullptr);
@@ -44,14 +44,14 @@ class DirectLight {
   // maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;
 
-  // The texels of the maps.
+  // Returns the texels of the maps.
   const TexelLattice<D>& lattice() const { return maps_->lattice; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
   const Affine<D>& index_to_frame() const { return to_frame_; }
-  // The isovalue range in values of the field.
+  // Returns the isovalue range in values of the field.
   const IsovalueRange& isovalue_range() const { return isovalue_range_; }
-  // The range of the codes in values of the field.
+  // Returns the range of the codes in values of the field.
   const IsovalueRange& code_range() const { return code_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
   // Returns the VisibilityCode of the way from an active texel to a point.

@@ -47,7 +47,7 @@ class LineBake final : public Integrator<D> {
   int blocks() const override {
     return indirect_ ? indirect_->blocks() + (previous_ ? previous_->blocks() : 0) : 0;
   }
-  // The unit is points of lines.
+  // Returns the work of a block in points of lines.
   double cost() const override { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();

@@ -286,7 +286,7 @@ class Passes {
     return !preview_ || !limit_.is_over(block_seconds_ + closing_seconds());
   }
 
-  // The estimate of the next block's time is that of the last one.
+  // True if another block would end too late. It is assumed to take as long as the last one.
   bool is_late() const { return over(block_seconds_ + closing_seconds()); }
   // Estimates the time of the steps after the blocks.
   double closing_seconds() const {

@@ -18,7 +18,7 @@ class PathLight {
   PathLight(const PathLight&) = delete;
 
   const IndirectEstimator<D>& estimator() const { return *estimator_; }
-  // `lights`: sources of the direct light.
+  // Returns a sampler. `lights`: sources of its direct light.
   PointSampler<D> sampler(const LightSampler<D>& lights) const {
     return {lights, isosurfaces_, photons_.walls.get(), has_caustics_};
   }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Returns a position relative to the centre of a texel, uniform over the texel; unit: texels.
+// Returns a position relative to the center of a texel, uniform over the texel; unit: texels.
 template <int D>
 Vec<D> offset_within_texel(std::uint64_t bits) {
   Vec<D> offset;

@@ -14,7 +14,7 @@ class IndirectLight {
  public:
   static constexpr int directions_per_block = 32;
 
-  // `spacing`: of the lines, in texels; each texel is on one of spacing^(D - 1) lines.
+  // `spacing`: of the lines, in texels; each texel then receives one of spacing^(D - 1) directions.
   // `first_block`: number of blocks of this seed that a previous bake has used.
   IndirectLight(const LineVolume<D>& volume, IndexedLattice<D> texels, int spacing, bool back,
                 std::uint64_t seed, int first_block = 0);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
 
-// The largest flux-height with which any photon starts (thesis Eq. 4.4).
+// Returns the largest flux-height with which a photon starts (thesis Eq. 4.4).
 template <int D>
 double largest_photon_flux(const LightSampler<D>& lights, const PhotonSettings& settings,
                            const Plan& plan) {

@@ -12,7 +12,7 @@
 namespace leaflight {
 namespace {
 
-// Edges are split until texels are at least this many voxels per piece wide.
+// Width of texels, in voxels, below which edges are split.
 constexpr double narrow = 0.75;
 
 // Meshes with fewer vertices are also split at steps of the light, this many times.

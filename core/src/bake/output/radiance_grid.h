@@ -24,11 +24,11 @@ struct UnfilteredLight {
 template <int D>
 struct RadianceGrid {
   TexelLattice<D> lattice;
-  // The front.
+  // Light of the front.
   std::vector<Vec<3, float>> radiance;
   std::vector<Vec<3, float>> radiance_indirect;  // without direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
-  // The back; empty if it was not baked.
+  // Light of the back; empty if it was not baked.
   std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
   // Exact direct light; null: texels contain it. The sum with radiance_indirect is all light.
   std::shared_ptr<const DirectLight<D>> direct;
@@ -51,7 +51,7 @@ struct ShownGrid {
   const RadianceGrid<D>& grid;
   const DirectLight<D>* direct;  // direct light at these strengths; null: texels contain it
   Vec<3, float> indirect{1, 1,
-                         1};  // a factor of all other light but what the isosurface itself emits
+                         1};  // factor on all other light, except the emission of the isosurface
 
   ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: implicit, for display as baked
       : grid(baked), direct(baked.direct.get()) {}

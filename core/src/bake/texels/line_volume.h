@@ -57,9 +57,9 @@ Affine<D> texels_to_frame(const LineVolume<D>& volume, const TexelLattice<D>& la
 template <int D>
 bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point);
 
-// Calls body(local, bundle, number) for bundles of all lines of a set, in parallel. Each thread
-// reuses a result of local(). Numbers of bundles are `width` apart. Only one of several lines
-// through a texel serves it, so there are no write conflicts.
+// Calls body(local, bundle, number) for bundles of all lines of a set, in parallel. Each piece of
+// the work calls local() once and reuses its result. Numbers of bundles are `width` apart. Only one
+// of several lines through a texel serves it, so there are no write conflicts.
 template <int D, class Local, class Body>
 void for_each_bundle(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                      const LineSet<D>& set, const Planes<D>& planes, Progress& progress,

@@ -20,9 +20,9 @@ template <int D>
 class MeshDirectLight {
  public:
   // Traces one of every `share` ways, at most light_point_sets. Neighbors provide the other ways,
-  // from their own nearby points, which makes shadows softer. `earlier`: direct light of the same
-  // scene under other lights, whose ways are reused for unchanged lights. It must not be scaled().
-  // Throws Cancelled.
+  // from their own nearby points, which makes shadows softer. An `earlier` light is that of the
+  // same scene under other lights, whose ways are reused for unchanged lights. It must not be
+  // scaled(). Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, std::size_t share = 1,
                   const MeshDirectLight* earlier = nullptr);

@@ -35,7 +35,7 @@ class WallLight {
   // Serializes the state.
   void serialize(Archive& archive);
 
-  // `direct`: of the same scene.
+  // Returns the radiance from the samples so far. `direct`: of the same scene.
   WallRadiance<D> radiance(std::shared_ptr<const MeshDirectLight<D>> direct, Progress& progress);
   // Adds the noise of radiance(), equally for each vertex.
   void add_noise(double exposure, IsovalueErrors& errors, Progress& progress);

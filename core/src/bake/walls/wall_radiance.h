@@ -33,8 +33,8 @@ WallRadiance<D> relit(const WallRadiance<D>& walls, const std::vector<Mesh<D>>& 
                       const std::vector<Rgb>& lights, const Vec<3, float>& indirect);
 
 // Returns the walls of a scene whose lights, volumes and meshes may have moved. Direct light of
-// points is exact; other light, except the meshes' own emission, is scaled by `indirect`.
-// `earlier`: the baked scene. `same_as`: see subdivide_as(); new meshes have only direct light.
+// points is exact. Other light, except the meshes' own emission, is scaled by `indirect`. New
+// meshes have only direct light. `earlier`: the baked scene. `same_as`: see subdivide_as().
 // `share`: see MeshDirectLight. `lights_alone`: true if only lights have moved, which is faster.
 // Throws Cancelled.
 template <int D>
