@@ -54,7 +54,7 @@ class Moments {
     const Imath::V3d mean = sum_ / weight_;
     const double m = (mean.x + mean.y + mean.z) / 3, weight2 = weight_ * weight_;
     // The residuals of the ratio of sums (Cochran 1977, 6.4). The fitted mean makes them too small
-    // by 1 - 1 / n for n blocks of equal weight.
+    // by the factor 1 - 1 / n for n blocks of equal weight.
     const double residuals = block_sum2_ - 2 * m * block_mixed_ + m * m * block_weight2_;
     const double left = 1 - block_weight2_ / weight2;
     const double variance = left > 1e-3 ? std::max(0.0, residuals) / (weight2 * left) : 0;

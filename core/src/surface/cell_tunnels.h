@@ -15,13 +15,12 @@ struct CellSaddles {
 CellSaddles cell_saddles(const std::array<double, 8>& g);
 
 // Returns, for each corner, the lowest corner in the same region of the trilinear interpolant.
-// `g`: h - c at the corners. `above`: one bit per corner. `joined`: result of joined_faces().
-// `saddles`: result of cell_saddles().
+// Its inputs are h - c at the corners, `above` with one bit per corner, and the results of
+// joined_faces() and cell_saddles().
 //
-// Regions that are separate on the faces meet inside the cell only at a saddle
-// of their sign (Morse theory). The interpolant is constant on the three axis-parallel lines
-// through a saddle. So these lines join all regions of the saddle's sign that they hit on the six
-// faces.
+// Regions that are separate on the faces meet inside the cell only at a saddle of their sign (Morse
+// theory). The interpolant is constant on the three axis-parallel lines through a saddle. So these
+// lines join all regions of the saddle's sign that they hit on the six faces.
 std::array<std::uint8_t, 8> connected_corners(const std::array<double, 8>& g, unsigned above,
                                               unsigned joined, const CellSaddles& saddles);
 

@@ -54,7 +54,7 @@ class PhotonMap {
             const PhotonMapSettings& settings, double height = 1);
 
   // Returns the irradiance at a point on the front or back of the isosurface, from photons of that
-  // side. `gradient`: of c in the frame, of either sign; the spheres ignore it.
+  // side. The `gradient` is that of c in the frame, of either sign; the spheres ignore it.
   Rgb irradiance(const Vec<D>& position, double c, bool back, const Vec<D>& gradient) const;
 
   std::size_t size() const { return photons_.size(); }

@@ -19,7 +19,7 @@ constexpr double widest_mesh = 1;
 // have less than this share of its light.
 constexpr double bright = 8, least_bright_share = 0.05;
 constexpr int bright_points = 64;
-// Number of emission that is none of the scene's lights.
+// Number of the light of points on emissive meshes and of the environment.
 constexpr int no_light = -1;
 
 // Returns the position of a set's points in their cells; set 0 has the centers.

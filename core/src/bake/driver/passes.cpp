@@ -280,8 +280,8 @@ class Passes {
     }
     const int done = bake_->blocks() - before_;
     if (done >= least_blocks) return !is_late();
-    // Before the first block, only the first picture could be returned. The steps before it take
-    // about as long as the least number of blocks.
+    // With fewer blocks, only the first picture can be returned. The steps before a first block
+    // take about as long as the least number of blocks.
     if (done == 0) return !preview_ || !is_late();
     return !preview_ || !limit_.is_over(block_seconds_ + closing_seconds());
   }

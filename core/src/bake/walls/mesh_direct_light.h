@@ -36,8 +36,8 @@ class MeshDirectLight {
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
   // Returns the same radiance without shadows.
   std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
-  // Returns the part of one light of the scene. The number after the last light is emission that is
-  // no light.
+  // Returns the part of one light of the scene. The number after the last light is that of emissive
+  // meshes and the environment.
   std::vector<Vec<3, float>> unshadowed_by(std::size_t light, int mesh, bool back) const;
   std::size_t lights() const { return scales_.size(); }
 
@@ -54,7 +54,7 @@ class MeshDirectLight {
     std::vector<Way> ways;           // [vertex * points + point]
     std::vector<float> least;        // as in BlockingIsovalues; empty if nothing has openings
     // Unshadowed radiance by side, averaged over all sets; its index is light * vertices + vertex.
-    // The last light is emission that is no light.
+    // The last light is that of emissive meshes and the environment.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
   const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
@@ -73,7 +73,7 @@ class MeshDirectLight {
   Known known_of(const MeshDirectLight& earlier) const;
   // Copies the reusable ways of a vertex.
   void take(const Known& known, std::size_t vertex, MeshWays& to) const;
-  // Returns the place of a point's light; the last place is emission that is no light.
+  // Returns the place of a point's light; the last is that of emissive meshes and environments.
   std::size_t place_of(const LightPoint<D>& point) const {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
