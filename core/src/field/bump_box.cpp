@@ -30,7 +30,7 @@ std::vector<float> bump_box(int n) {
     throw Error("The bump box needs between 2 and 2048 voxels along each axis, not " +
                 std::to_string(n) + "; choose another size.");
   }
-  // The bumps are separable: one table of exponentials per bump and axis.
+  // The bumps are separable, so use a table of exponentials per bump and axis.
   std::vector<double> table(bumps.size() * D * n);
   const auto factor = [&](std::size_t b, int axis, int i) -> double& {
     return table[(b * D + axis) * n + i];

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint8_t most_steps = 254;
 
-// Whether all values are whole numbers of steps of 1 above the least.
+// True if all values are the least plus a whole number.
 template <class Value>
 bool is_whole(const Value* values, std::size_t count, float min, float max) {
   if (!(static_cast<double>(max) - min <= most_steps)) return false;
@@ -68,7 +68,7 @@ Range range_of(const typename CellBounds<D>::Cells& cells) {
   constexpr int count = D == 2 ? 25 : 125;
   Range range;
   for (int i = 0; i < count; ++i) {
-    // Next to a masked voxel anything may be.
+    // Next to a masked voxel, no bounds are known.
     if (cells.steps[i] == CellBounds<D>::masked) return {0, most_steps};
     range.low = std::min(range.low, cells.steps[i]);
     range.high = std::max(range.high, cells.steps[i]);
@@ -86,7 +86,7 @@ Range range_of(const typename CellBounds<D>::Bricks& bricks) {
   return range;
 }
 
-// From the bricks of the next finer level.
+// Fills bricks from those of the next finer level.
 template <int D, class Finer>
 void fill_bricks(LargeArray<typename CellBounds<D>::Bricks>& bricks, const Index<D>& dims,
                  const LargeArray<Finer>& finer, const Index<D>& finer_dims) {
@@ -110,7 +110,7 @@ void fill_bricks(LargeArray<typename CellBounds<D>::Bricks>& bricks, const Index
   });
 }
 
-// Planes of the bricks of a level with so many cells a side.
+// Fits slabs to the bricks of a level. `side`: their width in cells.
 template <int D>
 void fill_slabs(LargeArray<typename CellBounds<D>::Slab>& slabs, const Index<D>& brick_dims,
                 const Voxels& values, const Index<D>& dims, int side, double margin) {
@@ -143,7 +143,7 @@ CellBounds<D> bound_cells(const Voxels& values, const Index<D>& dims, float min,
   bounds.per_unit = bounds.is_exact ? 1 : most_steps / (static_cast<double>(max) - min);
   Index<D> finer;
   for (int a = 0; a < D; ++a) finer[a] = dims[a] - 1;
-  // For what rounding does to rays and to the planes' offsets, which are in single precision.
+  // The margin covers rounding errors of rays and of the slabs' single-precision offsets.
   const double margin = 1e-5 * (static_cast<double>(max) - min);
   int side = 1;
   for (int level = 0; level < CellBounds<D>::levels; ++level) {

@@ -11,21 +11,21 @@
 
 namespace leaflight {
 
-// Up to 128 numbers below 128.
+// A set of numbers below 128.
 struct ChildSet {
   std::uint64_t low = 0, high = 0;
 
   bool holds(int i) const { return (i < 64 ? low >> i : high >> (i - 64)) & 1; }
   bool empty() const { return (low | high) == 0; }
   constexpr void insert(int i) { (i < 64 ? low : high) |= std::uint64_t{1} << (i & 63); }
-  // Those that are n less, 0 < n < 64.
+  // Returns the set with n subtracted from each number; drops negative results. 0 < n < 64.
   ChildSet less(int n) const { return {low >> n | high << (64 - n), high >> n}; }
   ChildSet operator|(const ChildSet& o) const { return {low | o.low, high | o.high}; }
   ChildSet operator&(const ChildSet& o) const { return {low & o.low, high & o.high}; }
   ChildSet operator~() const { return {~low, ~high}; }
 };
 
-// The numbers of those bytes that are at least the limit. N: a multiple of 16, at most 128.
+// Returns the indices of the bytes that are at least the limit. N: a multiple of 16, at most 128.
 template <std::size_t N>
 ChildSet at_least(const std::array<std::uint8_t, N>& bytes, std::uint8_t limit) {
   static_assert(N % 16 == 0 && N <= 128);

@@ -11,13 +11,14 @@ namespace leaflight {
 
 namespace {
 
-// A part of a mean: the value of a voxel times a weight.
+// A term of a mean: a voxel and its weight.
 struct Part {
   int voxel;
   float weight;
 };
 
-// Adds the parts of a linear interpolation. One of weight zero is left out, as it may be NaN.
+// Adds the terms of a linear interpolation. Terms of weight zero are skipped, because they may be
+// NaN.
 void add_interpolation(std::vector<Part>& parts, double position, double weight) {
   const double below = std::floor(position);
   const auto voxel = static_cast<int>(below);
@@ -28,7 +29,7 @@ void add_interpolation(std::vector<Part>& parts, double position, double weight)
   }
 }
 
-// Of each voxel of an axis that has `coarse` instead of `fine` ones.
+// Returns the means for each voxel of an axis with `coarse` instead of `fine` voxels.
 std::vector<std::vector<Part>> means_along_axis(int fine, int coarse) {
   std::vector<std::vector<Part>> means(coarse);
   means.front() = {{0, 1}};
@@ -44,7 +45,7 @@ std::vector<std::vector<Part>> means_along_axis(int fine, int coarse) {
 
 template <class Value>
 std::vector<float> coarser_along(const Value* values, const Index<3>& dims, int axis, int coarse) {
-  // Voxels that share an index of this axis and of those above it, and how often the axis recurs.
+  // Number of voxels in a row of the lower axes, and number of rows of the higher axes.
   std::size_t row = 1, times = 1;
   for (int a = 0; a < axis; ++a) row *= dims[a];
   for (int a = axis + 1; a < 3; ++a) times *= dims[a];

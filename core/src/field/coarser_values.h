@@ -7,10 +7,10 @@
 
 namespace leaflight {
 
-// The field's values at the nodes of coarser_resolution(dims, 2) over its domain, axis 0 fastest.
-// Between the borders each is a mean along each axis, with the weights 1, 6 and 1, of the values a
-// voxel before it, at it and a voxel after it; so those of a linear function stay, and others are
-// blurred as by the mean of two voxels. NaN where one of them is.
+// Returns the field's values at the nodes of coarser_resolution(dims, 2) over its domain, axis 0
+// fastest. Inside the border, each is a mean along each axis. The weights are 1, 6 and 1, for the
+// values one voxel before it, at it and one voxel after it. Linear functions are preserved; others
+// are blurred like a mean of two voxels. NaN if one of the values is NaN.
 std::vector<float> coarser_values(const Field<3>& field);
 
 }  // namespace leaflight

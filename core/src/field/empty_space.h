@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// Where a field lies below a value, in bricks of voxels: what passes there need not read it. Masked
-// voxels are not empty.
+// Bricks of voxels in which a field is below a value, so that lines need not read it. Masked voxels
+// are not empty.
 template <int D>
 class EmptySpace {
  public:
@@ -17,13 +17,13 @@ class EmptySpace {
 
   EmptySpace(const Field<D>& field, double below);
 
-  // Whether every voxel of the brick that holds this one, and of the bricks around it, is empty.
+  // True if every voxel is empty in this voxel's brick and in the adjacent bricks.
   bool holds(const Index<D>& voxel) const {
     Index<D> brick;
     for (int a = 0; a < D; ++a) brick[a] = voxel[a] >> brick_shift;
     return empty_[linear_number<D>(brick, bricks_)] != 0;
   }
-  // A value that stands for those there, which is none of an isosurface's.
+  // Returns a value that represents empty voxels and belongs to no isosurface.
   float value() const { return value_; }
 
  private:

@@ -81,7 +81,7 @@ void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
     }
     box *= edge;
   }
-  // The volume of a cell, compared with that of one whose axes are at right angles.
+  // Compare the volume of a cell with that of a rectangular one with the same edges.
   check_inverse(std::abs(volume) >= 1e-9 * box);
   for (int corner = 0; corner < (1 << D); ++corner) {
     Vec<D> index(0.0);
@@ -105,14 +105,14 @@ Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPo
       weight *= bit ? point.local[a] : 1 - point.local[a];
       voxel[a] = point.cell[a] + bit;
     }
-    // On an edge of the grid, where meshes have their vertices, two of eight count.
+    // On an edge of the grid, where meshes have vertices, two of eight weights are positive.
     if (weight == 0) continue;
     gradient += voxel_gradient(field, values, voxel) * weight;
   }
   return gradient;
 }
 
-// Differences of values are computed in single precision.
+// Checks the range of values, because differences use single precision.
 void check_range(float min, float max) {
   constexpr double least = 1e-34, most = 1e38;
   const double range = static_cast<double>(max) - min;

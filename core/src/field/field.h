@@ -11,13 +11,13 @@
 
 namespace leaflight {
 
-// A scalar grid h with voxel i at index_to_world(i), trilinear (bilinear) in between. A cell with a
-// NaN at one of its corners is masked: h is undefined there and no isosurface passes.
+// A scalar grid h with voxel i at index_to_world(i), interpolated trilinearly (bilinearly in 2D). A
+// cell with a NaN at a corner is masked: h is undefined there and no isosurface passes.
 template <int D>
 struct Field {
-  std::shared_ptr<const void> owner;  // keeps the values alive
+  std::shared_ptr<const void> owner;  // owner of the values
   Voxels values;
-  // Those whose gradient is that of shading: `values`, or smoothed ones, NaN where these are.
+  // Values for the shading gradient: `values`, or smoothed values that are NaN at the same voxels.
   Voxels shading_values;
   std::shared_ptr<const void> shading_owner;
   Index<D> dims{};
@@ -41,13 +41,14 @@ struct Field {
   float value(const Index<D>& voxel) const { return value_at(values, offset(voxel)); }
 };
 
-// Checks the values (at least two voxels along each axis, finite or NaN, not constant) and the
-// transform (invertible), and builds the interval pyramid. `values` must live as long as `owner`.
+// Makes a field and its interval pyramid. Checks the values: at least two voxels along each axis,
+// finite or NaN, not constant. Checks that the transform is invertible. `owner` keeps `values`
+// alive.
 template <int D>
 Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>& index_to_world,
                     std::shared_ptr<const void> owner);
 
-// A point of the domain: a cell and the coordinates in [0,1]^D within it.
+// A point of the domain: a cell and the local coordinates in [0,1]^D.
 template <int D>
 struct CellPoint {
   Index<D> cell{};
@@ -56,11 +57,11 @@ struct CellPoint {
   Vec<D> index_position() const { return to_vector<D>(cell) + local; }
 };
 
-// The cell point of an index position, clamped to the domain.
+// Returns the cell point of an index position, clamped to the domain.
 template <int D>
 CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
 
-// The box, parallel to the world's axes, that the voxels fill.
+// Returns the axis-aligned box of the voxels in world coordinates.
 template <int D>
 Box<D> world_box(const Field<D>& field);
 
@@ -94,27 +95,27 @@ CellCorners<D> load_corners(const Field<D>& field, const Index<D>& cell) {
   return corners;
 }
 
-// NaN in a masked cell.
+// Interpolates in a cell; returns NaN in a masked cell.
 template <int D>
 double interpolate(const CellCorners<D>& corners, const Vec<D>& local);
 
-// The same at an index position; NaN outside the field, too.
+// Interpolates at an index position; returns NaN in masked cells and outside the field.
 template <int D>
 double value_at(const Field<D>& field, const Vec<D>& index_position);
 
-// Derivative of the trilinear interpolant with respect to the index coordinates: the normal of the
-// traced surface. It jumps at the faces of cells.
+// Returns the derivative of the trilinear interpolant in index coordinates, which is normal to the
+// traced surface. It is discontinuous at the faces of cells.
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
-// Central differences of the values of shading at the voxels, interpolated between them; in index
-// coordinates. They are one-sided at the border of the domain and beside masked voxels. Used for
-// the cosine of shading and the normals of meshes.
+// Interpolates central differences of the shading values between the voxels, in index coordinates.
+// They are one-sided at the border of the domain and next to masked voxels. Used for the cosine in
+// shading and for the normals of meshes.
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 
-// The outward unit normal in world space with which the isosurface through an index position is
-// shaded; zero where there is none.
+// Returns the outward unit shading normal in world space of the isosurface through an index
+// position, or zero if there is none.
 template <int D>
 Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position);
 

@@ -5,11 +5,11 @@
 
 namespace leaflight {
 
-// How far beyond the border, in voxels, a point may lie that was given in world coordinates: on
-// the border it does by rounding, its own in single precision or that of the map to the index.
+// Largest distance in voxels beyond the border of a point given in world coordinates. Points on the
+// border may be outside by rounding, of their coordinates or of the transform to the index.
 inline constexpr double border_rounding = 1e-3;
 
-// The same as inside() for the index position of such a point; locate() moves it into the domain.
+// True if such a point is inside the field; locate() moves it into the domain.
 template <int D>
 bool holds_given(const Field<D>& field, const Vec<D>& index_position) {
   for (int a = 0; a < D; ++a) {

@@ -38,7 +38,7 @@ Interval brick_interval(const Value* values, const Index<D>& dims, const Index<D
     high[a] = std::min(low[a] + (1 << IntervalPyramid<D>::log2_brick), dims[a] - 1);
     if (low[a] >= high[a]) return empty;
   }
-  // Without masked voxels the cells' interval is that of the voxels: one load each, not 2^D.
+  // Without masked voxels, the interval of the cells is that of the voxels: one load each, not 2^D.
   Index<D> high_voxel = high;
   for (int a = 0; a < D; ++a) ++high_voxel[a];
   Interval interval = empty;

@@ -10,18 +10,18 @@
 
 namespace leaflight {
 
-// The range of h over a brick of cells, masked cells left out; empty (min > max) if none is left.
+// The range of h over a brick of cells, without masked cells; empty (min > max) if none is left.
 struct Interval {
   float min;
   float max;
 
-  // A value equal to the isovalue counts as above it, so an isosurface passes only where both sides
-  // exist.
+  // True if an isosurface crosses the brick. Values equal to the isovalue count as above, and both
+  // sides must exist.
   bool crossed_by(double isovalue) const { return min < isovalue && isovalue <= max; }
 };
 
-// Min and max of h over bricks of 4^D, 16^D, ... cells: the interval tree of Wilhelms and Van
-// Gelder (1992) as a pyramid. The cells of a brick are those whose lowest voxel lies in it.
+// The minimum and maximum of h over bricks of 4^D, 16^D, ... cells. It is the interval tree of
+// Wilhelms and Van Gelder (1992) as a pyramid. A cell belongs to the brick of its lowest voxel.
 template <int D>
 struct IntervalPyramid {
   struct Level {

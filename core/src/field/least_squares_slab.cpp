@@ -6,7 +6,7 @@
 namespace leaflight {
 namespace {
 
-// A plane that leaves more than this share of the range of values hardly shortens a ray's way.
+// Upper bound on the relative width of a slab; wider slabs hardly shorten a ray's way.
 constexpr double worth = 0.5;
 
 // Calls visit(values of a row along axis 0, its first voxel) for each row of a box of voxels.
@@ -40,7 +40,7 @@ std::array<float, D> best_gradient(const Value* values, const Index<D>& dims, co
   });
   std::array<float, D> gradient;
   for (int a = 0; a < D; ++a) {
-    // Of a box of voxels the axes do not mix; n neighbouring integers have this variance.
+    // In a box of voxels, the axes are uncorrelated; n consecutive integers have this variance.
     const double n = high[a] - low[a] + 1, variance = (n * n - 1) / 12;
     gradient[a] = static_cast<float>(moment[a] / (count * variance));
   }

@@ -5,9 +5,9 @@
 
 namespace leaflight {
 
-// The slab about the plane of least squares through the voxels low <= voxel <= high, widened by a
-// margin on both sides; infinitely wide where a voxel is masked or the plane leaves so much that
-// the slab is not worth a test.
+// Returns the slab around the least-squares plane through the voxels low <= voxel <= high, widened
+// by a margin on both sides. It is infinite if a voxel is masked, or if the slab would be too wide
+// to pay off.
 template <int D>
 typename CellBounds<D>::Slab least_squares_slab(const Voxels& values, const Index<D>& dims,
                                                 const Index<D>& low, const Index<D>& high,

@@ -17,8 +17,8 @@
 namespace leaflight {
 namespace {
 
-// Whether h crosses a value of [low, high] in the box of voxels [first, last). Row by row, until it
-// does: most boxes that are asked for do so soon.
+// True if h crosses a value of [low, high] in the box of voxels [first, last). Tests row by row,
+// because most boxes succeed early.
 template <int D, class Value>
 bool reached(const Field<D>& field, const Value* values, const Index<D>& first,
              const Index<D>& last, double low, double high) {
@@ -28,7 +28,7 @@ bool reached(const Field<D>& field, const Value* values, const Index<D>& first,
     const Value* const begin = values + field.offset(row);
     for (const Value* voxel = begin; voxel != begin + (last[0] - first[0]); ++voxel) {
       const float h = *voxel;
-      // Comparisons with NaN are false: masked voxels are passed over.
+      // Comparisons with NaN are false, so masked voxels are skipped.
       if (h < min) min = h;
       if (h > max) max = h;
     }
@@ -39,7 +39,7 @@ bool reached(const Field<D>& field, const Value* values, const Index<D>& first,
   }
 }
 
-// Whether it does within one texel of a texel.
+// True if h crosses such a value within one texel of a texel.
 template <int D>
 bool reached(const Field<D>& field, const TexelLattice<D>& lattice, std::size_t number, double low,
              double high) {
@@ -70,7 +70,7 @@ void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
   slot = RankedSet(texels(), active);
 }
 
-// With the places of its texels, but without active ones.
+// Returns a lattice with texel positions, but without active texels.
 template <int D>
 TexelLattice<D> bare_lattice(const Index<D>& dims, const Index<D>& resolution) {
   TexelLattice<D> lattice;
@@ -110,7 +110,7 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
   check_resolution<D>(resolution);
   const std::size_t texels = cell_count<D>(resolution);
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
-  // Pieces in the order of the texels.
+  // Process pieces in the order of the texels.
   constexpr std::size_t piece = 4096;
   std::vector<std::vector<std::uint32_t>> pieces((texels + piece - 1) / piece);
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
@@ -172,7 +172,7 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
     weights[result.count++] = weight;
     sum += weight;
   };
-  // Of texels side by side along axis 0.
+  // Visit pairs of adjacent texels along axis 0.
   for (int others = 0; others < (1 << (D - 1)); ++others) {
     Index<D> texel = base;
     double low = 1 - local[0], high = local[0];

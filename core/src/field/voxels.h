@@ -8,13 +8,13 @@
 
 namespace leaflight {
 
-// The values of a grid in the type that its file holds them in, axis 0 fastest. Each is exact as a
-// float: what is read is the same as if all had been converted beforehand, in a quarter of the
-// memory where they are bytes. Only floats can be NaN.
+// The values of a grid in the type of its file, axis 0 fastest. Each value is exact as a float, so
+// results equal those of a converted grid. Bytes take a quarter of its memory. Only floats can be
+// NaN.
 using Voxels =
     std::variant<const float*, const std::uint8_t*, const std::int16_t*, const std::uint16_t*>;
 
-// Memory of their own.
+// A buffer that owns its voxels.
 using VoxelBuffer = std::variant<std::vector<float>, std::vector<std::uint8_t>,
                                  std::vector<std::int16_t>, std::vector<std::uint16_t>>;
 

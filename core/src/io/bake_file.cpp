@@ -28,13 +28,13 @@ constexpr char field_name[] = "field", radiance_name[] = "radiance",
                back_name[] = "radiance_back", back_indirect_name[] = "radiance_back_indirect",
                unfiltered_name[] = "unfiltered", unfiltered_back_name[] = "unfiltered_back",
                walls_name[] = "walls_indirect",
-               // Of bakes before this version, with direct light.
+               // Name in bakes of earlier versions, with direct light.
     old_walls_name[] = "surroundings_radiance";
-// Distinguishes our keys from OpenVDB's own, such as "name".
+// Prefix that distinguishes our keys from OpenVDB's, such as "name".
 const std::string metadata_prefix = "leaflight_";
 
-// OpenVDB has no grids of bytes or of shorts: voxels are written as floats, beside the name of the
-// type that they have, in the order of Voxels.
+// Names of the types of Voxels, in its order. OpenVDB has no grids of bytes or shorts, so voxels
+// are written as floats with the name of their type.
 constexpr std::array<const char*, 4> type_names{"float32", "uint8", "int16", "uint16"};
 constexpr char type_key[] = "leaflight_type";
 
@@ -49,7 +49,7 @@ Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; 
 
 openvdb::Vec3i to_vdb(const Index<3>& i) { return {i[0], i[1], i[2]}; }
 
-// Grids of the volumes after the first have a number.
+// Appends the number of a volume to a grid's name, except for the first volume.
 std::string numbered(const char* name, std::size_t volume) {
   std::string text = name;
   if (volume > 0) text += "_" + std::to_string(volume + 1);
@@ -147,7 +147,7 @@ Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
   return grid;
 }
 
-// Adds the texts among metadata that are ours.
+// Copies our text entries of the metadata.
 void add_texts(const openvdb::MetaMap& from, Metadata& to) {
   for (auto entry = from.beginMeta(); entry != from.endMeta(); ++entry) {
     const openvdb::Metadata& value = *entry->second;
@@ -187,7 +187,7 @@ Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& p
   if (!dims || voxels == 0) {
     throw Error("'" + text_of(path) + "' is not a Leaflight bake, or a damaged one; bake again.");
   }
-  // As floats, once in the grid and once in order.
+  // Voxels are floats here, once in the grid and once in order.
   const std::uint64_t bytes = 2 * sizeof(float) * voxels, here = machine_memory();
   if (voxels > std::numeric_limits<std::int32_t>::max() && here > 0 && bytes > here) {
     throw Error("'" + text_of(path) + "': its " + std::to_string(voxels) + " voxels need " +
@@ -207,7 +207,7 @@ VoxelBuffer narrowed(const std::vector<float>& values, const std::filesystem::pa
   return std::vector<Value>(values.begin(), values.end());
 }
 
-// In the type that the grid says they had.
+// Converts voxels to the type that the grid's metadata names.
 VoxelBuffer in_own_type(std::vector<float>&& values, const openvdb::GridBase& grid,
                         const std::filesystem::path& path) {
   const auto type = grid.getMetadata<openvdb::StringMetadata>(type_key);
@@ -232,7 +232,7 @@ DenseVolume read_field(const VdbFile& file, std::size_t volume, const std::files
   return field;
 }
 
-// The active texels of a grid for a volume of so many voxels.
+// Reads the active texels of a grid. `dims`: voxels of the volume.
 TexelLattice<3> read_lattice(const Vec3Grid& grid, const Index<3>& dims,
                              const std::filesystem::path& path) {
   const Index<3> resolution = dims_from(grid, path);
@@ -305,7 +305,8 @@ RadianceGrid<3> read_radiance(const VdbFile& file, std::size_t volume, const Ind
   return found;
 }
 
-// Their number of vertices is the largest that a side has; attach() checks it against the meshes.
+// Reads the walls. The largest side gives the number of vertices; attach() checks it against the
+// meshes.
 void read_walls(const VdbFile& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
   const auto grid = find_grid<Vec3Grid>(file, walls_name);
   if (!grid && find_grid<Vec3Grid>(file, old_walls_name)) {
@@ -342,7 +343,7 @@ void read_walls(const VdbFile& file, const std::filesystem::path& path, WallRadi
 
 void write_bake(const std::filesystem::path& path, const std::vector<const Field<3>*>& fields,
                 const Baked<3>& baked, const Metadata& metadata, const Progress* progress) {
-  // One for all, so that they fit each other in other programs too.
+  // All grids use the same scale, so that they match in other programs too.
   int doublings = 0;
   for (std::size_t v = 0; v < fields.size(); ++v) {
     const TexelLattice<3>& lattice = baked.grids[v].lattice;

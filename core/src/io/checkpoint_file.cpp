@@ -16,7 +16,7 @@ Error damaged(const std::filesystem::path& path) {
   return Error("'" + text_of(path) + "' is no checkpoint of a bake, or damaged; bake anew.");
 }
 
-// The text; the stream then is at the state.
+// Returns the text; the stream is then at the start of the state.
 std::string read_text(std::istream& stream, const std::filesystem::path& path) {
   std::string found(first_line.size(), '\0');
   std::uint64_t length = 0;

@@ -8,16 +8,17 @@
 
 namespace leaflight {
 
-// A bake under way in a file: a text that says which, its state, and a seal. It is read by the
-// build that wrote it: the state has the layout of its numbers in memory. All throw Error.
+// Writes the checkpoint of a bake: a text that identifies it, its state, and a seal. Only the same
+// build can read it, because the state has the layout of numbers in memory. All functions throw
+// Error.
 void write_checkpoint(const std::filesystem::path& path, const std::string& text,
                       const Checkpoints::Write& write);
 
-// The text, of a file that is whole.
+// Returns the text, after a check that the file is complete.
 std::string read_checkpoint(const std::filesystem::path& path);
 
-// Reads the state of a file that read_checkpoint() has found whole. The file is closed afterwards:
-// Windows replaces none that is open.
+// Reads the state of a file that read_checkpoint() has checked. Closes the file, because Windows
+// cannot replace open files.
 void read_checkpoint_state(const std::filesystem::path& path, const Checkpoints::Read& read);
 
 }  // namespace leaflight

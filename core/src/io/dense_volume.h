@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// A volume as it comes from a file, not yet checked as a field.
+// A volume from a file, not yet validated as a field.
 struct DenseVolume {
   Index<3> dims{};
   VoxelBuffer values;  // axis 0 fastest

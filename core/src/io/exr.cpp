@@ -22,8 +22,8 @@ namespace {
 
 constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
 
-// All that any compression packs together is read at once, but of rows so long that this would be
-// much memory, for which a damaged file may have no pixels.
+// Upper bounds on a read. The rows suffice for the blocks of any compression. The values limit
+// memory for long rows, which a damaged file may claim.
 constexpr std::int64_t most_rows_at_once = 256, most_values_at_once = 1 << 25;
 
 Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels) {
@@ -37,7 +37,7 @@ Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int cha
   return buffer;
 }
 
-// OpenEXR's own stream of files keeps what fails at its end to itself.
+// A stream that reports failures at the end of the file, which OpenEXR's own stream ignores.
 class Stream : public Imf::OStream {
  public:
   explicit Stream(std::ostream& stream) : OStream("output"), stream_(stream) {}
@@ -60,7 +60,7 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
                 std::to_string(channels) + " channels cannot be written as EXR; give RGB or RGBA.");
   }
   replace_file(path, [&](std::ostream& stream) {
-    // OpenEXR's destructors write, too, and must not throw: the stream's state reports failures.
+    // OpenEXR's destructors also write and must not throw, so the stream's state reports failures.
     stream.exceptions(std::ios::goodbit);
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
@@ -77,7 +77,8 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
 
 namespace {
 
-// OpenEXR takes the memory that an attribute claims before it sees how long the file is.
+// Checks the sizes in the header, because OpenEXR allocates them before it checks the file's
+// length.
 void check_header(const std::filesystem::path& path) {
   constexpr std::uint32_t several_parts = 0x1000;
   const auto end = static_cast<std::int64_t>(std::filesystem::file_size(path));
@@ -105,7 +106,7 @@ void check_header(const std::filesystem::path& path) {
   }
 }
 
-// Calls read(file) and turns what OpenEXR throws into one sentence.
+// Calls read(file) and converts OpenEXR's exceptions to one sentence.
 template <class Read>
 auto read_image_file(const std::filesystem::path& path, const Read& read) {
   require_file(path);
@@ -136,7 +137,7 @@ Image read_exr(const std::filesystem::path& path) {
     image.width = static_cast<int>(width);
     image.height = static_cast<int>(height);
     image.channels = file.header().channels().findChannel("A") ? 4 : 3;
-    // Memory is taken as rows come: a damaged file can claim more of them than it has.
+    // Grow the pixels as rows arrive, because a damaged file can claim more rows than it has.
     const std::size_t row = static_cast<std::size_t>(width) * image.channels;
     image.pixels.reserve(row * static_cast<std::size_t>(height));
     const std::int64_t rows_at_once = std::clamp(

@@ -15,8 +15,7 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-// Makes the leaf node the one at an origin: the voxels of the field, and the background around
-// them.
+// Fills the leaf node at `origin` with the voxels of the field; the rest is background.
 void load_voxels(const Field<3>& field, const openvdb::Coord& origin, float background,
                  Leaf& leaf) {
   leaf.setOrigin(origin);
@@ -41,11 +40,11 @@ class FieldGrid final : public openvdb::FloatGrid {
  public:
   FieldGrid(const Field<3>& field, float masked) : Grid(masked), field_(field) {}
 
-  // A type of its own keeps OpenVDB from looking at values that are not there: it would compress
-  // them once before it writes them, for their sizes.
+  // Returns a special type, which prevents OpenVDB from reading values that are not there. It would
+  // compress them to compute their sizes before it writes them.
   openvdb::Name type() const override { return gridType() + "_of_field"; }
 
-  // In the order in which the tree writes its leaf nodes.
+  // Writes the values in the tree's order of leaf nodes.
   void writeBuffers(std::ostream& stream) const override {
     Leaf filled;
     for (auto leaf = tree().cbeginLeaf(); leaf; ++leaf) {
@@ -58,9 +57,9 @@ class FieldGrid final : public openvdb::FloatGrid {
   const Field<3>& field_;
 };
 
-// What stands for a block of 8^3 voxels.
+// A block of 8^3 voxels.
 struct Node {
-  std::unique_ptr<Leaf> leaf;  // without values; null: all voxels are alike
+  std::unique_ptr<Leaf> leaf;  // without values; null: all voxels are equal
   float value = 0;
   bool active = false;
 };
@@ -68,7 +67,7 @@ struct Node {
 }  // namespace
 
 openvdb::FloatGrid::Ptr field_grid(const Field<3>& field) {
-  // OpenVDB cannot compare NaN: masked voxels take a value that no other has.
+  // OpenVDB cannot compare NaN, so masked voxels get a value that no other voxel has.
   constexpr float lowest = std::numeric_limits<float>::lowest();
   const float masked = field.min > lowest ? lowest : std::numeric_limits<float>::infinity();
   const auto grid = std::make_shared<FieldGrid>(field, masked);
@@ -80,7 +79,7 @@ openvdb::FloatGrid::Ptr field_grid(const Field<3>& field) {
     return openvdb::Coord(block[0], block[1], block[2]) << static_cast<int>(Leaf::LOG2DIM);
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), 64), [&](const auto& range) {
-    // One for all: memory that is asked for again and again would leave gaps between the nodes.
+    // Reuse one leaf, because repeated allocations would leave gaps between the nodes.
     Leaf filled;
     for (std::size_t b = range.begin(); b != range.end(); ++b) {
       load_voxels(field, origin_of(b), masked, filled);

@@ -7,10 +7,10 @@
 
 namespace leaflight {
 
-// The values of a field as a grid of floats, masked voxels inactive. It holds which voxels there
-// are; their values, which would take four bytes each, are read from the field as they are written,
-// a block of 8^3 at a time. In the file its type must be that of FloatGrid. The field must outlive
-// it.
+// Returns the values of a field as a grid of floats, with masked voxels inactive. The grid stores
+// only the topology. During writes it reads the values from the field, one block of 8^3 at a time,
+// which saves four bytes per voxel. In the file its type must be that of FloatGrid. The field must
+// outlive it.
 openvdb::FloatGrid::Ptr field_grid(const Field<3>& field);
 
 }  // namespace leaflight

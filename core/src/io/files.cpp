@@ -14,7 +14,7 @@ std::string text_of(const fs::path& path) {
   try {
     return path.u8string();
   } catch (const fs::filesystem_error&) {
-    // Names of Windows may hold half of a UTF-16 pair, which no text can.
+    // Windows allows names with half of a UTF-16 pair, which is no valid text.
     std::string text;
     for (const auto letter : path.native()) {
       const auto code = static_cast<std::make_unsigned_t<fs::path::value_type>>(letter);

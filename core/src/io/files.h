@@ -7,14 +7,14 @@
 
 namespace leaflight {
 
-// A path as errors call it: UTF-8, but for names that are not.
+// Returns a path for error messages, in UTF-8; invalid characters become question marks.
 std::string text_of(const std::filesystem::path& path);
 
-// Throws Error when there is no readable file at `path`; returns its size in bytes.
+// Returns the size in bytes of a file. Throws Error if there is no readable file at `path`.
 std::uintmax_t require_file(const std::filesystem::path& path);
 
-// The first line of a text from a library or a file, at most 200 characters of ASCII: a damaged
-// file can put anything there.
+// Returns the first line of a text from a library or a file, at most 200 ASCII characters, because
+// a damaged file can contain anything.
 std::string brief(const std::string& message);
 
 }  // namespace leaflight

@@ -38,7 +38,7 @@ void check(const fs::path& target) {
   }
 }
 
-// Removes what processes that have ended left in a folder.
+// Removes the temporary files of processes that have ended.
 void remove_leftovers(const fs::path& folder) {
   std::error_code failure;
   std::vector<fs::path> left;
@@ -56,7 +56,7 @@ void remove_leftovers(const fs::path& folder) {
       if (!hold.held()) continue;
       fs::remove_all(part, failure);
     }
-    // Windows removes no folder that is held.
+    // Windows cannot remove a folder that is held.
     fs::remove(part, failure);
   }
 }
@@ -83,7 +83,7 @@ struct ReplacedFiles::Part {
         continue;
       }
       hold = std::make_unique<FolderHold>(folder, false);
-      // Another process's remove_leftovers() may have come between the two.
+      // Another process's remove_leftovers() may have removed the folder in between.
       if (!hold->refused() && fs::exists(folder, failure)) {
         file = folder / ("output" + target.extension().string());
         return;
@@ -94,7 +94,8 @@ struct ReplacedFiles::Part {
   ~Part() {
     std::error_code failure;
     hold.reset();
-    // Windows' C library lists no folder whose path is longer than 260 characters.
+    // Remove the file first: Windows' C library cannot list folders with paths above 260
+    // characters.
     fs::remove(file, failure);
     if (!fs::remove(folder, failure)) fs::remove_all(folder, failure);
   }
@@ -122,11 +123,10 @@ void ReplacedFiles::commit() {
     }
     folders.insert(folder_of(part->target));
   }
-  // Several targets change together for whoever else writes there. In one order, so that nobody
-  // waits for one who waits for him.
+  // Hold all folders, so that several targets change together. The fixed order prevents deadlocks.
   std::vector<std::unique_ptr<FolderHold>> holds;
   for (const fs::path& folder : folders) {
-    // One alone needs no order, and its folder may be one that its own writer holds.
+    // One target needs no hold, and its writer may already hold its folder.
     if (parts_.size() > 1) holds.push_back(std::make_unique<FolderHold>(folder, true));
   }
   for (const auto& part : parts_) {
@@ -140,7 +140,7 @@ void ReplacedFiles::commit() {
 
 namespace {
 
-// Remembers why the first write failed, and throws Cancelled once the work is cancelled.
+// A buffer that stores the cause of the first failed write, and throws Cancelled after a cancel.
 class CheckedBuffer : public std::filebuf {
  public:
   explicit CheckedBuffer(const Progress* progress) : progress_(progress) { errno = 0; }

@@ -15,7 +15,8 @@
 namespace leaflight {
 namespace {
 
-// 12 bytes, then the length of what is before them in 8 and its CRC-32 in 4, low bytes first.
+// The seal has this mark, then 8 bytes for the length before it and 4 for the CRC-32, low bytes
+// first.
 constexpr std::array<char, 12> mark{'L', 'e', 'a', 'f', 'l', 'i', 'g', 'h', 't', '\x1a', 'e', '1'};
 constexpr std::size_t size = mark.size() + 12;
 using Bytes = std::array<char, size>;

@@ -5,18 +5,18 @@
 
 namespace leaflight {
 
-// The end of a file of ours: its length and a checksum of all before, 24 bytes that readers of the
-// format never come to. It detects damage before a library reads a file that it trusts. Against
-// someone who changes a file with intent it is no help.
+// The state of a file's seal. A seal is the last 24 bytes of our files: the length and a checksum
+// of the content before it. Readers of the format ignore it. It detects damage before a library
+// reads a file and trusts it. It does not detect deliberate changes.
 enum class Seal { none, whole, broken };
 
-// Adds the seal. Throws Error, which says why alone.
+// Appends a seal. Throws Error with the cause only.
 void seal(const std::filesystem::path& path);
 
-// Whether there is one, be it right or not. Throws Error.
+// True if there is a seal, valid or not. Throws Error.
 bool has_seal(const std::filesystem::path& path);
 
-// Reads the whole file. Throws Error.
+// Reads the whole file and checks its seal. Throws Error.
 Seal check_seal(const std::filesystem::path& path);
 
 }  // namespace leaflight

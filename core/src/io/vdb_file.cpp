@@ -41,11 +41,11 @@ openvdb::math::Transform::Ptr to_transform(const Affine<3>& m) {
   return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-// Archive writes into a stream that can be sought only for its heirs. File would do so too, but not
-// notice that the disk is full.
+// Writes grids to a seekable stream, which Archive offers only to derived classes. File can do it
+// too, but does not notice a full disk.
 class SeekableArchive : openvdb::io::Archive {
  public:
-  // As Archive::write(), of grids with names of their own.
+  // Writes like Archive::write(), for grids with unique names.
   void write_into(std::ostream& stream, const openvdb::GridPtrVec& grids,
                   const openvdb::MetaMap& metadata) const {
     auto of_stream = std::make_shared<openvdb::io::StreamMetadata>();
@@ -62,7 +62,7 @@ class SeekableArchive : openvdb::io::Archive {
                                              floats ? openvdb::FloatGrid::gridType() : grid->type(),
                                              grid->saveFloatAsHalf());
       writeGrid(descriptor, grid, stream, true);
-      // A grid may have a compression of its own.
+      // Reset, because a grid may have its own compression.
       openvdb::io::setDataCompression(stream, compression());
     }
   }
@@ -70,8 +70,8 @@ class SeekableArchive : openvdb::io::Archive {
 
 }  // namespace
 
-// What OpenVDB throws becomes one sentence. OpenVDB does not notice that a file ends early and goes
-// on with sizes it never read, hence a stream of ours that throws.
+// Reads a file and converts OpenVDB's exceptions to one sentence. OpenVDB does not notice that a
+// file ends early, and would use sizes that it never read. Our stream throws instead.
 VdbFile read_vdb(const std::filesystem::path& path) {
   require_file(path);
   initialize();

@@ -16,11 +16,11 @@ struct VdbFile {
   openvdb::MetaMap::Ptr metadata;
 };
 
-// Throws Error.
+// Reads all grids of a file. Throws Error.
 VdbFile read_vdb(const std::filesystem::path& path);
 
-// Into a stream that can be sought: what openvdb::io::File would write. The values of field_grid()
-// are written as those of any grid of floats.
+// Writes the same bytes as openvdb::io::File to a seekable stream. Values of field_grid() are
+// written like those of any grid of floats.
 void write_vdb(std::ostream& stream, const openvdb::GridPtrVec& grids,
                const openvdb::MetaMap& metadata);
 
@@ -28,14 +28,13 @@ void write_vdb(std::ostream& stream, const openvdb::GridPtrVec& grids,
 template <class T>
 using DenseView = openvdb::tools::Dense<T, openvdb::tools::LayoutXYZ>;
 
-// OpenVDB refuses transforms whose voxels are smaller than 3e-15, and judges by differences of
-// 1e-15 whether axes are alike: small voxels are written 2^k times larger, beside k. This is the k
-// that voxels need.
+// Returns the k for which voxels are written 2^k times larger. OpenVDB refuses voxels smaller than
+// 3e-15, and compares axes with a tolerance of 1e-15. The file also stores k.
 int doublings_for(const Affine<3>& index_to_world);
 
 void place(openvdb::GridBase& grid, const Affine<3>& index_to_world, int doublings);
 
-// Index to world; path: of the file that the grid is from. Throws Error.
+// Returns the index-to-world transform. path: of the grid's file. Throws Error.
 Affine<3> affine_of(const openvdb::GridBase& grid, const std::filesystem::path& path);
 
 }  // namespace leaflight

@@ -9,13 +9,12 @@
 namespace leaflight {
 namespace {
 
-// openvdb/io/Archive.cc: the number that a file begins with, and the first version since which
-// headers are as they are today.
+// The magic number of a file, and the first version with today's headers (openvdb/io/Archive.cc).
 constexpr std::uint64_t magic = 0x56444220;
 constexpr std::uint32_t oldest = 222;
 constexpr std::size_t uuid_size = 36;
 
-// Reads what a file claims to hold, as long as it is there.
+// Reads the claimed content of a file, up to its actual length.
 class Reader {
  public:
   Reader(const std::filesystem::path& path, std::uintmax_t length)
@@ -29,7 +28,7 @@ class Reader {
     stream_.read(text.data(), static_cast<std::streamsize>(count));
     return text;
   }
-  // Of so many bytes, low ones first.
+  // Reads a number of `size` bytes, low bytes first.
   std::uint64_t number(int size) {
     const std::string text = bytes(size);
     std::uint64_t value = 0;
@@ -54,7 +53,7 @@ std::map<std::string, std::string> read_vdb_texts(const std::filesystem::path& p
       throw Error("'" + text_of(path) + "' is not an OpenVDB file; give one that is.");
     }
     if (reader.number(4) < oldest) return texts;
-    // The library's version, and whether grids can be sought.
+    // Skip the library's version, the flag for seekable grids, and the UUID.
     reader.bytes(4 + 4 + 1 + uuid_size);
     for (std::uint64_t count = reader.number(4); count > 0; --count) {
       const std::string name = reader.text(), type = reader.text(), value = reader.text();

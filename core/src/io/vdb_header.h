@@ -7,8 +7,8 @@
 
 namespace leaflight {
 
-// The texts among the metadata of any .vdb file itself, by name; none where an early OpenVDB wrote
-// it. Reads its first bytes alone, without OpenVDB, which trusts them. Throws Error.
+// Returns the text entries of a .vdb file's metadata, by name; none for files of an early OpenVDB.
+// Reads only its first bytes, without OpenVDB, which would trust them. Throws Error.
 std::map<std::string, std::string> read_vdb_texts(const std::filesystem::path& path);
 
 }  // namespace leaflight

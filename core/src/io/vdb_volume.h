@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// A scalar grid of any .vdb as a dense volume over its active voxels; the first one if no name is
-// given. Throws Error.
+// Reads a scalar grid of a .vdb file as a dense volume over its active voxels. An empty name means
+// the first grid. Throws Error.
 DenseVolume read_vdb_volume(const std::filesystem::path& path, const std::string& grid_name);
 
 }  // namespace leaflight

@@ -5,7 +5,7 @@
 
 namespace leaflight {
 
-// x -> sum_a x[a] * column[a] + origin
+// The map x -> sum_a x[a] * column[a] + origin.
 template <int D>
 struct Affine {
   std::array<Vec<D>, D> column;
@@ -18,7 +18,8 @@ struct Affine {
   }
   Vec<D> point(const Vec<D>& x) const { return vector(x) + origin; }
 
-  // Gradients transform with the transposed matrix, in the opposite direction to points.
+  // Transforms a gradient. Gradients transform with the transposed matrix, in the opposite
+  // direction.
   Vec<D> pull_back_gradient(const Vec<D>& g) const {
     Vec<D> y;
     for (int a = 0; a < D; ++a) y[a] = column[a].dot(g);
@@ -29,7 +30,7 @@ struct Affine {
 template <int D>
 double determinant(const Affine<D>& m);
 
-// Precondition: determinant(m) is finite and not zero.
+// Returns the inverse. Precondition: determinant(m) is finite and not zero.
 template <int D>
 Affine<D> inverse(const Affine<D>& m);
 

@@ -5,12 +5,12 @@
 
 namespace leaflight {
 
-// World coordinates are at most this far from the origin, and a voxel's edges at least so long as
-// its inverse: what enters is held to it, so that nothing behind overflows. Embree, whose numbers
-// are of single precision, takes 3e18 at most.
+// Largest distance of world coordinates from the origin; its inverse is the least length of a
+// voxel's edge. All inputs are checked, so that later computations do not overflow. Embree, which
+// uses single precision, supports at most 3e18.
 constexpr double farthest = 1e18;
 
-// False for what is not a number, too.
+// True if all components are within the bounds; false for NaN.
 template <class V>
 bool within_bounds(const V& v) {
   for (unsigned a = 0; a < V::dimensions(); ++a) {

@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// Parallel to the axes, ends included; empty until it is extended.
+// An axis-parallel box that includes its ends; it is empty until it is extended.
 template <int D>
 struct Box {
   Vec<D> low{std::numeric_limits<double>::infinity()};

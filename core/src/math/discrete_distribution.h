@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// Picks numbers in proportion to their weights.
+// Samples indices in proportion to their weights.
 class DiscreteDistribution {
  public:
   DiscreteDistribution() = default;
@@ -19,9 +19,9 @@ class DiscreteDistribution {
   struct Pick {
     std::size_t index;
     double probability;
-    double rest;  // again uniform in [0,1)
+    double rest;  // uniform in [0,1) again
   };
-  // `u` in [0,1). Precondition: not empty.
+  // Samples an index. `u`: in [0,1). Precondition: not empty.
   Pick pick(double u) const {
     const std::size_t i =
         std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u) - cumulative_.begin();

@@ -5,7 +5,7 @@
 
 namespace leaflight {
 
-// Every error a user can cause: one sentence that says what, where and what to do.
+// An error that a user can cause: one sentence with cause, place and remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

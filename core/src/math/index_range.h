@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// The cells of a D-dimensional grid are numbered with axis 0 fastest.
+// Returns the number of a cell in a D-dimensional grid, with axis 0 fastest.
 template <int D>
 std::size_t linear_number(const Index<D>& index, const Index<D>& dims) {
   std::size_t number = index[D - 1];

@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-// Smaller ones are not counted.
+// Smaller arrays are not counted.
 constexpr std::size_t least_counted = 1 << 20;
 constexpr std::align_val_t alignment{64};
 
@@ -22,7 +22,7 @@ struct Arrays {
 };
 
 Arrays& arrays() {
-  // Never destroyed: arrays may outlive whatever is destroyed when a process ends.
+  // Never destroyed, because arrays may outlive static objects at the end of the process.
   static Arrays* const all = new Arrays;
   return *all;
 }

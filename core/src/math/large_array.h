@@ -7,20 +7,20 @@
 
 namespace leaflight {
 
-// What the large arrays of this process take: those that have an element for each voxel of a
-// volume, or for a few of them.
+// The memory of this process's large arrays, which have an element for each voxel of a volume, or
+// for a few of them.
 struct LargeMemory {
-  std::uint64_t in_memory = 0, in_files = 0;  // bytes, now
-  std::uint64_t limit = 0;                    // of in_memory; 0: none
+  std::uint64_t in_memory = 0, in_files = 0;  // current bytes
+  std::uint64_t limit = 0;                    // on in_memory; 0: none
 };
 LargeMemory large_memory();
 
-// Large arrays that are made from now on lie in a file in the folder as soon as those in memory
-// would take more than `limit` bytes: the system then keeps of them in memory what is used, and
-// takes it away where others need it. The file has no name and ends with the process. 0: no limit.
+// Sets the limit of large arrays in memory. Arrays above it are mapped to a file in the folder, so
+// that the system can swap them out. The file has no name and ends with the process. 0: no limit.
 void limit_large_memory(std::uint64_t limit, const std::filesystem::path& folder);
 
-// At an address that any type may have. Throws Error where the folder has no room, std::bad_alloc.
+// Allocates memory with an alignment for any type. Throws Error if the folder has no room, or
+// std::bad_alloc.
 void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes);
 

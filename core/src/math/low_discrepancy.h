@@ -14,8 +14,8 @@ inline std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-// Owen scrambling by a hash in which a bit depends only on the bits below it
-// (Laine and Karras 2011, constants of Burley 2020).
+// Scrambles by Owen's method, with a hash in which a bit depends only on lower bits (Laine and
+// Karras 2011, constants of Burley 2020).
 inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
   x = reverse_bits(x);
   x += seed;
@@ -26,15 +26,14 @@ inline std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
   return reverse_bits(x);
 }
 
-// The index-th point of an Owen-scrambled Sobol (0,2)-sequence. Different seeds give independent
-// sequences whose points are shuffled against each other, so that pairs of dimensions can be padded
-// (Burley 2020).
+// Returns a point of an Owen-scrambled Sobol (0,2)-sequence. Different seeds give independent,
+// mutually shuffled sequences, so that pairs of dimensions can be padded (Burley 2020).
 inline std::array<double, 2> sobol_point(std::uint32_t index, std::uint64_t seed) {
   const auto low = static_cast<std::uint32_t>(seed);
   const auto high = static_cast<std::uint32_t>(seed >> 32);
   index = owen_scramble(index, low ^ 0xa511e9b3u);
   std::uint32_t x = reverse_bits(index);
-  // The second dimension's generator matrix, Pascal's triangle modulo 2, in five steps (Ahmed
+  // Apply the second dimension's generator matrix, Pascal's triangle modulo 2, in five steps (Ahmed
   // 2024).
   std::uint32_t y = x ^ (x << 16);
   y ^= (y & 0x00ff00ffu) << 8;

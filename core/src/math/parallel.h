@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// body(begin, end) over pieces of [0, n), until the progress is cancelled; `work` is what one item
-// adds to the progress. Throws Cancelled.
+// Calls body(begin, end) over pieces of [0, n) until the progress is cancelled. `work`: progress of
+// one item. Throws Cancelled.
 template <class Body>
 void parallel_range(std::size_t n, std::size_t grain, double work, Progress& progress, Body body) {
   tbb::parallel_for(

@@ -3,7 +3,7 @@
 
 #ifdef _WIN32
 #include <windows.h>
-// Needs the other before it.
+// requires windows.h before it
 #include <psapi.h>
 #else
 #include <fcntl.h>
@@ -67,7 +67,7 @@ void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) 
                                             static_cast<DWORD>(bytes), nullptr);
   void* const memory = mapping ? MapViewOfFile(mapping, FILE_MAP_ALL_ACCESS, 0, 0, bytes) : nullptr;
   const Error error = failed();
-  // The view holds both.
+  // The view keeps both alive.
   if (mapping) CloseHandle(mapping);
   CloseHandle(file);
   if (!memory) throw error;
@@ -76,8 +76,8 @@ void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) 
 
 void unmap_nameless_file(void* memory, std::size_t) { UnmapViewOfFile(memory); }
 
-// A folder that is open for writing, and not shared for that, nobody else can open so, or remove.
-// Folders of users are open in other programs, too, so that waiting for one would be in vain.
+// Opens the folder for writing without sharing, so that no other process can do so or remove it.
+// Other programs also open users' folders, so waiting would be in vain.
 FolderHold::FolderHold(const std::filesystem::path& folder, bool wait) {
   if (wait) return;
   const HANDLE file = CreateFileW(folder.c_str(), GENERIC_WRITE, FILE_SHARE_READ, nullptr,
@@ -90,7 +90,7 @@ FolderHold::~FolderHold() {
   if (state_ == State::held) CloseHandle(reinterpret_cast<HANDLE>(handle_));
 }
 
-// Programs that look for viruses and index files open new ones for a moment.
+// Retry, because virus scanners and indexers briefly open new files.
 std::error_code move_over(const std::filesystem::path& file, const std::filesystem::path& target) {
   constexpr int patience_ms = 2000, pause_ms = 50;
   std::error_code failure;
@@ -133,7 +133,7 @@ std::uint64_t machine_memory() {
   const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
   if (pages <= 0 || page <= 0) return 0;
   std::uint64_t memory = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page);
-  // Of the control group that the process is in, versions 2 and 1; "max" is no number.
+  // Apply the limit of the process's control group, versions 2 and 1; "max" is no number.
   for (const char* path :
        {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
     std::uint64_t limit;
@@ -153,7 +153,7 @@ void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder) 
 #ifdef __APPLE__
   int failure = ftruncate(file, static_cast<off_t>(bytes)) == 0 ? 0 : errno;
 #else
-  // What is written where the disk has no room ends the process, so that all is asked for now.
+  // Reserve the file's space now, because writes to a full disk would end the process.
   int failure;
   do {
     failure = posix_fallocate(file, 0, static_cast<off_t>(bytes));

@@ -9,7 +9,7 @@
 #include <intrin.h>
 #endif
 
-// All that differs between operating systems and compilers.
+// All code that depends on the operating system or the compiler.
 namespace leaflight {
 
 inline int count_ones(std::uint64_t word) {
@@ -20,7 +20,7 @@ inline int count_ones(std::uint64_t word) {
 #endif
 }
 
-// The place of the lowest bit that is set; the word is not zero.
+// Returns the position of the lowest set bit of a nonzero word.
 inline int lowest_bit(std::uint64_t word) {
 #ifdef _MSC_VER
   unsigned long place;
@@ -31,30 +31,30 @@ inline int lowest_bit(std::uint64_t word) {
 #endif
 }
 
-// The most memory that this process has held so far, in bytes.
+// Returns the peak memory of this process in bytes.
 std::uint64_t peak_memory();
 
-// What this process may take of the machine's memory at most, in bytes: a container may have less
-// of it. 0: the system has no such figure.
+// Returns the memory that this process may use in bytes, which a container may limit; 0: unknown.
 std::uint64_t machine_memory();
 
-// Memory that lies in a file without a name in a folder, all zero. Throws Error where the disk has
-// no room for all of it.
+// Maps a nameless file in a folder to memory, filled with zeros. Throws Error if the disk lacks
+// room for all of it.
 void* map_nameless_file(std::size_t bytes, const std::filesystem::path& folder);
 void unmap_nameless_file(void* memory, std::size_t bytes);
 
-// Holds a folder: of all who ask for it, in this process and in others, one has it, until it is
-// given back or its process ends, however that comes about.
+// An exclusive hold on a folder across threads and processes. It ends with this object or with the
+// process, in any way.
 class FolderHold {
  public:
-  // wait: until nobody else has it.
+  // wait: blocks until no other object holds the folder.
   FolderHold(const std::filesystem::path& folder, bool wait);
   ~FolderHold();
   FolderHold(const FolderHold&) = delete;
   FolderHold& operator=(const FolderHold&) = delete;
 
   bool held() const { return state_ == State::held; }
-  // Another process has it. On file systems without locks it is neither held nor refused.
+  // True if another process holds it. On file systems without locks, held() and refused() are
+  // false.
   bool refused() const { return state_ == State::refused; }
 
  private:
@@ -63,12 +63,12 @@ class FolderHold {
   std::intptr_t handle_ = -1;
 };
 
-// Gives a file the name of another, which it replaces; waits for a moment while another program
-// keeps that one open, where that is in the way.
+// Renames a file over another, which it replaces. Retries for a moment while another program has
+// the target open.
 std::error_code move_over(const std::filesystem::path& file, const std::filesystem::path& target);
 
-// Returns when a file's content, or the names in a folder, have reached the disk. Of a folder
-// errors count only where something was lost: not every file system writes one through.
+// Returns when a file's content, or a folder's names, are on the disk. For folders, only errors
+// with data loss count, because some file systems cannot flush them.
 std::error_code write_through(const std::filesystem::path& path);
 
 }  // namespace leaflight

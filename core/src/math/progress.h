@@ -10,19 +10,19 @@
 
 namespace leaflight {
 
-// Thrown out of a computation whose progress was cancelled.
+// Thrown by a computation whose progress was cancelled.
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("The computation was cancelled.") {}
 };
 
-// Shared between a computation and whoever watches it from another thread: what it has done, and
-// whether it shall end.
+// The state that a computation shares with observers in other threads: its work so far, and
+// requests to end.
 class Progress {
  public:
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
-  // Asks a computation in passes to end with what it has after the pass that is under way.
+  // Asks a computation in passes to end after the current pass.
   void stop() { stopped_ = true; }
   bool stopped() const { return stopped_; }
   double fraction() const { return std::min(1.0, done_.load() / total_); }
@@ -31,11 +31,11 @@ class Progress {
     return stage_;
   }
 
-  // Rays and lines traced so far.
+  // Returns the rays and lines traced so far.
   std::uint64_t rays() const { return rays_; }
   void count_rays(std::uint64_t traced) { rays_ += traced; }
 
-  // Work is measured in rays, roughly.
+  // Sets the expected work. Its unit is about one ray.
   void expect(double total) { total_ = total > 0 ? total : 1; }
   void begin(const std::string& stage) {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -7,16 +7,16 @@
 namespace leaflight {
 
 // A stream of random numbers that is a pure function of its key, so that results do not depend on
-// threads. The finaliser is SplitMix64's (Steele, Lea, Flood 2014).
+// threads. The hash is SplitMix64's finalizer (Steele, Lea, Flood 2014).
 class Random {
  public:
   explicit Random(std::uint64_t key) : state_(key) {}
-  // Streams of different purpose and index are independent.
+  // Streams with different purpose or index are independent.
   Random(std::uint64_t seed, std::uint64_t purpose, std::uint64_t index)
       : state_(mix(mix(mix(seed) ^ purpose) ^ index)) {}
 
   std::uint64_t bits() { return mix(state_ += 0x9e3779b97f4a7c15ull); }
-  // Uniform in [0, 1).
+  // Returns a uniform number in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   std::array<double, 2> pair() {
     const double first = uniform();
@@ -33,7 +33,7 @@ class Random {
   std::uint64_t state_;
 };
 
-// What a random stream is used for; part of its key.
+// The purpose of a random stream, which is part of its key.
 enum class Purpose : std::uint64_t {
   photon = 1,
   texel,
@@ -43,7 +43,7 @@ enum class Purpose : std::uint64_t {
   walls,
   sample_position,
   scattered,
-  gather_lines = 10,  // no number is used again
+  gather_lines = 10,  // numbers are never reused
   noise,
   ray_block,
   measured_error

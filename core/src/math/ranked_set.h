@@ -9,15 +9,14 @@
 
 namespace leaflight {
 
-// A set of numbers below a bound, with the rank of each among them, in 12 bytes for 64
-// numbers whether or not they are in the set.
+// A set of numbers below a bound, with their ranks, in 12 bytes per 64 possible numbers.
 class RankedSet {
  public:
   static constexpr std::int32_t absent = -1;
   static constexpr std::size_t word_bits = 64;
 
   RankedSet() = default;
-  // From ascending numbers below the bound.
+  // Makes a set of ascending numbers below the bound.
   RankedSet(std::size_t bound, const std::vector<std::uint32_t>& numbers) : bound_(bound) {
     words_.resize((bound + word_bits - 1) / word_bits);
     before_.resize(words_.size());
@@ -30,13 +29,13 @@ class RankedSet {
   }
 
   std::size_t bound() const { return bound_; }
-  // The rank of a number, or absent.
+  // Returns the rank of a number, or absent.
   std::int32_t operator[](std::size_t number) const {
     const std::uint64_t word = words_[number / word_bits], own = bit(number);
     if (!(word & own)) return absent;
     return static_cast<std::int32_t>(before_[number / word_bits] + count(word & (own - 1)));
   }
-  // Those of a number and of the next one.
+  // Returns the ranks of a number and of the next one.
   std::array<std::int32_t, 2> two_from(std::size_t number) const {
     const std::size_t place = number % word_bits;
     if (place == word_bits - 1) return {(*this)[number], (*this)[number + 1]};
@@ -56,7 +55,7 @@ class RankedSet {
 
   std::size_t bound_ = 0;
   std::vector<std::uint64_t> words_;
-  std::vector<std::uint32_t> before_;  // how many numbers of the set lie before each word
+  std::vector<std::uint32_t> before_;  // count of the set's numbers before each word
 };
 
 }  // namespace leaflight

@@ -5,8 +5,8 @@
 
 namespace leaflight {
 
-// Empties a vector and frees its memory, which `vector = {}` keeps: that is its assignment of an
-// empty list.
+// Empties a vector and frees its memory. (`vector = {}` assigns an empty list, which keeps the
+// memory.)
 template <class Element>
 void release(std::vector<Element>& vector) {
   std::vector<Element>().swap(vector);

@@ -8,18 +8,17 @@
 
 namespace leaflight {
 
-// Mean of samples and the variance of that mean, of the mean over its colours.
+// The mean of samples, and the variance of this mean, averaged over the channels.
 struct Average {
   Rgb mean{0};
   float variance = 0;
-  float samples = 0;  // as many of equal weight would be worth as much (Kish 1965)
+  float samples = 0;  // effective number of samples of equal weight (Kish 1965)
 };
 
-// Sums of weighted samples, in blocks of `block` that follow each other. The variance is that of
-// the blocks' means: points of a low-discrepancy sequence complement each other, so that samples
-// that are taken for independent promise several times the variance that their mean has. A block,
-// a power of two, is a net of its own (Owen 1997). What the blocks still complement each other by
-// is not seen, so that the variance is rather too large.
+// Sums of weighted samples, in consecutive blocks of `block`, a power of two. The variance is that
+// of the blocks' means. Samples of a low-discrepancy sequence are not independent; their own
+// variance would be several times too large. Each block is a net (Owen 1997). Blocks are slightly
+// dependent too, so the variance is an overestimate.
 class Moments {
  public:
   explicit Moments(int block = 1) : block_(static_cast<std::uint32_t>(std::max(1, block))) {}
@@ -54,8 +53,8 @@ class Moments {
     if (!(weight_ > 0)) return {};
     const Imath::V3d mean = sum_ / weight_;
     const double m = (mean.x + mean.y + mean.z) / 3, weight2 = weight_ * weight_;
-    // The residuals about the ratio of sums (Cochran 1977, 6.4), which are too small by what the
-    // mean itself has taken: 1 - 1 / n for n blocks of equal weight.
+    // The residuals of the ratio of sums (Cochran 1977, 6.4). The fitted mean makes them too small
+    // by the factor 1 - 1 / n for n blocks of equal weight.
     const double residuals = block_sum2_ - 2 * m * block_mixed_ + m * m * block_weight2_;
     const double left = 1 - block_weight2_ / weight2;
     const double variance = left > 1e-3 ? std::max(0.0, residuals) / (weight2 * left) : 0;

@@ -9,28 +9,28 @@ namespace leaflight {
 
 inline constexpr double pi = 3.14159265358979323846;
 
-// The integral of the cosine over the hemisphere (thesis Eq. 3.3) and the hemicircle (Eq. 3.4).
+// The integral of the cosine over the hemisphere (thesis Eq. 3.3) or the hemicircle (Eq. 3.4).
 template <int D>
 inline constexpr double projected_hemisphere = D == 3 ? pi : 2.0;
 
-// The measure of all directions: 4 pi, or 2 pi in the plane.
+// The measure of all directions: 4 pi, or 2 pi in 2D.
 template <int D>
 inline constexpr double all_directions = D == 3 ? 4 * pi : 2 * pi;
 
-// What light thins with: the square of the distance, or the distance in the plane.
+// Returns the divisor of light at a distance: its square, or in 2D the distance.
 template <int D>
 double spread(double distance) {
   return D == 3 ? distance * distance : distance;
 }
 
-// Uniform on the unit disc.
+// Samples the unit disc uniformly.
 inline Vec<2> sample_disc(const std::array<double, 2>& u) {
   const double r = std::sqrt(u[0]), phi = 2 * pi * u[1];
   return {r * std::cos(phi), r * std::sin(phi)};
 }
 
-// Two unit vectors at right angles to the unit vector n and to each other, without a branch (Duff
-// et al. 2017).
+// Returns two unit vectors perpendicular to the unit vector n and to each other, without a branch
+// (Duff et al. 2017).
 inline std::array<Vec3, 2> tangents(const Vec3& n) {
   const double sign = std::copysign(1.0, n.z);
   const double a = -1.0 / (sign + n.z);
@@ -40,7 +40,7 @@ inline std::array<Vec3, 2> tangents(const Vec3& n) {
 }
 inline std::array<Vec<2>, 1> tangents(const Vec<2>& n) { return {Vec<2>(-n.y, n.x)}; }
 
-// Uniform in the disc of radius 1 at right angles to n; a segment in the plane.
+// Samples the disc of radius 1 perpendicular to n uniformly; in 2D a segment.
 template <int D>
 Vec<D> sample_facing_disc(const Vec<D>& n, const std::array<double, 2>& u) {
   const auto tangent = tangents(n);
@@ -52,14 +52,14 @@ Vec<D> sample_facing_disc(const Vec<D>& n, const std::array<double, 2>& u) {
   }
 }
 
-// The measure of the directions within an angle of an axis, given 1 - its cosine.
+// Returns the measure of the directions within an angle of an axis, given 1 - its cosine.
 template <int D>
 double cone_measure(double one_minus_cosine) {
   if constexpr (D == 3) return 2 * pi * one_minus_cosine;
   return 4 * std::asin(std::sqrt(0.5 * one_minus_cosine));
 }
 
-// Uniform among the directions within an angle of the unit axis, given 1 - its cosine, which keeps
+// Samples directions within an angle of the unit axis uniformly. The parameter 1 - cosine keeps
 // narrow cones accurate.
 template <int D>
 Vec<D> sample_cone(const Vec<D>& axis, double one_minus_cosine, const std::array<double, 2>& u) {
@@ -75,12 +75,12 @@ Vec<D> sample_cone(const Vec<D>& axis, double one_minus_cosine, const std::array
   }
 }
 
-// Direction about the unit normal n with density cos / projected_hemisphere; u in [0,1)^2, of which
-// the plane needs only the first.
+// Samples directions about the unit normal n with density cos / projected_hemisphere. u: in
+// [0,1)^2; 2D ignores the second number.
 template <int D>
 Vec<D> sample_cosine_hemisphere(const Vec<D>& n, const std::array<double, 2>& u);
 
-// sin(theta) = 2u - 1 (thesis Eq. 3.8, corrected).
+// Uses sin(theta) = 2u - 1 (thesis Eq. 3.8, corrected).
 template <>
 inline Vec<2> sample_cosine_hemisphere<2>(const Vec<2>& n, const std::array<double, 2>& u) {
   const double sine = 2 * u[0] - 1;

@@ -9,8 +9,8 @@
 
 namespace leaflight {
 
-// Radiometric quantities are single precision; geometry is double throughout, because an isosurface
-// is found by the sign of h - c. The `double` preset shows what single precision costs.
+// The type of radiometric quantities, in single precision. Geometry always uses double, because the
+// sign of h - c defines an isosurface. The `double` preset measures the cost of single precision.
 #ifdef LEAFLIGHT_DOUBLE
 using Real = double;
 #else
@@ -20,7 +20,7 @@ using Real = float;
 template <int D, class T = double>
 using Vec = std::conditional_t<D == 2, Imath::Vec2<T>, Imath::Vec3<T>>;
 
-// The cast keeps D from being deduced from the array's own std::size_t.
+// The cast prevents deduction of D from the array's std::size_t.
 template <int D>
 using Index = std::array<int, static_cast<std::size_t>(D)>;
 

@@ -8,8 +8,8 @@
 
 namespace leaflight {
 
-// A colour over the common isovalue: linear between stops in ascending order, constant beyond the
-// first and the last.
+// A color over the common isovalue. It is linear between stops in ascending order, and constant
+// beyond the first and the last.
 struct ColorRamp {
   struct Stop {
     double position;
@@ -17,14 +17,14 @@ struct ColorRamp {
   };
   std::vector<Stop> stops;
 
-  ColorRamp(const Rgb& color = Rgb(0)) : stops{{0, color}} {}  // NOLINT: a colour is a ramp
+  ColorRamp(const Rgb& color = Rgb(0)) : stops{{0, color}} {}  // NOLINT: a color is a ramp
   explicit ColorRamp(std::vector<Stop> all) : stops(std::move(all)) {}
 
   Rgb at(double position) const {
     if (stops.size() == 1) return stops.front().color;
     return between_stops(position);
   }
-  // The largest channel anywhere.
+  // Returns the largest channel of any color.
   Real largest() const;
 
  private:

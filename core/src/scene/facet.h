@@ -7,14 +7,14 @@
 
 namespace leaflight {
 
-// Normal to one edge of the plane, to its left, or to two edges in space, right-handed; as long as
-// the segment, or as large as the parallelogram, that the edges span.
+// Returns the normal of an edge, to its left, or of two edges in space, right-handed. Its length is
+// the length of the segment or the area of the parallelogram.
 inline Vec<2> scaled_normal(const std::array<Vec<2>, 1>& edges) {
   return {-edges[0].y, edges[0].x};
 }
 inline Vec<3> scaled_normal(const std::array<Vec<3>, 2>& edges) { return edges[0].cross(edges[1]); }
 
-// A facet's points as corner + u edge_0 + v edge_1; a segment has no second edge.
+// The points of a facet as corner + u edge_0 + v edge_1; a segment has no second edge.
 template <int D>
 struct FacetFrame {
   Vec<D> corner;

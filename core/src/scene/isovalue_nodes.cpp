@@ -8,7 +8,7 @@ namespace leaflight {
 namespace {
 
 constexpr int histogram_bins = 4096;
-// Voxels looked at, about.
+// Approximate number of sampled voxels.
 constexpr std::size_t samples = 1 << 20;
 
 }  // namespace
@@ -22,7 +22,7 @@ IsovalueNodes::IsovalueNodes(const Scene<D>& scene) {
     const std::size_t voxels = volume.field.voxels(), step = 1 + voxels / samples;
     for (std::size_t v = 0; v < voxels; v += step) {
       const double c = volume.common_isovalue(value_at(volume.field.values, v));
-      if (!isovalue_range.contains(c)) continue;  // nor does it contain NaN
+      if (!isovalue_range.contains(c)) continue;  // also false for NaN
       const double position = (c - isovalue_range.min) / isovalue_range.height() * histogram_bins;
       share[std::min(histogram_bins - 1, static_cast<int>(position))] += 1;
       total += 1;

@@ -7,10 +7,9 @@
 
 namespace leaflight {
 
-// The common isovalues at which the light of the walls is known, between which it is linear.
-// They are as dense as the isosurfaces are: half of the spacing follows the isovalue range, half
-// the share of the volumes between two nodes, since where isosurfaces are far apart their light
-// differs much.
+// The common isovalues at which the light of the walls is stored; it is linear between them. Half
+// of the spacing is uniform over the isovalue range. The other half follows the volumes' histogram,
+// because light changes more where isosurfaces are far apart.
 class IsovalueNodes {
  public:
   static constexpr int count = 33;
@@ -20,11 +19,11 @@ class IsovalueNodes {
   explicit IsovalueNodes(const Scene<D>& scene);
 
   double node(int i) const { return nodes_[i]; }
-  // Of the common isovalues that are nearer to a node than to any other.
+  // Returns the length of the interval of isovalues nearest to a node.
   double height(int i) const;
   int nearest(double c) const;
 
-  // c = node(low) (1 - t) + node(low + 1) t, t in [0,1].
+  // The position between two nodes: c = node(low) (1 - t) + node(low + 1) t, t in [0,1].
   struct Place {
     int low;
     double t;

@@ -5,7 +5,7 @@
 
 namespace leaflight {
 
-// Whether an isosurface of a range of common isovalues is open: it ends at the border of the
+// True if an isosurface of a range of common isovalues is open. It then ends at the border of the
 // domain or at a masked cell, where light can reach its inside.
 template <int D>
 bool isosurfaces_are_open(const Volume<D>& volume, const IsovalueRange& isovalue_range);

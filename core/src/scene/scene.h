@@ -12,8 +12,8 @@ namespace leaflight {
 
 enum class Scattering { diffuse, mirror, glass };
 
-// A mesh of the walls, alike on both sides. It stands beside every isosurface: the thesis's prism
-// over the range of h (4.3.3).
+// A mesh of the walls with the same material on both sides. It exists next to every isosurface: the
+// thesis's prism over the range of h (4.3.3).
 template <int D>
 struct Mesh {
   using Facet = std::array<std::uint32_t, static_cast<std::size_t>(D)>;
@@ -21,15 +21,15 @@ struct Mesh {
 
   std::string name;
   std::vector<Vec<D, float>> vertices;  // world
-  std::vector<Facet> facets;            // triangles; segments in the plane
-  Rgb albedo;                           // in [0,1]; the colour of a mirror or of glass
+  std::vector<Facet> facets;            // triangles; segments in 2D
+  Rgb albedo;                           // in [0,1]; color of a mirror or of glass
   Scattering scattering = Scattering::diffuse;
-  double ior = 1.5;                        // of glass, against the side from which normals point
+  double ior = 1.5;                        // of glass, relative to the side of the normals
   Rgb emission{0};                         // radiance [W/(m^2 sr)], from both sides
   std::shared_ptr<const Texture> texture;  // multiplies the albedo; null: none
-  std::vector<FacetUv> uv;                 // per corner of each facet, where there is a texture
+  std::vector<FacetUv> uv;                 // per corner of each facet, if there is a texture
 
-  // u, v: barycentric coordinates of the facet's second and third vertex.
+  // Returns the albedo. u, v: barycentric coordinates of the facet's second and third vertex.
   Rgb albedo_at(std::size_t facet, double u, double v) const;
 };
 
@@ -41,16 +41,16 @@ struct IsovalueRange {
   bool contains(double c) const { return min <= c && c <= max; }
 };
 
-// A field whose isosurfaces are lit. The isosurfaces of the same common isovalue c in all volumes
-// see each other; c is the isovalue itself where there is one volume.
+// A field whose isosurfaces are lit. The isosurfaces of all volumes with the same common isovalue c
+// see each other. With one volume, c is the isovalue itself.
 template <int D>
 struct Volume {
   std::string name = "volume";
   Field<D> field;
-  ColorRamp albedo;    // over c, in [0,1]; the colour of a mirror or of glass
+  ColorRamp albedo;    // over c, in [0,1]; color of a mirror or of glass
   ColorRamp emission;  // over c, radiance [W/(m^2 sr)], from both sides
   Scattering scattering = Scattering::diffuse;
-  double ior = 1.5;  // of the inside of glass against the outside
+  double ior = 1.5;  // of the inside of glass, relative to the outside
   // isovalue = offset + scale c
   double offset = 0, scale = 1;
 
@@ -61,17 +61,17 @@ struct Volume {
   double common_isovalue(double h) const { return (h - offset) / scale; }
 };
 
-// What is lit: the isosurfaces of volumes within an isovalue range, and what surrounds them.
+// The isosurfaces of volumes within an isovalue range, and the objects around them.
 template <int D>
 struct Scene {
   std::vector<Volume<D>> volumes;
   std::vector<Mesh<D>> meshes;
   std::vector<Light<D>> lights;
   std::optional<Environment<D>> environment;
-  IsovalueRange isovalue_range;  // of the common isovalue
+  IsovalueRange isovalue_range;  // in common isovalues
 };
 
-// Whether anything is a mirror or glass.
+// True if anything is a mirror or glass.
 template <int D>
 bool has_specular(const Scene<D>& scene);
 

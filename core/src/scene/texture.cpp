@@ -6,7 +6,7 @@
 namespace leaflight {
 namespace {
 
-// The two pixels about a coordinate and the weight of the second.
+// The two pixels next to a coordinate and the weight of the second.
 struct Neighbours {
   int low, high;
   float weight;

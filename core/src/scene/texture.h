@@ -7,12 +7,12 @@
 
 namespace leaflight {
 
-// Linear colours over (u, v), bottom row first, interpolated between the centres of pixels.
+// Linear colors over (u, v), bottom row first, interpolated between the centers of pixels.
 struct Texture {
   int width = 0, height = 0;
   std::vector<Vec<3, float>> pixels;
 
-  // Repeats beyond 0..1, as Blender's image textures do.
+  // Returns the color at (u, v). Repeats beyond 0..1, like Blender's image textures.
   Rgb at(double u, double v) const;
 };
 

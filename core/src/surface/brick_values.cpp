@@ -9,7 +9,7 @@
 namespace leaflight {
 namespace {
 
-// A value is at least the isovalue if and only if it is at least this one.
+// Returns the float that replaces the isovalue in comparisons `value >= isovalue` of floats.
 float threshold_of(double isovalue) {
   const float nearest = static_cast<float>(isovalue);
   constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -30,7 +30,7 @@ BrickValues<D> load_brick(const Field<D>& field, const Index<D>& brick, double i
   const float threshold = threshold_of(isovalue);
   const std::size_t first = field.offset(values.low);
   const std::size_t row = field.dims[0], layer = row * field.dims[1];
-  // `length` is nearly always a number that the compiler knows.
+  // `length` is nearly always a compile-time constant.
   const auto load = [&](const auto* all, auto length) {
     for (int z = 0; z < count[2]; ++z) {
       for (int y = 0; y < count[1]; ++y) {

@@ -7,8 +7,8 @@
 
 namespace leaflight {
 
-// What contouring looks at in a brick of cells: the values at all corners of its cells, the brick's
-// own voxels and the next ones, and which of them are above the isovalue.
+// Inputs of contouring in a brick of cells: the values at all corners of its cells, and which of
+// them are above the isovalue. The corners are the brick's voxels and the adjacent ones.
 template <int D>
 struct BrickValues {
   static constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
@@ -16,16 +16,16 @@ struct BrickValues {
   static constexpr int layers = D == 3 ? width : 1;
   static_assert(size == 4, "the masks below are of four rows of four");
 
-  Index<D> low;  // the first voxel
-  // Axis 0 fastest; unset beyond the domain.
+  Index<D> low;  // first voxel
+  // Axis 0 is fastest; values beyond the domain are unset.
   std::array<float, width * width * layers> h;
 
-  // Bit 8 y + x of layer z. Voxels beyond the domain and masked ones are neither known nor above.
+  // Bit 8 y + x of layer z. Voxels that are masked or beyond the domain are neither known nor
+  // above.
   std::array<std::uint64_t, layers> above{}, known{};
 
-  // Of edges and cells, those of the brick's voxel (x, y, z) at bit 16 z + 4 y + x.
-  //
-  // The edges along an axis between a value above and one below.
+  // Returns the edges along an axis between a value above and one below. The edge or cell of voxel
+  // (x, y, z) of the brick has bit 16 z + 4 y + x.
   std::uint64_t crossed_edges(int axis) const {
     std::uint64_t crossed = 0;
     for (int z = 0; z < std::min(layers, size); ++z) {
@@ -37,7 +37,7 @@ struct BrickValues {
     }
     return crossed;
   }
-  // The cells with values above and below, none of them unknown.
+  // Returns the cells with values above and below, and no unknown values.
   std::uint64_t crossed_cells() const {
     std::uint64_t crossed = 0;
     for (int z = 0; z < std::min(layers, size); ++z) {
@@ -54,7 +54,7 @@ struct BrickValues {
     return crossed;
   }
 
-  // The corners above the isovalue of the cell with this bit, a bit each.
+  // Returns the corners above the isovalue, one bit each, of the cell with this bit.
   unsigned corners_above(int bit) const {
     const int shift = 8 * ((bit >> 2) & 3) + (bit & 3), z = bit >> 4;
     unsigned corners = 0;
@@ -64,7 +64,7 @@ struct BrickValues {
     }
     return corners;
   }
-  // The place in h of the voxel with this bit.
+  // Returns the index in h of the voxel with this bit.
   static int place(int bit) { return ((bit >> 4) * width + ((bit >> 2) & 3)) * width + (bit & 3); }
   static int stride(int axis) { return axis == 0 ? 1 : axis == 1 ? width : width * width; }
   Index<D> voxel(int bit) const {
@@ -74,7 +74,7 @@ struct BrickValues {
   }
 
  private:
-  // Four of eight bits in each of four bytes, side by side.
+  // Packs four of eight bits in each of four bytes.
   static std::uint64_t packed(std::uint64_t rows) {
     rows &= 0x0F0F0F0F;
     rows = (rows | (rows >> 4)) & 0x00FF00FF;
@@ -85,7 +85,7 @@ struct BrickValues {
 template <int D>
 BrickValues<D> load_brick(const Field<D>& field, const Index<D>& brick, double isovalue);
 
-// Has what load_brick() will read brought from memory meanwhile: its rows lie far apart.
+// Prefetches the memory that load_brick() will read, because its rows are far apart.
 template <int D>
 void fetch_brick(const Field<D>& field, const Index<D>& brick);
 

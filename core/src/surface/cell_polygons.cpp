@@ -54,9 +54,8 @@ unsigned joined_faces(const std::array<double, 8>& g, unsigned above) {
   return joined;
 }
 
-// Walks the faces: on each, the surface leaves through the edge at which the walk goes from above
-// to below and returns through one at which it goes from below to above, keeping the above on the
-// left.
+// Walks the faces. On each, the surface leaves through the edge where the walk goes from above to
+// below. It returns through an edge from below to above, with the above on the left.
 std::vector<std::vector<int>> cell_polygons(unsigned above, unsigned joined) {
   std::array<int, 12> next;
   next.fill(-1);
@@ -66,7 +65,7 @@ std::vector<std::vector<int>> cell_polygons(unsigned above, unsigned joined) {
     for (int i = 0; i < 4; ++i) {
       const int a = corner[i], b = corner[(i + 1) % 4];
       if (!is_above(a) || is_above(b)) continue;
-      // Joined: around the next run below. Separate: around the run above that ends here.
+      // If joined, go around the next run below; if separate, around the run above that ends here.
       int from = -1;
       const int step = ((joined >> face) & 1u) ? 1 : 3;
       for (int j = (i + step) % 4; from < 0; j = (j + step) % 4) {

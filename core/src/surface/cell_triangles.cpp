@@ -15,7 +15,7 @@ namespace {
 using Polygon = std::vector<int>;
 using Triangle = std::array<int, 3>;
 
-// Faces on which an edge lies, bit by bit.
+// Returns the faces that contain an edge, one bit each.
 unsigned faces_of(int edge) {
   const auto [axis, corner] = cell_edge(edge);
   unsigned faces = 0;
@@ -25,7 +25,7 @@ unsigned faces_of(int edge) {
   return faces;
 }
 
-// Four times the squared distance between the middles of two edges.
+// Returns four times the squared distance between the midpoints of two edges.
 int squared_distance(int e, int f) {
   const CellEdge first = cell_edge(e), second = cell_edge(f);
   int sum = 0;
@@ -38,7 +38,7 @@ int squared_distance(int e, int f) {
   return sum;
 }
 
-// The sides that triangles may have between the points of two edges, apart from those of polygons.
+// The additional sides that triangles may have between the points of two edges.
 class Diagonals {
  public:
   Diagonals() {
@@ -53,7 +53,7 @@ class Diagonals {
   std::array<std::array<bool, 12>, 12> allowed_;
 };
 
-// A polygon's triangles, turned the other way than it is.
+// The triangles of a polygon, in its opposite orientation.
 struct Cover {
   std::vector<Triangle> triangles;
   int inside = 0;  // points inside the cell, numbered from 12
@@ -112,8 +112,8 @@ class ShortestDiagonals {
   std::vector<int> length_, apex_;
 };
 
-// All triangles from the first corner, where that is allowed; else by the shortest diagonals; else
-// all from a point inside the cell, which is the given one.
+// Triangulates a polygon by a fan from its first corner, if it is allowed. Otherwise uses the
+// shortest diagonals, or else a fan from the given point inside the cell.
 Cover cover(const Polygon& polygon, const Diagonals& diagonals, int point) {
   const std::size_t n = polygon.size();
   Cover found;
@@ -139,7 +139,7 @@ Cover cover(const Polygon& polygon, const Diagonals& diagonals, int point) {
   return found;
 }
 
-// From one corner of a polygon on to another.
+// Appends the corners of a polygon from one to another.
 void append_arc(const Polygon& polygon, std::size_t from, std::size_t to, Polygon& arc) {
   for (std::size_t i = from;; i = (i + 1) % polygon.size()) {
     arc.push_back(polygon[i]);
@@ -147,7 +147,7 @@ void append_arc(const Polygon& polygon, std::size_t from, std::size_t to, Polygo
   }
 }
 
-// The tunnel between two polygons: two bridges cut it into two polygons.
+// Returns the tunnel between two polygons: two bridges split it into two polygons.
 Cover tunnel(const Polygon& a, const Polygon& b, int point) {
   const Diagonals diagonals;
   Cover best;
@@ -164,7 +164,7 @@ Cover tunnel(const Polygon& a, const Polygon& b, int point) {
           append_arc(b, b2, b1, halves[0]);
           append_arc(a, a2, a1, halves[1]);
           append_arc(b, b1, b2, halves[1]);
-          // What both halves could do, the first alone may.
+          // Diagonals that both halves could use belong to the first.
           Diagonals rest = diagonals;
           Cover whole;
           for (const Polygon& half : halves) {
@@ -186,17 +186,17 @@ Cover tunnel(const Polygon& a, const Polygon& b, int point) {
   return best;
 }
 
-// More corners than two polygons with a tunnel between them have together (Chernyaev 1995: only the
-// cases 4, 6, 7, 10, 12 and 13.5 have one).
+// Upper bound on the corners of two polygons with a tunnel. Only Chernyaev's cases 4, 6, 7, 10, 12
+// and 13.5 (1995) have a tunnel.
 constexpr std::size_t too_many_for_tunnel = 10;
 
-// A case without a tunnel, and with one between each pair of its polygons.
+// The triangles of a case without a tunnel, and with one between each pair of its polygons.
 struct Case {
   struct Pair {
     int first, second;  // polygons
     CellTriangles triangles;
   };
-  std::vector<CellEdge> polygons;  // of each, an edge that it crosses
+  std::vector<CellEdge> polygons;  // a crossed edge of each polygon
   CellTriangles separate;
   std::vector<Pair> tunnels;
 };
@@ -249,7 +249,7 @@ class Table {
     }
   }
 
-  // What lasts as long as the table does.
+  // Stores triangles for the lifetime of the table.
   CellTriangles kept(const std::vector<Cover>& covers) {
     std::vector<std::uint8_t>& corners = corners_.emplace_back();
     int inside = 0;
@@ -265,7 +265,7 @@ class Table {
 
   std::deque<std::vector<std::uint8_t>> corners_;
   std::vector<Case> cases_;
-  std::vector<std::uint16_t> number_;  // of a case in `cases_`
+  std::vector<std::uint16_t> number_;  // number of a case in `cases_`
   std::array<CellTriangles, 256> plain_;
 };
 
@@ -287,7 +287,7 @@ const CellTriangles& ambiguous_triangles(unsigned above, const std::array<double
   const auto region = connected_corners(g, above, joined, saddles);
   for (const Case::Pair& pair : found.tunnels) {
     const CellEdge &e = found.polygons[pair.first], &f = found.polygons[pair.second];
-    // Two polygons bound one surface if regions on both sides of them are the same.
+    // Two polygons bound one surface if the same regions are on both sides of them.
     const auto sides = [&](const CellEdge& edge) {
       const auto [low, high] =
           std::minmax(region[edge.corner], region[edge.corner | (1 << edge.axis)]);

@@ -11,8 +11,8 @@ namespace {
 
 using CornerValues = std::array<double, 8>;
 
-// The corner of a face, of this sign, whose region holds the point (u, v) of the face; -1: none,
-// which rounding alone brings about. u and v are the axes after that of the face.
+// Returns the corner of a face, of this sign, whose region contains the point (u, v) of the face;
+// -1: none, by rounding. The coordinates u and v are the axes after that of the face.
 int corner_of(const CornerValues& g, unsigned above, unsigned joined, int face, double u, double v,
               bool sign) {
   const int axis = face / 2, base = (face % 2) << axis;
@@ -26,7 +26,7 @@ int corner_of(const CornerValues& g, unsigned above, unsigned joined, int face, 
   }
   const bool alternates = count == 2 && has_sign(found ^ along_u ^ along_v);
   if (!alternates || (((joined >> face) & 1u) != 0) == sign) return found;
-  // Separate: each on its own side of the bilinear interpolant's saddle.
+  // If separate, each region is on its own side of the bilinear interpolant's saddle.
   const double corner = g[base], by_u = g[base | along_u] - corner;
   const double by_v = g[base | along_v] - corner;
   const double by_both = g[base | along_u | along_v] - g[base | along_u] - by_v;
@@ -61,9 +61,9 @@ double value_at(const CornerValues& g, const std::array<double, 3>& x) {
 
 }  // namespace
 
-// With c + sum b_a x_a + sum m_a x_b x_c + t xyz (a, b, c all different) the gradient is zero where
-// Y Z = -d_x, X Z = -d_y, X Y = -d_z, if X = t x + m_x and so on, and d_a = t b_a - m_b m_c. Hence
-// X = -s / d_x with s^2 = -d_x d_y d_z.
+// Finds the saddles of c + sum b_a x_a + sum m_a x_b x_c + t xyz (a, b, c all different).
+// Let X = t x + m_x and so on, and d_a = t b_a - m_b m_c. The gradient is zero where
+// Y Z = -d_x, X Z = -d_y, X Y = -d_z. Hence X = -s / d_x with s^2 = -d_x d_y d_z.
 CellSaddles cell_saddles(const std::array<double, 8>& g) {
   const std::array<double, 3> b{g[1] - g[0], g[2] - g[0], g[4] - g[0]};
   const std::array<double, 3> m{g[6] - g[4] - b[1], g[5] - g[4] - b[0], g[3] - g[2] - b[0]};
@@ -80,7 +80,7 @@ CellSaddles cell_saddles(const std::array<double, 8>& g) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       const double scaled = -s / d[i];
       if ((scaled > 0) == (m[i] > 0)) {
-        // The difference of two like numbers, expanded so that t cancels.
+        // Expand the difference of two similar numbers, so that t cancels.
         const double product =
             t * b[j] * b[k] - m[i] * (b[j] * m[j] + b[k] * m[k]) + b[i] * m[i] * m[i];
         x[i] = -product / (d[i] * m[i] - s);

@@ -13,8 +13,8 @@
 namespace leaflight {
 namespace {
 
-// Calls visit(brick) for the bricks of the lowest level, among those below a brick of a higher one,
-// whose interval holds the isovalue.
+// Calls visit(brick) for the bricks of the lowest level, below a brick of a higher one, whose
+// interval contains the isovalue.
 template <int D, class Visit>
 void visit_crossed(const IntervalPyramid<D>& pyramid, std::size_t level, const Index<D>& brick,
                    double isovalue, const Visit& visit) {

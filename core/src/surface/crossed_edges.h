@@ -10,15 +10,15 @@
 
 namespace leaflight {
 
-// The edges of the grid that an isosurface crosses: the vertices of its contour. Only the bricks
-// whose interval holds the isovalue are visited, found through the upper levels of the pyramid;
-// edges are numbered by bit counts within bricks, without hashing or sorting, and belong to their
-// lower voxel. The numbers do not depend on threads.
+// The edges of the grid that an isosurface crosses, which are the vertices of its contour. Visits
+// only bricks whose interval contains the isovalue, by the levels of the pyramid. Edges belong to
+// their lower voxel. Bit counts within bricks number them, without hashing or sorting. The numbers
+// do not depend on threads.
 template <int D>
 class CrossedEdges {
  public:
-  // The crossed edges of the voxels of a brick, as BrickValues gives them. An edge's number is the
-  // brick's first plus the rank of its bit.
+  // The crossed edges of a brick's voxels, as in BrickValues. An edge's number is the brick's first
+  // number plus the rank of its bit.
   struct BrickEdges {
     Index<D> brick;
     std::array<std::uint64_t, static_cast<std::size_t>(D)> edges{};
@@ -39,9 +39,8 @@ class CrossedEdges {
   // Finds the bricks. `field` must outlive this.
   CrossedEdges(const Field<D>& field, double isovalue);
 
-  // Finds the edges. visit(place in bricks(), what was read of the brick) is called for each brick
-  // as soon as its edges are known, by several threads at once. Throws Error when there are more
-  // than 2^31 crossed edges.
+  // Finds the edges. Calls visit(index in bricks(), values of the brick) for each brick when its
+  // edges are known, from several threads. Throws Error if there are more than 2^31 crossed edges.
   using Visit = std::function<void(std::size_t, const BrickValues<D>&)>;
   void mark(const Visit& visit = nullptr);
 
@@ -49,11 +48,11 @@ class CrossedEdges {
   double isovalue() const { return isovalue_; }
   std::size_t count() const { return count_; }
 
-  // Those whose cells the isosurface may pass, and those that own edges of such cells, in ascending
-  // order.
+  // Returns the bricks with cells that the isosurface may cross, and those that own edges of such
+  // cells, in ascending order.
   const std::vector<BrickEdges>& bricks() const { return bricks_; }
-  // The brick that lies behind another's upper faces along the axes of these bits, or itself; null
-  // where no cell needs it.
+  // Returns the brick behind another's upper faces along the axes of these bits, or itself; null if
+  // no cell needs it.
   const BrickEdges* beside(const BrickEdges& brick, int axes) const {
     Index<D> at = brick.brick;
     for (int a = 0; a < D; ++a) at[a] += (axes >> a) & 1;
@@ -64,7 +63,7 @@ class CrossedEdges {
     return place < 0 ? nullptr : &bricks_[place];
   }
 
-  // The number of the crossed edge from a voxel along an axis.
+  // Returns the number of the crossed edge from a voxel along an axis.
   std::int32_t number(const Index<D>& voxel, int axis) const {
     constexpr int log2_brick = IntervalPyramid<D>::log2_brick;
     Index<D> brick;
@@ -77,8 +76,8 @@ class CrossedEdges {
     return static_cast<std::int32_t>(owner.number(axis, bit));
   }
 
-  // Where the linear interpolant along the edge from the voxel with this bit is the isovalue (index
-  // position).
+  // Returns the index position where the linear interpolant along an edge is the isovalue. `bit`:
+  // of the edge's lower voxel.
   Vec<D> position(const BrickValues<D>& values, int axis, int bit) const {
     const int place = BrickValues<D>::place(bit);
     // The two values lie on different sides, so they differ.
@@ -90,7 +89,7 @@ class CrossedEdges {
   const Field<D>& field_;
   const double isovalue_;
   const typename IntervalPyramid<D>::Level& level_;
-  std::vector<std::int32_t> place_;  // of a brick in bricks_, or -1
+  std::vector<std::int32_t> place_;  // index of a brick in bricks_, or -1
   std::vector<BrickEdges> bricks_;
   std::size_t count_ = 0;
   std::array<Vec<D>, static_cast<std::size_t>(D)> along_;  // unit vectors of the axes
@@ -102,8 +101,8 @@ void for_each_bit(std::uint64_t word, Visit visit) {
   for (; word != 0; word &= word - 1) visit(lowest_bit(word));
 }
 
-// Edges between masked cells are crossed but belong to no facet: removes their vertices. Where
-// there are no normals there may be none.
+// Removes vertices without a facet, which are on edges between masked cells. `normals` may be
+// empty.
 template <class Vertex, class Facet>
 void drop_unused_vertices(std::vector<Vertex>& vertices, std::vector<Vertex>& normals,
                           std::vector<Facet>& facets) {

@@ -7,8 +7,7 @@
 namespace leaflight {
 namespace {
 
-// Disjoint sets with path halving (Tarjan and van Leeuwen 1984); a set is named by its least
-// member.
+// Disjoint sets with path halving (Tarjan and van Leeuwen 1984). The least member names a set.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parent_(count) {
@@ -48,7 +47,7 @@ LargeParts large_parts(const Vec<3, float>* vertices, std::size_t vertex_count,
                        const std::array<std::int32_t, 3>* triangles, std::size_t triangle_count,
                        float smallest) {
   const std::vector<std::int32_t> parts = connected_parts(triangles, triangle_count, vertex_count);
-  // The box of each part, at the place of its least vertex.
+  // The box of each part, at the index of its least vertex.
   std::vector<Vec<3, float>> low(vertices, vertices + vertex_count), high(low);
   for (std::size_t v = 0; v < vertex_count; ++v) {
     const std::int32_t part = parts[v];

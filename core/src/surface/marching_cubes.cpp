@@ -22,7 +22,7 @@ using BrickEdges = CrossedEdges<3>::BrickEdges;
 
 constexpr int places = Values::width * Values::width * Values::width;
 
-// h - c at the corners of the cell with this bit.
+// Returns h - c at the corners of the cell with this bit.
 std::array<double, 8> corners_of(const Values& values, int bit, double isovalue) {
   std::array<double, 8> g;
   for (int corner = 0; corner < 8; ++corner) {
@@ -33,7 +33,7 @@ std::array<double, 8> corners_of(const Values& values, int bit, double isovalue)
   return g;
 }
 
-// The triangles of a cell that the isosurface crosses.
+// Returns the triangles of a cell that the isosurface crosses.
 const CellTriangles& triangles_of(const std::array<CellTriangles, 256>& plain, const Values& values,
                                   int bit, double isovalue) {
   const unsigned above = values.corners_above(bit);
@@ -42,7 +42,7 @@ const CellTriangles& triangles_of(const std::array<CellTriangles, 256>& plain, c
                              : ambiguous_triangles(above, corners_of(values, bit, isovalue));
 }
 
-// Where the numbers of a cell's edges lie behind that of its first one, in VertexNumbers.
+// Returns the offsets in VertexNumbers from a cell's first edge to its edges.
 std::array<int, 12> edge_offsets() {
   std::array<int, 12> offset;
   for (int edge = 0; edge < 12; ++edge) {
@@ -64,7 +64,8 @@ class VertexNumbers {
   std::int32_t at(int place) const { return number_[place]; }
 
  private:
-  // Those that the brick's cells share with the brick behind its upper faces along these axes.
+  // Copies the numbers that the brick shares with the brick behind its upper faces along these
+  // axes.
   void take(const BrickEdges& other, int beside) {
     constexpr std::array<std::uint64_t, 3> first_plane{0x1111111111111111, 0x000F000F000F000F,
                                                        0xFFFF};
@@ -93,7 +94,7 @@ void check_count(std::int64_t count, const char* what) {
               ", more than a mesh can hold; reduce the volume's resolution.");
 }
 
-// Its memory is used again; what it held is not copied where that is too small.
+// Resizes a vector and reuses its memory, without a copy of its old elements if it must grow.
 template <class Element>
 void resize(std::vector<Element>& list, std::size_t size) {
   if (list.capacity() < size) release(list);
@@ -140,7 +141,7 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
   const auto& plain = plain_triangles();
   const std::array<int, 12> offset = edge_offsets();
   constexpr std::size_t grain = 64, ahead = 2;
-  // Outside is in front in index coordinates; a mirroring transform turns that around.
+  // The outside is in front in index coordinates; a mirroring transform reverses this.
   const bool mirrored = determinant(field.index_to_world) < 0;
   resize(mesh.vertices, vertices_);
   resize(mesh.normals, normals ? vertices_ : 0);

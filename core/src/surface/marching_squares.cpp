@@ -14,12 +14,12 @@ using Segment = std::array<std::int32_t, 2>;
 constexpr std::array<int, 4> ring{0, 1, 3, 2};
 struct RingEdge {
   int axis;
-  int corner;  // its lower end
+  int corner;  // lower end
 };
 constexpr std::array<RingEdge, 4> ring_edges{{{0, 0}, {1, 1}, {0, 2}, {1, 0}}};
 
-// Whether the two higher corners of an alternating square are connected across it: the saddle of
-// the bilinear interpolant is above. h == c counts as above, hence >=.
+// True if the two higher corners of an alternating square are connected: the saddle of the bilinear
+// interpolant is above. h == c counts as above, hence >=.
 bool joined(const std::array<double, 4>& g, bool first_above) {
   const double even = g[0] * g[3], odd = g[1] * g[2];
   return first_above ? even >= odd : odd >= even;
@@ -38,9 +38,9 @@ void cell_segments(const CrossedEdges<2>& edges, const BrickValues<2>& values, i
   const bool alternating = above(0) == above(3) && above(1) == above(2) && above(0) != above(1);
   CellCorners<2> g = load_corners(edges.field(), cell);
   for (double& h : g.h) h -= edges.isovalue();
-  // The line leaves through an edge at which the ring falls. It came in, around the run above that
-  // ends there, through the edge before it at which the ring rises; or, if the higher corners are
-  // joined, around the run below that begins there, through the one after it.
+  // The line leaves through an edge where the ring falls. If the higher corners are separate, it
+  // came through the previous rising edge, around the run above. If they are joined, it came
+  // through the next rising edge, around the run below.
   const int step = alternating && joined(g.h, above(0)) ? 1 : 3;
   for (int i = 0; i < 4; ++i) {
     if (!above(ring[i]) || above(ring[(i + 1) % 4])) continue;
@@ -61,7 +61,7 @@ IsolineMesh contour(const Field<2>& field, double isovalue) {
   mesh.vertices.resize(edges.count());
   mesh.normals.resize(edges.count());
   std::vector<std::vector<Segment>> pieces(edges.bricks().size());
-  // Outside is on the left in index coordinates; a mirroring transform turns that around.
+  // The outside is on the left in index coordinates; a mirroring transform reverses this.
   const bool mirrored = determinant(field.index_to_world) < 0;
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
     const auto& brick = edges.bricks()[p];

@@ -33,7 +33,7 @@ MeshEdges::MeshEdges(std::size_t vertices, const std::vector<Triangle>& triangle
   });
   tbb::parallel_for(std::size_t{0}, vertices, [&](std::size_t v) {
     const auto begin = others_.begin() + first_[v], end = others_.begin() + first_[v + 1];
-    // Threads came in any order, and most edges twice.
+    // Sort, because the threads' order is arbitrary, and remove the duplicates of most edges.
     std::sort(begin, end);
     const auto lower = static_cast<std::int32_t>(v);
     const auto kept = std::remove_if(begin, std::unique(begin, end),

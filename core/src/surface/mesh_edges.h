@@ -8,21 +8,21 @@
 
 namespace leaflight {
 
-// Chosen edges of a mesh, numbered by their lower vertex and then by the other one, without sorting
-// them all: each vertex has a handful. The numbers do not depend on threads.
+// Selected edges of a mesh, numbered by their lower vertex and then by the other one. Only the few
+// edges of each vertex are sorted. The numbers do not depend on threads.
 class MeshEdges {
  public:
   using Triangle = std::array<std::int32_t, 3>;
   static constexpr std::int32_t absent = -1;
 
-  // wanted(lower vertex, other one): called once for each edge, by several threads at once.
+  // wanted(lower vertex, other vertex): called once for each edge, from several threads.
   MeshEdges(std::size_t vertices, const std::vector<Triangle>& triangles,
             const std::function<bool(std::int32_t, std::int32_t)>& wanted);
 
   std::size_t count() const { return static_cast<std::size_t>(number_.back()); }
-  // The number of the edge between two vertices, or absent.
+  // Returns the number of the edge between two vertices, or absent.
   std::int32_t operator()(std::int32_t a, std::int32_t b) const;
-  // The other vertices of the chosen edges whose lower one this is, and the number of the first.
+  // Calls visit(number, other vertex) for each selected edge with this lower vertex.
   template <class Visit>
   void for_each_at(std::int32_t lower, Visit visit) const {
     for (std::int32_t n = number_[lower]; n < number_[lower + 1]; ++n) {
@@ -31,9 +31,10 @@ class MeshEdges {
   }
 
  private:
-  std::vector<std::uint32_t> first_;  // of each vertex's places in others_
+  std::vector<std::uint32_t> first_;  // start of each vertex in others_
   std::vector<std::int32_t> others_;
-  std::vector<std::int32_t> number_;  // of each vertex's first edge, and of all
+  // First edge of each vertex; at the end, the number of all edges.
+  std::vector<std::int32_t> number_;
 };
 
 }  // namespace leaflight

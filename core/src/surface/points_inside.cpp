@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-// Where the linear interpolant along an edge vanishes.
+// Returns the zero of the linear interpolant along an edge.
 Vec3 point_on(int edge, const std::array<double, 8>& g) {
   const auto [axis, corner] = cell_edge(edge);
   const double low = g[corner], high = g[corner | (1 << axis)];
@@ -20,7 +20,7 @@ Vec3 point_on(int edge, const std::array<double, 8>& g) {
   return point;
 }
 
-// The middle of the edges' points that share a triangle with a point inside.
+// Returns the center of the edges' points that share a triangle with a point inside.
 Vec3 middle_about(const CellTriangles& triangles, int point, const std::array<double, 8>& g) {
   Vec3 sum(0.0);
   int count = 0;
@@ -36,8 +36,8 @@ Vec3 middle_about(const CellTriangles& triangles, int point, const std::array<do
   return sum / count;
 }
 
-// How far from a point a line first hits the isosurface within the unit cube, in lengths of
-// `along`.
+// Returns the distance along a line to its first hit of the isosurface within the unit cube, in
+// lengths of `along`.
 std::optional<double> distance_to_isosurface(const CellCorners<3>& corners, const Vec3& from,
                                              const Vec3& along) {
   const bool side = interpolate(corners, from) >= 0;
@@ -68,11 +68,11 @@ Vec3 point_inside(const CellTriangles& triangles, int n, const std::array<double
   const bool side = interpolate(corners, middle) >= 0;
   const Vec3 gradient = geometric_gradient(corners, middle);
   if (gradient.length2() > 0) {
-    // Beyond the cube from any point of it.
+    // A step of length 2 leaves the cube from any point inside.
     const Vec3 along = gradient * ((side ? -2 : 2) / gradient.length());
     if (const auto t = distance_to_isosurface(corners, middle, along)) return middle + along * *t;
   }
-  // Lines towards the corners across the isosurface always hit it.
+  // Lines towards the corners on the other side always hit the isosurface.
   Vec3 nearest = middle;
   double shortest = 2;
   for (int corner = 0; corner < 8; ++corner) {

@@ -6,8 +6,8 @@
 
 namespace leaflight {
 
-// Where the n-th point inside a cell lies, in the unit cube: on the isosurface of the trilinear
-// interpolant, near the middle of the edges' points about it. g: h - c at the corners.
+// Returns the n-th point inside a cell, in the unit cube. It is on the isosurface of the trilinear
+// interpolant, near the center of the surrounding points on edges. g: h - c at the corners.
 Vec3 point_inside(const CellTriangles& triangles, int n, const std::array<double, 8>& g);
 
 }  // namespace leaflight

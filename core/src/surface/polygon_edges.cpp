@@ -33,7 +33,7 @@ void for_each_side(const std::int32_t* corners, std::size_t polygons, int sides,
 
 PolygonEdges polygon_edges(const std::int32_t* corners, std::size_t polygons, int sides,
                            std::size_t vertices) {
-  // A counting sort by the lower vertex; few edges share one, so that the rest is quickly sorted.
+  // Counting sort by the lower vertex; few edges share one, so the remaining sort is fast.
   std::vector<std::uint32_t> first(vertices + 1, 0);
   for_each_side(corners, polygons, sides, [&](std::int32_t, std::int32_t a, std::int32_t b) {
     ++first[static_cast<std::size_t>(std::min(a, b)) + 1];

@@ -10,14 +10,14 @@ namespace leaflight {
 
 namespace {
 
-// Between where a function is on one side of 0 and where it is on the other, the place next to its
-// change of sign, on the far side: false position with the Illinois rule (Dowell and Jarratt 1971).
+// Finds a sign change of a function between two arguments, by false position with the Illinois rule
+// (Dowell and Jarratt 1971). Returns the argument next to it, on the far side.
 template <class Value>
 double change_of_sign(const Value& value, double near, double at_near, double far, double at_far) {
   constexpr double precise = 1e-14;
   constexpr int most_steps = 60;
   const bool below = at_near < 0;
-  int repeated = 0;  // steps that moved the near end alone, or less than 0 the far one
+  int repeated = 0;  // successive steps that moved only the near end; negative: only the far end
   for (int i = 0; i < most_steps && far - near > precise; ++i) {
     double middle = (near * at_far - far * at_near) / (at_far - at_near);
     if (!(middle > near && middle < far)) middle = 0.5 * (near + far);
@@ -37,9 +37,9 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   return far;
 }
 
-// How far it is along a direction, both in index coordinates, from a start to the first place where
-// the field's value less the isovalue comes from below 0, or from above; 0 where there is none
-// within `reach` voxels.
+// Returns the distance along a direction to the first crossing of the isovalue, from below or from
+// above. Returns 0 if there is none within `reach` voxels. Start and direction are in index
+// coordinates.
 template <int D>
 double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& along,
                       double isovalue, bool from_below, double reach) {
@@ -71,7 +71,7 @@ Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& world, double 
   const CellCorners<D> corners = load_corners(field, point.cell);
   const double here = interpolate(corners, point.local) - isovalue;
   if (here == 0 || std::isnan(here)) return world;
-  // At a crease between cells the gradient of one of them may lead away from the isosurface.
+  // At a crease between cells, the gradient of a cell may lead away from the isosurface.
   for (Vec<D> along : {geometric_gradient(corners, point.local), shading_gradient(field, point)}) {
     if (!(along.length() > 0)) continue;
     along *= (here < 0 ? 1 : -1) / along.length();

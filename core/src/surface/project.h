@@ -5,14 +5,15 @@
 
 namespace leaflight {
 
-// The nearest point of the isosurface along its gradient, world to world, found by bracketed search
-// within two voxels; the point itself where there is none.
+// Returns the nearest point of the isosurface along its gradient, by bracketed search within two
+// voxels. Returns the point itself if there is none. All points are in world coordinates.
 template <int D>
 Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& point, double isovalue);
 
-// The nearest point of the isosurface, along a direction or against it and world to world, where
-// the field falls below the isovalue in that direction, within `reach` voxels; the point itself
-// where there is none. So what is outside a thin shell does not come to its inner side.
+// Returns the nearest point of the isosurface along a direction or against it, in world
+// coordinates. The field must fall below the isovalue in that direction, so points outside a thin
+// shell do not move to its inner side. Returns the point itself if there is none within `reach`
+// voxels.
 Vec3 project_along(const Field<3>& field, const Vec3& point, const Vec3& outward, double isovalue,
                    double reach);
 

@@ -14,14 +14,14 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The vertices in the middle of a triangle's edges, from each corner to the next; absent: none.
+// The midpoint vertices of a triangle's edges, from each corner to the next; absent: none.
 using Middles = std::array<std::int32_t, 3>;
 
 int cut_edges(const Middles& middle) {
   return 3 - static_cast<int>(std::count(middle.begin(), middle.end(), MeshEdges::absent));
 }
 
-// The triangles into which one falls, one more than the edges that are cut.
+// Writes the parts of a triangle, one more than its split edges.
 void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
   const int cut = cut_edges(middle);
   if (cut == 0) {
@@ -33,7 +33,7 @@ void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
     *parts = middle;
     return;
   }
-  // From the corner before the only edge that is cut, or after the only one that is not.
+  // Start at the corner before the only split edge, or after the only unsplit one.
   int first = 0;
   for (int i = 0; i < 3; ++i) {
     if (cut == 1 && middle[i] >= 0) first = i;
@@ -51,8 +51,8 @@ void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
   }
 }
 
-// The point of the isosurface next to the middle of an edge; the middle itself where the isosurface
-// is farther away than a part of the edge can reach, as in a tunnel that the mesh does not follow.
+// Returns the point of the isosurface nearest to the midpoint of an edge. Returns the midpoint if
+// the isosurface is too far away, as in a tunnel that the mesh does not follow.
 Vec3 middle_of(const Field<3>& field, double isovalue, const Vec3& a, const Vec3& b) {
   const Vec3 middle = (a + b) * 0.5, found = project_to_isosurface(field, middle, isovalue);
   return (found - middle).length() <= 0.25 * (b - a).length() ? found : middle;
@@ -91,7 +91,7 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
     }
     return middle;
   };
-  // Pieces in the order of the triangles.
+  // Process pieces in the order of the triangles.
   constexpr std::size_t piece = 4096;
   std::vector<std::size_t> first((mesh.triangles.size() + piece - 1) / piece + 1, 0);
   const auto for_each_triangle = [&](const auto& visit) {

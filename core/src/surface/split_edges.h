@@ -7,10 +7,10 @@
 
 namespace leaflight {
 
-// The mesh with those edges cut in two that are wanted, by the vertices of each. What is cut off
-// one triangle is cut off its neighbour, too: no cracks, and a manifold remains one. New vertices
-// come last, on the isosurface next to the middle of their edge; they have normals if the others
-// do. `wanted` is called by several threads at once. The result does not depend on their number.
+// Returns the mesh with the wanted edges split in two; `wanted` receives the vertices of each. Both
+// triangles of an edge are split, so there are no cracks, and a manifold remains one. New vertices
+// are last, on the isosurface next to the midpoints of their edges. They have normals if the others
+// do. `wanted` is called from several threads. The result does not depend on their number.
 IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const IsosurfaceMesh& mesh,
                            const std::function<bool(std::int32_t, std::int32_t)>& wanted);
 

@@ -26,7 +26,7 @@ void include(Span& a, const Span& b) {
   a.high = std::max(a.high, b.high);
 }
 
-// Every few voxels of a field, and the values that lie within a distance of each.
+// A subset of a field's voxels, and the values within a distance of each.
 template <int D>
 class Neighbourhoods {
  public:
@@ -42,7 +42,7 @@ class Neighbourhoods {
       for (int a = 0; a < D; ++a) i[a] *= stride[a];
       values_.push_back(field.value(i));
     });
-    // Spans of runs of 2^level values along axis 0: any run is the union of two.
+    // Compute spans of runs of 2^level values along axis 0; any run is the union of two.
     std::vector<Span> runs;
     for (const float h : values_) runs.push_back(std::isnan(h) ? none : Span{h, h});
     for (int length = 1; length <= dims_[0]; length *= 2) {
@@ -62,9 +62,9 @@ class Neighbourhoods {
     return d;
   }
 
-  // The span of the values within a ball about each point.
+  // Returns the span of the values within a ball around each point.
   std::vector<Span> within(double radius) const {
-    std::vector<Index<D>> rows;  // their offsets; along axis 0, half their lengths
+    std::vector<Index<D>> rows;  // offsets of rows; along axis 0, half their lengths
     Index<D> low{}, high{};
     high[0] = 1;
     for (int a = 1; a < D; ++a) {
@@ -112,12 +112,12 @@ class Neighbourhoods {
   std::vector<std::vector<Span>> runs_;
 };
 
-// The fewest isovalues, ascending, such that each of the intervals (low, high] holds one.
+// Returns the fewest isovalues, ascending, such that each interval (low, high] contains one.
 std::vector<double> stab(std::vector<Span> intervals) {
   std::sort(intervals.begin(), intervals.end(),
             [](const Span& a, const Span& b) { return a.high < b.high; });
   std::vector<double> isovalues;
-  // What all the intervals of a group share.
+  // Intersection of the intervals of a group.
   Span shared{-infinity, -infinity};
   for (const Span& i : intervals) {
     if (i.low < shared.high) {
@@ -131,7 +131,7 @@ std::vector<double> stab(std::vector<Span> intervals) {
   return isovalues;
 }
 
-// Puts spare isovalues where most values lie between neighbours.
+// Adds remaining isovalues where most values lie between adjacent ones.
 void fill(std::vector<double>& isovalues, std::vector<float> values, int count) {
   std::sort(values.begin(), values.end());
   while (static_cast<int>(isovalues.size()) < count) {
@@ -156,12 +156,11 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
   if (count < 1) {
     throw Error("The number of isovalues is " + std::to_string(count) + "; choose at least 1.");
   }
-  // Enough to resolve the distances between the isosurfaces; a wide search is cheap on a coarse
-  // grid.
+  // Resolve the distances between the isosurfaces; wide searches are cheap on a coarse grid.
   const Neighbourhoods<D> neighbourhoods(field,
                                          std::clamp(16 * (count + 1), 32, D == 3 ? 64 : 256));
-  // Balls of whole multiples of the grid's spacing, and in between what lies between their spans,
-  // or the isovalues would be as uneven as the grid.
+  // Compute balls for whole multiples of the grid's spacing, and interpolate their spans. Otherwise
+  // the isovalues would be as uneven as the grid.
   std::map<int, std::vector<Span>> balls;
   const auto ball = [&](int radius) -> const std::vector<Span>& {
     const auto found = balls.find(radius);
@@ -180,7 +179,7 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
       const float greatest = back[i].high + part * (front[i].high - back[i].high);
       const Span span{std::max(least, static_cast<float>(isovalue_range.min)),
                       std::min(greatest, static_cast<float>(isovalue_range.max))};
-      // Where nothing changes, no isosurface is near.
+      // Constant neighborhoods have no isosurface near them.
       if (span.low < span.high) intervals.push_back(span);
     }
     return stab(std::move(intervals));

@@ -19,7 +19,7 @@ double distance(const Vec<2>& p, const Stroke& stroke) {
   return (p - stroke.from - way * t).length();
 }
 
-// The letters' strokes, each letter in the unit square.
+// The strokes of the letters, each letter in the unit square.
 const std::array<std::vector<Stroke>, 3> letter_strokes{{{{{0, 0}, {0, 1}},  // B
                                                           {{0, 0}, {0.7, 0}},
                                                           {{0.7, 0}, {1, 0.15}},

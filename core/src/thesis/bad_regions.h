@@ -5,14 +5,14 @@
 
 namespace leaflight {
 
-// Bad examples of where to sample, of the thesis's Tables 3.1 and 4.2, as parts of a domain
-// [0,1]^D.
+// Regions of a domain [0,1]^D that the thesis's Tables 3.1 and 4.2 use as bad examples for samples.
 
-// The letters B, A, D, the domain's bottom left out; extruded along z in space.
+// True inside the letters B, A, D, which leave the domain's bottom empty; extruded along z in 3D.
 template <int D>
 bool in_letters(const Vec<D>& unit);
 
-// Five thin slabs, about the planes on which the mean of the coordinates is 0.1, 0.3, ... 0.9.
+// True inside five thin slabs, around the planes where the mean of the coordinates is 0.1, 0.3, ...
+// 0.9.
 template <int D>
 bool in_slabs(const Vec<D>& unit);
 

@@ -26,7 +26,7 @@ double sphere_volume(double d, double kappa) {
 
 template <int D>
 double clipped_sphere_volume(double d, double kappa, double low, double high) {
-  // Up to the height t above the centre: discs of radius sqrt(d^2 - t^2), chords in the plane.
+  // Integrate up to the height t above the center: discs of radius sqrt(d^2 - t^2), in 2D chords.
   const auto below = [&](double c) {
     const double t = std::clamp(kappa * c, -d, d);
     if (D == 3) return pi * (d * d * t - t * t * t / 3);
@@ -43,8 +43,8 @@ double graph_volume(double d, double kappa, double gradient_length) {
 
 template <int D>
 double box_half_side(double d, double kappa, double gradient_length) {
-  // A corner: D - 1 tangent lengths a, the height a, the distance a / (kappa |grad h|) of its
-  // isosurface.
+  // A corner has D - 1 tangent lengths a, the height a, and the distance a / (kappa |grad h|) of
+  // its isosurface.
   const double slope = kappa * gradient_length;
   return d / std::sqrt(D + 1 / (slope * slope));
 }

@@ -9,7 +9,7 @@
 namespace leaflight {
 namespace {
 
-// In the order of their enumeration.
+// The order is that of EstimatorName.
 const std::array<EstimatorTraits, 4> estimators{{
     // {name, photons, walls, caustics}, estimator, rays, caches, density
     {{"volumetric", true, false, false}, EstimatorName::volumetric, 0, true, true},

@@ -11,13 +11,13 @@ enum class EstimatorName { volumetric, gather, path, thesis };
 struct EstimatorTraits : IndirectMethod {
   EstimatorName estimator;
   double rays_per_sample;  // on average
-  bool caches;             // photons fall into the caches of isosurfaces
-  bool density;            // photons' density is looked up with all its noise
+  bool caches;             // true if photons go to the caches of isosurfaces
+  bool density;            // true if lookups use the photon density itself, with its noise
 };
 
 const EstimatorTraits& traits_of(EstimatorName estimator);
 
-// "volumetric", "gather", "path" or "thesis"; throws Error for any other name.
+// Returns the estimator "volumetric", "gather", "path" or "thesis"; throws Error for other names.
 EstimatorName estimator_from(const std::string& name);
 
 }  // namespace leaflight

@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// What the passes of a bake with fixed samples share, and the light that they find.
+// The inputs that the passes of a bake with fixed samples share, and the light that they compute.
 template <int D>
 struct FixedBake {
   const SceneTracer<D>& tracer;
@@ -18,19 +18,19 @@ struct FixedBake {
   std::vector<TexelLattice<D>> lattices;         // per volume
   std::optional<ScatteredSamples<D>> scattered;  // nothing: samples in each texel
   PhotonCaches<D> photons{};
-  std::vector<IsosurfaceRadiance<D>> isosurfaces{};  // per volume; once direct light is known
+  std::vector<IsosurfaceRadiance<D>> isosurfaces{};  // per volume; after direct light
 
   int sides() const { return plan.back ? 2 : 1; }
   PointSampler<D> sampler() const {
     return {lights, isosurfaces, photons.walls.get(), plan.caustics};
   }
-  // Of a sample of indirect light, on average.
+  // Returns the average rays of a sample of indirect light.
   double indirect_rays() const {
     return plan.indirect ? traits_of(settings.estimator).rays_per_sample : 0;
   }
 };
 
-// The texels of a side of a volume's isosurfaces.
+// The texels on one side of a volume's isosurfaces.
 template <int D>
 struct IsosurfaceTexels {
   int volume;

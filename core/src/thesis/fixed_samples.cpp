@@ -45,7 +45,7 @@ std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
   return make_photon_maps(bake.tracer, photons, settings.photon_map);
 }
 
-// Null where there is no indirect light. What it looks up is the bake's.
+// Makes the estimator, which looks up light of the bake; null if there is no indirect light.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
   if (!bake.plan.indirect) return nullptr;
@@ -62,14 +62,14 @@ std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
   }
 }
 
-// The side of a volume's isosurfaces, at the texels of its own lattice.
+// Returns the texels on one side of a volume's isosurfaces, in its own lattice.
 template <int D>
 IsosurfaceTexels<D> texels_of(const FixedBake<D>& bake, std::size_t volume, int side) {
   return {static_cast<int>(volume), side != 0, bake.lattices[volume]};
 }
 
-// Direct light of all volumes comes first, since gather rays look it up. Returns it, and
-// leaves what is known of the isosurfaces in the bake.
+// Computes direct light of all volumes first, because gather rays look it up. Returns it, and
+// stores the light of the isosurfaces in the bake.
 template <int D>
 std::vector<SideAverages> light_directly(FixedBake<D>& bake) {
   const std::size_t volumes = bake.lattices.size();

@@ -11,7 +11,7 @@
 
 namespace leaflight {
 
-// Samples of the radiance of a volume's isosurfaces, on one side: `count` in each texel, or at each
+// Samples of the radiance on one side of a volume's isosurfaces: `count` in each texel, or at each
 // of some scattered points.
 struct IsosurfaceSamples {
   int volume;
@@ -23,9 +23,9 @@ struct IsosurfaceSamples {
 
 inline constexpr std::size_t texels_per_piece = 64;
 
-// Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight
-// |grad c| dV = dA dc makes it a mean over the area of the isosurfaces, which is what a lookup on
-// them would have: steep places are surfaces, flat ones noise.
+// Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight |grad
+// c| dV = dA dc makes it a mean over the area of the isosurfaces, as seen by lookups. Steep places
+// are surfaces, flat ones noise.
 template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const IsosurfaceSamples& samples, Progress& progress,
@@ -49,7 +49,7 @@ std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLat
                                   drawn.push_back({radiance(point, keys, i, traced),
                                                    point.isosurface().gradient_length});
                                 });
-          // There may be fewer than asked for.
+          // There may be fewer samples than requested.
           Moments moments(static_cast<int>(drawn.size()) / blocks_per_texel);
           for (const Drawn& d : drawn) moments.add(d.radiance, d.weight);
           averages[s] = moments.average();

@@ -6,8 +6,8 @@
 namespace leaflight {
 namespace {
 
-// Averages radiance(point, keys, i, rays) over the samples of each texel, or over scattered ones;
-// where it is not random, one estimate at each of those is enough.
+// Averages radiance(point, keys, i, rays) over the samples of each texel, or over scattered ones.
+// Without randomness, one estimate at each scattered point suffices.
 template <int D, class Radiance>
 std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
                                          double rays_per_sample, bool is_random,
@@ -23,7 +23,7 @@ std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTex
                            bake.progress, radiance);
 }
 
-// What all samples of a texel have in common, and so do not show.
+// Adds the variance that all samples of a texel share, which their spread cannot show.
 template <int D>
 void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
                          const IndirectEstimator<D>* estimator, std::vector<Average>& averages) {

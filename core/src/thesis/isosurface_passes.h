@@ -6,11 +6,11 @@
 
 namespace leaflight {
 
-// The lights' direct light on some texels, averages of each.
+// Returns averages of the lights' direct light on each texel.
 template <int D>
 std::vector<Average> direct_pass(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels);
 
-// All other light on them. The estimator may be null where there is no indirect light.
+// Returns averages of all other light. The estimator is null if there is no indirect light.
 template <int D>
 std::vector<Average> indirect_pass(FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
                                    const IndirectEstimator<D>* estimator);

@@ -7,8 +7,8 @@
 namespace leaflight {
 namespace {
 
-// nanoflann's own result set inserts by shifting, which is slow for k in the hundreds: a heap with
-// the farthest on top.
+// A heap of neighbors with the farthest on top. nanoflann's own result set inserts by shifts, which
+// is slow for hundreds of neighbors.
 class NearestHeap {
  public:
   using DistanceType = double;
@@ -20,7 +20,7 @@ class NearestHeap {
   }
   std::size_t size() const { return heap_.size(); }
   bool full() const { return heap_.size() == k_; }
-  void sort() {}  // nanoflann calls it from 1.6 on; any order will do
+  void sort() {}  // nanoflann calls it from 1.6 on; the order is arbitrary
   double worstDist() const { return full() ? heap_.front().distance2 : limit2_; }
   bool addPoint(double distance2, std::uint32_t number) {
     if (!(distance2 < worstDist())) return true;

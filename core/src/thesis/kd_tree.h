@@ -13,8 +13,8 @@ struct Neighbour {
   std::uint32_t number;  // of the point
 };
 
-// Nearest neighbours among points in N dimensions, by nanoflann. What is found, and its order, is a
-// function of the points and the query alone.
+// Nearest neighbors among points in N dimensions, by nanoflann. The result and its order depend
+// only on the points and the query.
 template <int N>
 class KdTree {
  public:
@@ -28,7 +28,7 @@ class KdTree {
 
   std::size_t size() const;
 
-  // Up to k points nearer than the square root of `limit2`, in no particular order.
+  // Finds up to k points nearer than the square root of `limit2`, in no particular order.
   void nearest(const Query& query, std::size_t k, double limit2,
                std::vector<Neighbour>& found) const;
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
 
-// Whether a tangent offset lies in the box, whose turn about the normal is arbitrary.
+// True if a tangent offset is in the box, whose rotation about the normal is arbitrary.
 bool within_box(const Vec<2>& tangent, const Vec<2>&, double half_side) {
   return tangent.length2() <= half_side * half_side;
 }
@@ -123,7 +123,7 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool back,
   found.reserve(settings_.k);
   side.tree.nearest(query, settings_.k, limit2, found);
   if (found.empty()) return Rgb(0);
-  // The search's own limit, where it found too few to reach it.
+  // Start with the search's own limit, for searches with too few results to reach it.
   double d2 = limit2;
   if (static_cast<int>(found.size()) == settings_.k ||
       !(d2 < std::numeric_limits<double>::infinity())) {
@@ -147,10 +147,10 @@ typename PhotonMap<D>::Region PhotonMap<D>::region_around(
     for (const auto* photon : photons) region.flux_height += Imath::V3d(photon->flux_height);
     return region;
   };
-  // Those whose offset along the isosurface and in the isovalue, scaled by kappa, is accepted. An
-  // offset without its part between the isosurfaces has the length along them; on
-  // curved isosurfaces the projection onto the tangent plane would be shorter, and count too many
-  // (5 % too high on a sphere of radius 0.3 lit by 55,000 photons).
+  // Counts photons whose offset along the isosurface and in the isovalue, scaled by kappa, is
+  // accepted. An offset without its part between the isosurfaces keeps its length along them. A
+  // projection onto the tangent plane would be shorter on curved isosurfaces, and count too many
+  // photons. On a sphere of radius 0.3 lit by 55,000 photons, the result would be 5 % too high.
   const auto accepted = [&](double volume, auto accepts) {
     Region region{volume};
     if (!(gradient_length > 0)) return region;

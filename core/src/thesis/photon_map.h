@@ -8,52 +8,53 @@
 
 namespace leaflight {
 
-// A photon where it hit an isosurface. Its projection into space is the cloud of points of
-// thesis 4.3.5.
+// A photon at a hit of an isosurface. Its projection into space is in the cloud of points of thesis
+// 4.3.5.
 template <int D>
 struct StoredPhoton {
   Vec<D, float> position;  // frame
   double c;
   Rgb flux_height;
-  int volume;   // whose isosurface it hit
-  bool back;    // it came from the side h >= c
-  bool direct;  // it came straight from a light
+  int volume;   // number of the volume whose isosurface it hit
+  bool back;    // true if it came from the side h >= c
+  bool direct;  // true if it came straight from a light
 };
 
-// Traces `count` photons and stores all that hit isosurfaces, by photon number whatever the
-// threads.
+// Traces `count` photons and returns all that hit isosurfaces, ordered by photon number for any
+// number of threads.
 template <int D>
 std::vector<StoredPhoton<D>> collect_photons(const SceneTracer<D>& tracer,
                                              const LightSampler<D>& lights, std::uint64_t seed,
                                              std::uint64_t count, Progress& progress);
 
 struct PhotonMapSettings {
-  int k = 200;        // photons of an estimate
-  double radius = 0;  // most that the search reaches, frame; 0: no limit
-  double g = 10;      // how much longer a unit of the range counts than one of the domain
+  int k = 200;        // photons per estimate
+  double radius = 0;  // upper bound of the search, in the frame; 0: none
+  double g = 10;      // weight of the range's extent relative to the domain's
   DensityRegion region = DensityRegion::clipped_sphere;
-  bool direct = false;  // also count photons that come straight from a light
+  bool direct = false;  // also counts photons that come straight from a light
 };
 
-// Throws Error for numbers that make no sense.
+// Throws Error for invalid numbers.
 void validate(const PhotonMapSettings& settings);
 
-// The thesis's own estimator (4.3.5), the baseline of every comparison: photons at (x, c) in a
-// kd-tree of D + 1 dimensions; E = sum of F_p / dV (Eq. 4.8) over the k that are nearest by
+// The thesis's estimator (4.3.5), the baseline of all comparisons. Photons at (x, c) are in a
+// kd-tree of D + 1 dimensions. E = sum of F_p / dV (Eq. 4.8) over the k nearest photons by
 // |dx|^2 + (kappa dc)^2, with kappa = g * extent of the domain / extent of the range.
 //
-// All k count, as in Jensen's photon map, though the region just reaches the last: spheres and
-// graph are too high by 1 / (k - 1). Box and cylinder leave out the last, and this bias with it.
+// All k photons count, as in Jensen's photon map, although the last one is on the border of the
+// region. So spheres and graph are too high by 1 / (k - 1). Box and cylinder exclude the last
+// photon and avoid this bias.
 template <int D>
 class PhotonMap {
  public:
-  // The photons of one volume. `domain_extent`: the longest side of its box in the frame;
-  // `range_extent`: of the common isovalue over its data; `height`: the unit of flux-heights.
+  // Makes a map of one volume's photons. `domain_extent`: longest side of its box in the frame.
+  // `range_extent`: extent of its data in common isovalues. `height`: unit of flux-heights.
   PhotonMap(std::vector<StoredPhoton<D>> photons, double domain_extent, double range_extent,
             const PhotonMapSettings& settings, double height = 1);
 
-  // At a point of the isosurface, on its front or its back, from the photons that came from there.
-  // `gradient` is that of c in the frame, of either sign; the spheres do not need it.
+  // Returns the irradiance at a point on the front or back of the isosurface, from photons of that
+  // side. The `gradient` is that of c in the frame, of either sign; the spheres ignore it.
   Rgb irradiance(const Vec<D>& position, double c, bool back, const Vec<D>& gradient) const;
 
   std::size_t size() const { return photons_.size(); }
@@ -64,16 +65,16 @@ class PhotonMap {
  private:
   // The photons that count on one side of the isosurfaces.
   struct Side {
-    std::vector<std::uint32_t> photon;  // of the tree's points
+    std::vector<std::uint32_t> photon;  // one per point of the tree
     KdTree<D + 1> tree;
   };
   Side make_side(bool back) const;
-  // The volume dV of a region, and the sum of the fluxes that count in it.
+  // The volume dV of a region, and the sum of the fluxes in it.
   struct Region {
     double volume;
     Imath::V3d flux_height{0};
   };
-  // Of the photons that are nearest, the last of them at the distance d.
+  // Returns the region of the nearest photons. `d`: distance of the farthest.
   Region region_around(const std::vector<const StoredPhoton<D>*>& photons, const Vec<D>& position,
                        double c, const Vec<D>& gradient, double d) const;
 

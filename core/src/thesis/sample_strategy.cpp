@@ -53,7 +53,7 @@ Vec<D> random_in(const Box<D>& box, Random& random) {
   return x;
 }
 
-// Draws positions that lie on isosurfaces of the isovalue range.
+// Samples positions on isosurfaces of the isovalue range.
 template <int D>
 class Sampler {
  public:
@@ -66,11 +66,11 @@ class Sampler {
 
   bool on_isosurface(const Vec<D>& position) const {
     const CellPoint<D> point = locate(field_, position);
-    // False for NaN: masked cells hold no isosurface.
+    // False for NaN, because masked cells contain no isosurface.
     return isovalue_range_.contains(interpolate(load_corners(field_, point.cell), point.local));
   }
 
-  // Uniform over the part of the domain that `region` accepts, in coordinates of [0,1]^D.
+  // Samples the part of the domain that `region` accepts uniformly, in coordinates of [0,1]^D.
   template <class Region>
   Vec<D> draw(Random& random, Region region) const {
     for (int i = 0; i < tries_in_domain; ++i) {
@@ -86,7 +86,7 @@ class Sampler {
   Vec<D> draw(Random& random) const {
     return draw(random, [](const Vec<D>&) { return true; });
   }
-  // In a box, or, where the box is off the isovalue range's isosurfaces, in the domain.
+  // Samples a box, or the domain if no isosurface of the isovalue range is found in the box.
   Vec<D> draw_in(const Box<D>& box, int tries, Random& random) const {
     for (int i = 0; i < tries; ++i) {
       const Vec<D> position = random_in(box, random);
@@ -95,7 +95,7 @@ class Sampler {
     return draw(random);
   }
 
-  // position(sample number, its random numbers) for all samples.
+  // Returns position(sample number, its random numbers) for all samples.
   template <class Position>
   std::vector<Vec<D>> all(Position position) const {
     std::vector<Vec<D>> positions(settings_.samples);
@@ -120,7 +120,7 @@ class Sampler {
   Box<D> domain_;
 };
 
-// The finest grid of cells, nearly cubes in the world, that has at most n of them.
+// Returns the finest grid with at most n cells that are nearly cubes in the world.
 template <int D>
 Index<D> grid_of_at_most(const Field<D>& field, std::size_t n) {
   std::array<double, static_cast<std::size_t>(D)> length;
@@ -136,7 +136,7 @@ Index<D> grid_of_at_most(const Field<D>& field, std::size_t n) {
     }
     return dims;
   };
-  // The numbers along all axes grow with that along the longest.
+  // The numbers along all axes grow with the number along the longest axis.
   double low = 1, high = static_cast<double>(n) + 1;
   for (int i = 0; i < 60; ++i) {
     const double middle = (low + high) / 2;
@@ -162,7 +162,7 @@ std::vector<Vec<D>> stratified_positions(const Sampler<D>& sampler) {
   const Index<D> grid = grid_of_at_most(sampler.field(), sampler.settings().samples);
   const std::size_t strata = cell_count<D>(grid);
   return sampler.all([&](std::size_t i, Random& random) {
-    // One try: a stratum that lies partly in the isovalue range gets its share.
+    // Try once, so that a stratum that is partly in the isovalue range gets its share.
     return i < strata ? sampler.draw_in(stratum(sampler.field(), grid, i), 1, random)
                       : sampler.draw(random);
   });
@@ -183,7 +183,7 @@ std::vector<Vec<D>> regular_positions(const Sampler<D>& sampler) {
   return positions;
 }
 
-// The part of the isovalue range that the values of each data cell span (thesis Eq. 4.14).
+// Returns the part of the isovalue range that the values of each data cell span (thesis Eq. 4.14).
 template <int D>
 std::vector<float> fractional_extents(const Field<D>& field, const IsovalueRange& isovalue_range,
                                       const Index<D>& cells) {
@@ -208,10 +208,10 @@ std::vector<float> fractional_extents(const Field<D>& field, const IsovalueRange
   return fractions;
 }
 
-// Thesis Eq. 4.12: ceil(fraction * most) samples in a data cell, with the largest `most` for which
-// they are not too many; what is left, and all of them when there are fewer samples than data
-// cells, goes to data cells with probability proportional to the fraction, by systematic sampling.
-// Returns the data cell of each sample.
+// Distributes samples by thesis Eq. 4.12: ceil(fraction * most) samples in a data cell, with the
+// largest `most` that does not need too many. Remaining samples go to data cells by systematic
+// sampling, with probability proportional to the fraction. If there are fewer samples than data
+// cells, all samples do. Returns the data cell of each sample.
 std::vector<std::size_t> importance_cells(const std::vector<float>& fractions, std::size_t samples,
                                           double offset) {
   const auto per_cell = [&](std::size_t i, double most) {
@@ -246,7 +246,7 @@ std::vector<std::size_t> importance_cells(const std::vector<float>& fractions, s
     for (; next < passed; ++next) ++n;
     cells.insert(cells.end(), n, i);
   }
-  // A rounding error may keep the last one back.
+  // A rounding error may omit the last sample.
   const auto last =
       std::find_if(fractions.rbegin(), fractions.rend(), [](float f) { return f > 0; });
   cells.resize(samples, static_cast<std::size_t>(fractions.rend() - last) - 1);
@@ -268,7 +268,7 @@ std::vector<Vec<D>> importance_positions(const Sampler<D>& sampler) {
   });
 }
 
-// A point of a facet of a contour, which has one or two edges, uniform over it.
+// Samples a facet of a contour, which has one or two edges, uniformly.
 Vec<2> point_of(const IsolineMesh& mesh, std::size_t facet, Random& random) {
   const auto& s = mesh.segments[facet];
   const Vec<2> a(mesh.vertices[s[0]]), b(mesh.vertices[s[1]]);
@@ -318,8 +318,8 @@ std::vector<Vec<D>> level_set_positions(const Sampler<D>& sampler) {
   const Field<D>& field = sampler.field();
   const std::vector<double> isovalues = level_set_isovalues(sampler);
   std::vector<decltype(contour(field, 0.0))> meshes;
-  std::vector<std::size_t> first;  // facet of each mesh
-  std::vector<double> areas;       // of all facets, then summed up to each
+  std::vector<std::size_t> first;  // first facet of each mesh
+  std::vector<double> areas;       // of all facets, then cumulative
   for (const double c : isovalues) {
     first.push_back(areas.size());
     meshes.push_back(contour(field, c));

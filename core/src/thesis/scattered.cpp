@@ -45,7 +45,7 @@ class Interpolator {
   }
 
  private:
-  // In texels.
+  // Returns the position in texels.
   Vec<D> position_of(std::uint32_t sample) const {
     return positions_[sample] / lattice_.voxels_per_texel;
   }
@@ -53,8 +53,7 @@ class Interpolator {
   double weight(double distance2) const {
     switch (settings_.filter) {
       case ScatteredFilter::shepard: {
-        // A sample on the texel outweighs all others, but not by
-        // std::numeric_limits<double>::infinity().
+        // A sample on the texel outweighs all others, but its weight stays finite.
         const double d2 = std::max(distance2, 1e-16);
         return 1 / (d2 * d2 * std::sqrt(d2));
       }
@@ -95,7 +94,7 @@ class Interpolator {
     }
     for_each_slot([&](std::size_t slot) {
       const Index<D> texel = lattice_.texel(lattice_.active[slot]);
-      // Rows along axis 0 lie one after the other.
+      // Process rows along axis 0, which are adjacent in memory.
       Index<D> low, high;
       for (int a = 0; a < D; ++a) {
         low[a] = std::max(0, texel[a] - settings_.radius);
@@ -121,7 +120,7 @@ class Interpolator {
       for (int a = 0; a < D; ++a) points[i][a] = static_cast<float>(p[a]);
     }
     const KdTree<D> tree(std::move(points));
-    // The corner of the cube of texels that the filter reaches.
+    // The search reaches the corner of the filter's cube of texels.
     const double limit2 = D * std::pow(settings_.radius + 0.5, 2);
     for_each_slot([&](std::size_t slot) {
       const Index<D> texel = lattice_.texel(lattice_.active[slot]);

@@ -6,8 +6,8 @@
 
 namespace leaflight {
 
-// Averages of every active texel, as those of average_texels(), from the mean radiance of each of
-// some index positions, interpolated into the texels.
+// Returns averages for every active texel, like average_texels(). Interpolates the mean radiances
+// at index positions into the texels.
 template <int D, class Radiance>
 std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                        const IsosurfaceSamples& samples,

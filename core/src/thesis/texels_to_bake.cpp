@@ -4,7 +4,7 @@
 namespace leaflight {
 namespace {
 
-// What a mirror or glass shows depends on the view, so that no texel can hold it.
+// True if texels can store light. Reflections of mirrors and glass depend on the view.
 template <int D>
 bool is_stored(const Volume<D>& volume) {
   return volume.scattering == Scattering::diffuse;

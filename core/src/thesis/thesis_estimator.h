@@ -6,16 +6,16 @@
 
 namespace leaflight {
 
-// The photons of each volume in a map of its own.
+// Makes one photon map per volume.
 template <int D>
 std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
                                            const std::vector<StoredPhoton<D>>& photons,
                                            const PhotonMapSettings& settings);
 
-// The thesis's radiance estimate (Eq. 4.8): BRDF times the photon map's irradiance, no rays at all.
-// Caustics are among its photons. The thesis keeps no photons of the walls; points on them
-// take their light from the surface cache, which must outlive it and may be null if there are none.
-// `photons`: the maps, one per volume.
+// Makes the thesis's radiance estimate (Eq. 4.8): BRDF times the photon map's irradiance, without
+// rays. Its photons include caustics. The thesis stores no photons on walls. Points on walls use
+// the surface cache, which must outlive the estimator and is null if there are no walls. `photons`:
+// maps, one per volume.
 template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
                                                             const SurfaceCache<D>* walls);

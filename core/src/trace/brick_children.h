@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// The children of a brick, numbered by rows of so many.
+// The children of a brick, numbered in rows of length `row`.
 template <int D, int row>
 struct Children {
   static constexpr int side = CellBounds<D>::side;
@@ -19,7 +19,7 @@ struct Children {
     return stride;
   }
 
-  // ahead[axis][forward][place]: those that a ray may come to from that place along an axis.
+  // ahead[axis][forward][place]: the children that a ray from that place along an axis may reach.
   static constexpr std::array<std::array<std::array<ChildSet, side>, 2>, D> ahead = [] {
     std::array<std::array<std::array<ChildSet, side>, 2>, D> sets{};
     int count = 1;
@@ -41,8 +41,8 @@ struct Children {
   }();
 };
 
-// The cells of a brick that an isosurface may pass. Those of the others that are above it are
-// `above`.
+// Returns the cells of a brick that an isosurface may cross. `above`: set to the cells that have a
+// vertex above it, or may have one.
 template <int D>
 ChildSet crossed_cells(const CellBounds<D>& bounds, const typename CellBounds<D>::Limits& limits,
                        std::size_t brick, bool is_masked, ChildSet& above) {
@@ -50,7 +50,7 @@ ChildSet crossed_cells(const CellBounds<D>& bounds, const typename CellBounds<D>
   above = at_least(steps, limits.may_be_above);
   ChildSet below = ~(bounds.is_exact ? above : at_least(steps, limits.may_be_below));
   if (is_masked) below = below | at_least(steps, CellBounds<D>::masked);
-  // From voxels to the cells between them.
+  // Convert voxels to the cells between them.
   for (int a = 0; a < D; ++a) {
     const int stride = Children<D, CellBounds<D>::row>::stride(a);
     above = above | above.less(stride);
@@ -59,7 +59,8 @@ ChildSet crossed_cells(const CellBounds<D>& bounds, const typename CellBounds<D>
   return above & below;
 }
 
-// The bricks of a brick of a level that an isosurface may pass, and those `above` it.
+// Returns the bricks inside a brick that an isosurface may cross. `above`: set to those that are
+// entirely above it.
 template <int D>
 ChildSet crossed_bricks(const CellBounds<D>& bounds, const typename CellBounds<D>::Limits& limits,
                         int level, std::size_t brick, ChildSet& above) {

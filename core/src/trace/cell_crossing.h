@@ -10,14 +10,14 @@
 
 namespace leaflight {
 
-// h - c along a segment through one cell: sum_i coefficient[i] * s^i, s in [0,1].
+// The polynomial h - c along a segment through one cell: sum_i coefficient[i] * s^i, s in [0,1].
 using SegmentPolynomial = std::array<double, 4>;
 
-// From a point by a step.
+// Returns the polynomial from a point along a step.
 template <int D>
 SegmentPolynomial along_step(const CellCorners<D>& corners, double isovalue, const Vec<D>& from,
                              const Vec<D>& step) {
-  // Linear along the edges in x, then interpolated in y and z.
+  // Interpolate along the edges in x, then in y and z.
   const auto edge = [&](int i) {
     const double base = corners.h[i] - isovalue;
     const double rise = corners.h[i + 1] - corners.h[i];
@@ -50,26 +50,25 @@ inline double evaluate(const SegmentPolynomial& p, double s) {
   return p[0] + s * (p[1] + s * (p[2] + s * p[3]));
 }
 
-// Where the polynomial leaves the side on which it starts: on that side at low and on the other at
-// high, once in between.
+// An interval with exactly one change of side. The polynomial is on its starting side at `low` and
+// on the other side at `high`.
 struct Bracket {
   double low, high;
 };
 
-// The first part of [0,1] in which the polynomial leaves the side `above` (p >= 0) or below
-// (p < 0) on which the segment starts, or nothing. The starting side is given, not read off p(0):
-// it was decided once, on the shared face or by the isosurface from which the ray starts, and two
-// cells never disagree about it.
+// Returns the first interval in [0,1] in which the polynomial leaves its starting side, or nothing.
+// `above`: the starting side is p >= 0. It is not taken from p(0): it was decided once, on the
+// shared face or by the isosurface where the ray starts. So two cells never disagree.
 inline std::optional<Bracket> first_bracket(const SegmentPolynomial& p, bool above) {
   const auto is_above = [](double g) { return g >= 0; };
-  // Bernstein coefficients bound the polynomial: no change of sign among them, no root; exactly
-  // one, exactly one root.
+  // Bernstein coefficients bound the polynomial. No sign change among them means no root; exactly
+  // one change means exactly one root.
   const bool b1 = is_above(p[0] + p[1] / 3);
   const bool b2 = is_above(p[0] + (2 * p[1] + p[2]) / 3);
   const bool b3 = is_above(p[0] + p[1] + p[2] + p[3]);
   if (b1 == above && b2 == above && b3 == above) return std::nullopt;
   if ((b1 != above) + (b2 != b1) + (b3 != b2) == 1) return Bracket{0, 1};
-  // Between critical points: the roots in (0,1), ascending, of a + b s + c s^2, without
+  // Split at critical points: the roots in (0,1) of a + b s + c s^2, ascending, without
   // cancellation.
   const double a = p[1], b = 2 * p[2], c = 3 * p[3];
   const double discriminant = b * b - 4 * a * c;
@@ -89,7 +88,7 @@ inline std::optional<Bracket> first_bracket(const SegmentPolynomial& p, bool abo
   return std::nullopt;
 }
 
-// The change of side in a bracket, by Newton steps that never leave it.
+// Finds the change of side in a bracket, by Newton steps that stay inside it.
 inline double root_in(const SegmentPolynomial& p, Bracket bracket, bool above) {
   auto& [low, high] = bracket;
   double s = 0.5 * (low + high);
@@ -101,14 +100,14 @@ inline double root_in(const SegmentPolynomial& p, Bracket bracket, bool above) {
     double next = s - value / slope;
     const bool newton = next > low && next < high;
     if (!newton) next = 0.5 * (low + high);
-    if (next <= low || next >= high) break;  // neighbouring numbers
+    if (next <= low || next >= high) break;  // adjacent numbers
     if (newton && std::abs(next - s) <= std::numeric_limits<double>::epsilon() * s) return next;
     s = next;
   }
   return high;
 }
 
-// The first s in [0,1] at which the polynomial leaves its side, or nothing.
+// Returns the first s in [0,1] at which the polynomial leaves its side, or nothing.
 inline std::optional<double> first_crossing(const SegmentPolynomial& p, bool above) {
   const auto bracket = first_bracket(p, above);
   if (!bracket) return std::nullopt;

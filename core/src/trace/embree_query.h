@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The one difference between Embree 3 and 4 that concerns us: where the query context goes.
+// An adapter for Embree 3 and 4, which take the query context in different places.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)

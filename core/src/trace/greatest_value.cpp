@@ -9,13 +9,13 @@
 namespace leaflight {
 namespace {
 
-// Of the polynomial over [0,1], if it is greater than `least`.
+// Returns the maximum of the polynomial over [0,1], or `least` if that is greater.
 double greatest_of(const SegmentPolynomial& p, double least) {
   const double end = p[0] + p[1] + p[2] + p[3];
   double most = std::max({least, p[0], end});
   // Bernstein coefficients bound the polynomial.
   if (std::max(p[0] + p[1] / 3, p[0] + (2 * p[1] + p[2]) / 3) <= most) return most;
-  // The roots of the derivative a + b s + c s^2, without cancellation.
+  // Test the roots of the derivative a + b s + c s^2, without cancellation.
   const double a = p[1], b = 2 * p[2], c = 3 * p[3], discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return most;
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
@@ -25,8 +25,8 @@ double greatest_of(const SegmentPolynomial& p, double least) {
   return most;
 }
 
-// The greatest value times `sign`, by a walk over the children of a brick (Amanatides and Woo 1987)
-// for each level of the field's bounds.
+// Finds the greatest value times `sign`. Walks over the children of a brick (Amanatides and Woo
+// 1987) for each level of the field's bounds.
 template <int D, int sign>
 class Walk {
  public:
@@ -63,12 +63,13 @@ class Walk {
   }
 
  private:
-  // Of a way, before the walk: with 8 or 16 it is no faster (walls of the bump box and Colin27).
+  // Samples of a way before the walk. With 8 or 16 it is not faster (walls of the bump box and
+  // Colin27).
   static constexpr int samples = 4;
   static constexpr int log2_side = CellBounds<D>::log2_side, side = CellBounds<D>::side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // The greater the value that is known, the more bricks are skipped.
+  // Samples the way first: a greater known value skips more bricks.
   void begin_with_samples(double t, double end) {
     for (int i = 0; i < samples; ++i) {
       const double h =
@@ -78,16 +79,16 @@ class Walk {
     steps_ = bounds_.steps_at(sign * greatest_);
   }
 
-  // Whether a value may be greater within a child. Bounds are rounded down.
+  // True if a child may contain a greater value. Bounds are rounded down.
   bool may_be_greater(const typename CellBounds<D>::Bricks& children, int number) const {
     if (sign < 0) return children.low[number] < steps_;
     return children.high[number] + (bounds_.is_exact ? 0 : 1) > steps_;
   }
 
-  // The children of a brick that the way passes from t to end. Level 0: cells.
+  // Visits the children of a brick that the way crosses from t to end. Level 0 has cells.
   template <int level>
   void visit(const Index<D>& brick, double t, double end) {
-    constexpr int shift = log2_side * level;  // of a child's cells
+    constexpr int shift = log2_side * level;  // log2 of a child's width in cells
     const typename CellBounds<D>::Bricks* children = nullptr;
     if constexpr (level > 0 && level < top) {
       children = &bounds_.bricks[level - 1][linear_number<D>(brick, bounds_.dims[level])];
@@ -125,7 +126,7 @@ class Walk {
     }
   }
 
-  // Where the way leaves a child along an axis.
+  // Returns where the way leaves a child along an axis.
   double plane(int axis, int child, int shift) const {
     if (!moves_[axis]) return std::numeric_limits<double>::infinity();
     return (((child + (direction_[axis] > 0)) << shift) - position_[axis]) * inverse_[axis];
@@ -157,7 +158,7 @@ class Walk {
   const Vec<D>& direction_;
   bool moves_[D];
   double inverse_[D];
-  double greatest_, steps_;  // the same in steps of the bounds
+  double greatest_, steps_;  // in values; in steps of the bounds
 };
 
 }  // namespace
@@ -165,7 +166,7 @@ class Walk {
 template <int D>
 double greatest_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
                       double t_max, double least) {
-  // Through a field of one value passes no isosurface.
+  // No isosurface crosses a constant field.
   if (!(field.max > least && field.min < field.max)) return least;
   return Walk<D, 1>(field, position, direction, least).run(t_max);
 }

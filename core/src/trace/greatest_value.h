@@ -5,15 +5,14 @@
 
 namespace leaflight {
 
-// The greatest value of a field along position + t direction, 0 <= t <= t_max, in index
-// coordinates, or `least` where no value is greater. Cells next to a voxel without data do not
-// count. Bricks whose bounds show no greater value are skipped, so that a way costs little more
-// than the ray of one isovalue.
+// Returns the greatest value of a field along position + t direction, 0 <= t <= t_max, in index
+// coordinates. Returns `least` if no value is greater. Ignores cells next to a voxel without data.
+// Skips bricks by their bounds, so it costs little more than a ray for one isovalue.
 template <int D>
 double greatest_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
                       double t_max, double least);
 
-// The same of the least one, or `most`.
+// Returns the least value, or `most`.
 template <int D>
 double least_value(const Field<D>& field, const Vec<D>& position, const Vec<D>& direction,
                    double t_max, double most);

@@ -11,15 +11,15 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What is known of the side on which the ray runs. It is carried from cell to cell: the value on a
-// shared face is judged once.
+// The side of the isosurface on which the ray runs. Cells pass it on, so that the value on a shared
+// face is compared only once.
 enum class State { below, above, unknown };
 
 State state_of(bool above) { return above ? State::above : State::below; }
 
-// Visits the cells that the isosurface may pass, in the order of the ray: a walk over the children
-// of a brick (Amanatides and Woo 1987) for each level of the field's bounds. It ends where none of
-// those that the isosurface may pass lies ahead.
+// Visits the cells that the isosurface may cross, in the order of the ray. Walks over the children
+// of a brick (Amanatides and Woo 1987) for each level of the field's bounds. It ends when no such
+// cell lies ahead.
 template <int D>
 class Traversal {
  public:
@@ -28,14 +28,14 @@ class Traversal {
     std::ptrdiff_t stride = 1;
     for (int a = 0; a < D; stride *= field.dims[a], ++a) {
       const double reciprocal = 1 / ray.direction[a];
-      moves_[a] = std::isfinite(reciprocal);  // zero and denormal components do not
+      moves_[a] = std::isfinite(reciprocal);  // false for zero and denormal components
       inverse_[a] = moves_[a] ? reciprocal : 0;
       forward_[a] = ray.direction[a] > 0;
       for (int i = 0; i < (1 << D); ++i) corner_[i] += (i >> a & 1) * stride;
     }
   }
 
-  // Whether there is a hit, which is then in hit() unless any will do.
+  // True if there is a hit, which hit() returns unless `any` is set.
   template <bool any>
   bool run() {
     if (!(field_.min < ray_.isovalue && ray_.isovalue <= field_.max) || !enter()) return false;
@@ -48,7 +48,7 @@ class Traversal {
   static constexpr int log2_side = CellBounds<D>::log2_side, side = 1 << log2_side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // Where the ray crosses a plane; never, along axes on which it does not move.
+  // Returns the distance to a plane, or infinity if the ray does not move along the axis.
   double distance_to(int axis, double plane) const {
     return moves_[axis] ? (plane - ray_.position[axis]) * inverse_[axis] : infinity;
   }
@@ -85,7 +85,7 @@ class Traversal {
     return true;
   }
 
-  // Memory answers while the walk comes down to the cell where the ray starts.
+  // Prefetches bounds while the walk descends to the starting cell.
   void read_ahead() const {
     Index<D> brick = cell_;
     for (int level = 0; level < top; ++level) {
@@ -104,18 +104,18 @@ class Traversal {
     }
   }
 
-  // The cell along an axis at t, within [low, high].
+  // Returns the cell along an axis at t, within [low, high].
   int cell_at(int axis, double t, int low, int high) const {
     const double x = ray_.position[axis] + t * ray_.direction[axis];
     return std::clamp(static_cast<int>(x), low, high);
   }
 
-  // What is left of the ray's way to t = end through the brick from `low` on: moves t and the cell
-  // to where it comes between the planes, by whole cells, and the end to where it leaves them.
-  // A hit where the side was known to be another one.
+  // Clips the ray's way through the brick at `low` to the slab of its two planes. Moves t and the
+  // cell to the entry, by whole cells, and `end` to the exit. Returns `hit` if the side contradicts
+  // the known one.
   enum class Rest { way, nothing, hit };
   Rest clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end) {
-    // h - c without the plane is offset - t slope.
+    // h - c minus the plane is offset - t slope.
     double offset = ray_.isovalue, slope = 0;
     for (int a = 0; a < D; ++a) {
       offset -= slab.gradient[a] * ray_.position[a];
@@ -138,12 +138,12 @@ class Traversal {
     return is_outside ? Rest::nothing : Rest::way;
   }
 
-  // Walks over the children of the present cell's brick of a level, or over all bricks of the
-  // topmost, up to t = end. True at a hit.
+  // Walks over the children of the current cell's brick of a level, or over all topmost bricks, up
+  // to t = end. Returns true at a hit.
   template <bool any, int level>
   bool walk(double end) {
     using Number = Children<D, level == 0 ? CellBounds<D>::row : CellBounds<D>::side>;
-    constexpr int shift = log2_side * level;  // of a child's cells
+    constexpr int shift = log2_side * level;  // log2 of a child's width in cells
     Index<D> first{}, child;
     ChildSet crossed, above;
     int number = 0;
@@ -205,7 +205,7 @@ class Traversal {
           if (walk<any, level - 1>(std::min(leave, end))) return true;
         }
       } else if (!is_judged_ && !at_start_) {
-        // A region that the ray only touches, at an edge or corner, judges nothing.
+        // A region that the ray only touches, at an edge or corner, does not decide the side.
         if (judge(above.holds(number), leave > t_)) {
           find_cell();
           if (!any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
@@ -228,8 +228,8 @@ class Traversal {
     }
   }
 
-  // A region without a crossing. If the side judged on the face disagrees with it by rounding, the
-  // crossing is on that face: true.
+  // Updates the side in a region without a crossing. Returns true if rounding contradicts the side
+  // on the face: then the crossing is on that face.
   bool judge(bool above, bool is_entered) {
     const State region = state_of(above);
     if (state_ != State::unknown && state_ != region) return is_entered;
@@ -246,14 +246,14 @@ class Traversal {
     return u;
   }
 
-  // Whether h - c is what is left of a zero by the dozen roundings of along_step().
+  // True if h - c may be a zero after the rounding errors of along_step().
   bool is_rounding(double difference, const CellCorners<D>& corners) const {
     double size = 0;
     for (const double h : corners.h) size = std::max(size, std::abs(h - ray_.isovalue));
     return std::abs(difference) <= 16 * std::numeric_limits<double>::epsilon() * size;
   }
 
-  // Of the present cell, whose number is that of its lowest voxel in the brick.
+  // Returns the corners of the current cell. `number`: of its lowest voxel in the brick.
   CellCorners<D> corners_of(int number) const {
     CellCorners<D> corners;
     if (bounds_.is_exact && !field_.masked) {
@@ -289,7 +289,7 @@ class Traversal {
       }
     }
     if (above_count == 0 || above_count == (1 << D)) {
-      // In the cell where it starts, a ray that starts on its isosurface has a side of its own.
+      // A ray that starts on its isosurface has a given side in its first cell.
       if (at_start_) return false;
       const bool is_hit = judge(above_count != 0, leave > t_);
       if (is_hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
@@ -299,15 +299,16 @@ class Traversal {
     if (!(t_out > t_)) return false;
     const Vec<D> from = at_start_ ? ray_.origin.local : local(t_);
     const Vec<D> to = local(t_out);
-    // A ray that starts on its isosurface starts at a root: taking it out leaves no
-    // self-intersection. On a short way the slope, too, would be lost in the rounding of its ends.
+    // A ray that starts on its isosurface starts at a root. Removing the root prevents
+    // self-intersection. The direction gives the slope, because a short difference of ends would
+    // lose it to rounding.
     const bool starts_here = ray_.starts_on_isosurface && t_ == 0;
     const Vec<D> way = starts_here ? ray_.direction * t_out : to - from;
     SegmentPolynomial p = along_step<D>(corners, ray_.isovalue, from, way);
     if (starts_here) p[0] = 0;
     if (state_ == State::unknown) state_ = state_of(p[0] >= 0);
     const bool above = state_ == State::above;
-    // So does a ray that grazes its isosurface enter the next cells.
+    // The same holds in the next cells of a ray that grazes its isosurface.
     if (ray_.starts_on_isosurface && (p[0] >= 0) != above && is_rounding(p[0], corners)) p[0] = 0;
     const auto bracket = first_bracket(p, above);
     if (!bracket) return false;
@@ -324,14 +325,14 @@ class Traversal {
   double inverse_[D];
   bool moves_[D];
   int forward_[D];
-  std::array<std::ptrdiff_t, 1 << D> corner_{};  // voxels of a cell, from its lowest
+  std::array<std::ptrdiff_t, 1 << D> corner_{};  // offsets of a cell's voxels from its lowest
   typename CellBounds<D>::Limits limits_;
   Index<D> cell_;
   std::size_t brick_ = 0;  // of cells
   double t_ = 0, t_end_;
   State state_ = State::unknown;
   bool at_start_ = false;
-  bool is_judged_ = false;  // the side of the present region without a crossing
+  bool is_judged_ = false;  // true if the side of the current region without a crossing is known
   IsosurfaceHit<D> hit_;
 };
 

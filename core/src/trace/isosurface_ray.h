@@ -8,16 +8,16 @@
 
 namespace leaflight {
 
-// A ray that only the isosurface of its isovalue can stop (thesis Table 4.1), in index coordinates.
+// A ray that hits only the isosurface of its isovalue (thesis Table 4.1), in index coordinates.
 template <int D>
 struct IsosurfaceRay {
-  CellPoint<D> origin;  // ignored unless it starts on its isosurface
+  CellPoint<D> origin;  // ignored unless the ray starts on its isosurface
   Vec<D> position;      // index coordinates, anywhere
   Vec<D> direction;     // index coordinates per unit of t
   double isovalue = 0;
   double t_max = std::numeric_limits<double>::infinity();
   bool starts_on_isosurface = false;
-  bool starts_above = false;  // the side into which a ray that starts on its isosurface departs
+  bool starts_above = false;  // side into which a ray that starts on its isosurface leaves
 };
 
 template <int D>
@@ -27,12 +27,12 @@ struct IsosurfaceHit {
   bool from_above = false;  // the ray arrived from the side h >= c, the back
 };
 
-// The first point in (0, t_max] where the sign of h - c changes along the ray; h == c counts as
-// above. There is no surface where the ray enters or leaves the domain or a masked cell.
+// Returns the first point in (0, t_max] where the sign of h - c changes; h == c counts as above.
+// Entering or leaving the domain or a masked cell is no hit.
 template <int D>
 std::optional<IsosurfaceHit<D>> intersect(const Field<D>& field, const IsosurfaceRay<D>& ray);
 
-// Whether there is such a point.
+// True if there is such a point.
 template <int D>
 bool occluded(const Field<D>& field, const IsosurfaceRay<D>& ray);
 

@@ -10,25 +10,25 @@
 
 namespace leaflight {
 
-// Planes across one axis of a lattice at which lines are looked at: those of the texels' centres
-// and, where a texel is wider than a voxel, more between them.
+// Planes across one axis of a lattice at which lines are sampled. They pass through the texels'
+// centers; if a texel is wider than a voxel, there are more between them.
 template <int D>
 struct Planes {
   struct Plane {
     double z;            // in texels
-    int texel;           // of the centre plane, or -1
-    int voxel;           // the plane of voxels below it, or in it
-    std::size_t voxels;  // the number of that plane's first voxel
-    double between;      // how far it lies on the way to the next plane of voxels, in [0,1)
+    int texel;           // texel of a plane through centers, or -1
+    int voxel;           // plane of voxels at or below it
+    std::size_t voxels;  // number of that plane's first voxel
+    double between;      // fraction of the distance to the next plane of voxels, in [0,1)
   };
   std::vector<Plane> planes;
 
   Planes(const Field<D>& field, const TexelLattice<D>& lattice, int axis);
 };
 
-// Lines of a set on neighbouring tracks, which pass the planes together, so that what they read
-// lies side by side: the values of a field where they cross the planes. Lanes are its lines. Empty
-// space is not read.
+// Lines of a set on neighboring tracks that cross the planes together, so that their reads are
+// adjacent. It holds the values of a field where the lines cross the planes. Each line is a lane.
+// Empty space is not read.
 template <int D>
 class LineBundle {
  public:
@@ -38,21 +38,20 @@ class LineBundle {
   LineBundle(const Field<D>& field, const EmptySpace<D>& empty, const TexelLattice<D>& lattice,
              const LineSet<D>& set, const Planes<D>& planes);
 
-  // Takes the values along the line of these tracks and along those of the next first tracks.
+  // Samples the line of these tracks and the lines of the next first tracks.
   void follow(const Tracks& tracks);
   int lanes() const { return lanes_; }
 
-  // The planes that any line crosses, and that a line crosses within the field: [first, last], in
-  // ascending order.
+  // Returns the range of planes [first, last] that any line, or one line, crosses within the field.
   int first() const { return all_.first; }
   int last() const { return all_.last; }
   int first(int lane) const { return range_[lane].first; }
   int last(int lane) const { return range_[lane].last; }
   float value(int plane, int lane) const { return rows_[plane].value[lane]; }
-  // Whether all lines are in empty space there.
+  // True if all lines are in empty space at a plane.
   bool is_empty(int plane) const { return rows_[plane].is_empty; }
   double z(int plane) const { return planes_.planes[plane].z; }
-  // In texels, at a coordinate along the axis.
+  // Returns a line's position in texels at a coordinate along the axis.
   Vec<D> position(int lane, double z) const {
     Vec<D> p;
     p[set_.axis] = z;
@@ -60,7 +59,7 @@ class LineBundle {
     if constexpr (D == 3) p[axes_[1]] = row_track_.at(z);
     return p;
   }
-  // The direction in texels, by which z grows by 1.
+  // Returns the direction in texels per unit of z.
   Vec<D> direction(int lane) const {
     Vec<D> d;
     d[set_.axis] = 1;
@@ -71,8 +70,8 @@ class LineBundle {
   // Returns the number of the texel that the line crosses in a plane, or -1 between the texels'
   // planes and in empty space.
   std::int64_t texel(int plane, int lane) const;
-  // How much the value grows on the way to where z is 1 more, by central differences; in units of
-  // about the field's range, so that its square is a float, whatever the units of the data.
+  // Returns the derivative of the value along z, by central differences. Its unit is about the
+  // field's range, so that its square fits a float for any data.
   float slope(int plane, int lane) const;
 
  private:
@@ -81,7 +80,7 @@ class LineBundle {
   struct PlaneRange {
     int first, last;
   };
-  // Places where the lines cross a plane.
+  // The lines at a plane.
   struct Row {
     std::array<float, width> value;
     std::array<float, width> local;         // coordinate across the axis from a voxel on
@@ -98,10 +97,10 @@ class LineBundle {
   void take_tracks(const Tracks& tracks);
   // Computes where the lines cross plane k.
   void cross(int k);
-  // Takes the values of the rows.
+  // Reads the values of the rows.
   template <class Value>
   void read(const Value* values);
-  // Whether the plane is in empty space at all lanes.
+  // True if the plane is in empty space at all lanes.
   bool in_empty_space(int plane, int row_cell) const;
 
   const Field<D>& field_;
@@ -109,7 +108,7 @@ class LineBundle {
   const TexelLattice<D>& lattice_;
   const LineSet<D>& set_;
   const Planes<D>& planes_;
-  float per_range_;  // a power of two, which passes nothing
+  float per_range_;  // a power of two, so that scaling is exact
   double planes_per_texel_;
   std::array<int, static_cast<std::size_t>(across)> axes_;
   std::array<std::size_t, static_cast<std::size_t>(D)> stride_;
@@ -175,8 +174,7 @@ void LineBundle<D>::take_tracks(const Tracks& tracks) {
   for (int i = 0; i < width; ++i) {
     const int number = tracks[0] + i;
     const bool exists = i < lanes_;
-    // Lanes without a line repeat the nearest: they read nothing else, and in_empty_space() sees
-    // all.
+    // Lanes without a line repeat the nearest line, so that they cause no other reads.
     track_[i] = of[std::min(number, static_cast<int>(of.size()) - 1)];
     range_[i] = exists ? range_of(track_[i], axes_[0]) : PlaneRange{0, -1};
     range_[i] = {std::max(range_[i].first, row.first), std::min(range_[i].last, row.last)};
@@ -215,7 +213,7 @@ void LineBundle<D>::cross(int k) {
     at.local[i] = static_cast<float>(std::clamp(voxels - cell, 0.0, 1.0));
     at.voxel[i] = cell * dx;
   }
-  // Planes lie far from each other in memory: what is read next comes meanwhile.
+  // Prefetch, because planes are far apart in memory.
   for (const int i : {0, width - 1}) {
     const std::size_t voxel = at.first_voxel + at.voxel[i];
     __builtin_prefetch(address_of(field_.values, voxel));
@@ -259,7 +257,7 @@ template <int D>
 bool LineBundle<D>::in_empty_space(int plane, int row_cell) const {
   const double z = planes_.planes[plane].z;
   const double scale = lattice_.voxels_per_texel[axes_[0]];
-  // Each of these lanes speaks for a brick on either side of its own.
+  // Each of these lanes also covers the bricks on both sides of its brick.
   constexpr std::array<int, 3> lanes{0, 3, width - 1};
   if ((track_[width - 1].at(z) - track_[0].at(z)) * scale > 4 * EmptySpace<D>::brick_width)
     return false;
@@ -294,7 +292,7 @@ float LineBundle<D>::slope(int plane, int lane) const {
   const float h = value(plane, lane);
   float low = value(before, lane), high = value(after, lane);
   int planes = after - before;
-  // Next to masked voxels one side alone is known.
+  // Use one-sided differences next to masked voxels.
   if (std::isnan(low)) low = h, --planes;
   if (std::isnan(high)) high = h, --planes;
   if (planes <= 0) return 0;

@@ -7,7 +7,7 @@
 namespace leaflight {
 namespace {
 
-// The axis of the b-th tracks.
+// Returns the axis of the b-th tracks.
 template <int D>
 int across(int axis, int b) {
   return b < axis ? b : b + 1;

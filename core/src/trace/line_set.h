@@ -11,7 +11,7 @@ namespace leaflight {
 // in texels. A line is one track for each other axis; all combinations of tracks are lines.
 template <int D>
 struct LineSet {
-  // A line's coordinate across the axis, at coordinate z along it: origin + slope z.
+  // The coordinate of a line across the axis, at z along it: origin + slope z.
   struct Track {
     double origin, slope;
 
@@ -29,7 +29,8 @@ struct LineSet {
   }
 };
 
-// Parallel lines, `spacing` texels apart, of a direction in texels; `offset` in [0,1) places them.
+// Returns parallel lines, `spacing` texels apart, along a direction in texels. `offset`: shift in
+// [0,1).
 template <int D>
 LineSet<D> parallel_lines(const TexelLattice<D>& lattice, const Vec<D>& direction, int spacing,
                           const std::array<double, 2>& offset);

@@ -11,12 +11,12 @@
 namespace leaflight {
 namespace {
 
-// In single precision, too, which many of them are kept in.
+// Returns the next smaller number in single precision, in which many isovalues are stored.
 double just_less(double c) {
   return std::nextafter(static_cast<float>(c), -std::numeric_limits<float>::infinity());
 }
 
-// The box about the volumes, or about the meshes where there is no volume.
+// Returns the box around the volumes, or around the meshes if there are no volumes.
 template <int D>
 Box<D> framed_box(const Scene<D>& scene) {
   Box<D> box;
@@ -36,7 +36,7 @@ std::vector<Mesh<D>> in_frame(std::vector<Mesh<D>> meshes, const Frame<D>& frame
   return meshes;
 }
 
-// Radiance and irradiance stay; intensity is radiance times area.
+// Transforms lights to the frame. Radiance and irradiance stay; intensity is radiance times area.
 template <int D>
 struct LightInFrame {
   const Frame<D>& frame;
@@ -130,7 +130,7 @@ SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>&
   s.albedo = of.albedo.at(c);
   s.emission = of.emission.at(c);
   s.ior = back ? 1 / of.ior : of.ior;
-  // The inside is higher, so the outside faces -grad h.
+  // The outside has lower values, so its normal is -grad h.
   const double side = back ? 1 : -1;
   const Vec<D> geometric = frames.frame_to_index.pull_back_gradient(
       geometric_gradient(load_corners(of.field, point.cell), point.local));
@@ -240,7 +240,7 @@ SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& d
     SurfacePoint<D> s =
         isosurface_point(hit.volume, hit.isosurface.point, c, hit.isosurface.from_above);
     if (s.kind() == HitKind::none) {
-      // A crossing in a place without a gradient, as on the face of a plateau: face the ray.
+      // A crossing without a gradient, as on the face of a plateau, faces the ray.
       s.on = IsosurfacePlace<D>{hit.volume, hit.isosurface.point, hit.isosurface.from_above, 0};
       s.geometric_normal = s.shading_normal = -direction.normalized();
     }
@@ -268,7 +268,7 @@ template <int D>
 bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                               const Vec<D>& light_normal) const {
   const Vec<D> origin = ray_origin(from);
-  // The direction is the whole way, so the segment ends at t = 1.
+  // The direction is the whole way, so t = 1 at its end.
   return blocked(from, origin, leave_plane<D>(light_point, light_normal) - origin, 1);
 }
 

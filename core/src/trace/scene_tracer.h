@@ -13,12 +13,12 @@ enum class HitKind { none, isosurface, walls };
 template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
-  int volume = 0;  // whose isosurface it is
+  int volume = 0;  // number of the volume whose isosurface it hits
   IsosurfaceHit<D> isosurface;
   WallHit walls;
 };
 
-// Where on an isosurface a point is.
+// A position on an isosurface.
 template <int D>
 struct IsosurfacePlace {
   int volume;
@@ -27,31 +27,31 @@ struct IsosurfacePlace {
   double gradient_length;  // |grad c| in the frame, the coarea measure dA dc / dV
 };
 
-// A point of an isosurface or of the walls, seen from one of its sides.
+// A point on an isosurface or a wall, seen from one of its sides.
 template <int D>
 struct SurfacePoint {
-  // In the order of HitKind.
+  // The alternatives are in the order of HitKind.
   std::variant<std::monostate, IsosurfacePlace<D>, WallHit> on;
   Scattering scattering = Scattering::diffuse;
-  double c = 0;                  // the common isovalue
+  double c = 0;                  // common isovalue
   Vec<D> position{0.0};          // frame
-  Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the side from which it is seen
-  Vec<D> shading_normal{0.0};    // unit, for the cosine; the geometric one on walls
+  Vec<D> geometric_normal{0.0};  // unit, of the traced surface, on the visible side
+  Vec<D> shading_normal{0.0};    // unit, for the cosine; equals the geometric one on walls
   Rgb albedo{0};
   Rgb emission{0};
-  double ior = 1;  // glass only: of the far side against the near one
+  double ior = 1;  // glass only: index of the far side over that of the near side
 
   HitKind kind() const { return static_cast<HitKind>(on.index()); }
   const IsosurfacePlace<D>& isosurface() const { return std::get<IsosurfacePlace<D>>(on); }
   const WallHit& facet() const { return std::get<WallHit>(on); }
 };
 
-// A position is known to a few units in the last place of single precision; moved this far along
-// the normal it has certainly left the plane of its triangle (pbrt 3, ch. 3.9).
+// Moves a position along the normal, out of the plane of its triangle (pbrt 3, ch. 3.9). The
+// distance covers rounding errors of single precision.
 template <int D>
 Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
 
-// World to frame.
+// The transform from world coordinates to the frame.
 template <int D>
 struct Frame {
   Vec<D> centre{0.0};
@@ -59,32 +59,30 @@ struct Frame {
 
   explicit Frame(const Scene<D>& scene);
   Vec<D> point(const Vec<D>& p) const { return (p - centre) * scale; }
-  // World to index coordinates of a field, and back.
+  // Returns the transform from index coordinates of a field to the frame.
   Affine<D> index_to_frame(const Field<D>& field) const;
 };
 
-// A sphere about everything that rays can hit, in the frame.
+// A sphere around everything that rays can hit, in the frame.
 template <int D>
 struct BoundingSphere {
   Vec<D> centre{0.0};
   double radius = 0;
 };
 
-// The isosurfaces that block a way: those of least < c <= greatest. The greatest common isovalue on
-// the way is infinite where the walls block it, and just less than the isovalue range where none of
-// its isosurfaces does.
-// The least one on it is minus infinity in a scene without openings, where every way comes from
-// outside of the isosurfaces.
+// The isovalues whose isosurfaces block a way: least < c <= greatest. It has an infinite `greatest`
+// if walls block the way. It is just below the isovalue range if none of its isosurfaces blocks the
+// way. In a scene without openings, every way starts outside the isosurfaces, and `least` is minus
+// infinity.
 struct BlockingIsovalues {
   double least, greatest;
 
   bool include(double c) const { return least < c && c <= greatest; }
 };
 
-// The scene made ready for rays. All positions are in the frame: world coordinates translated and
-// scaled uniformly so that the box about the volumes is centred at 0 with longest side 1, which
-// keeps single-precision intersections accurate wherever the scene stands. Radiance does not depend
-// on it.
+// A scene prepared for rays. Positions are in the frame, a uniform scaling and translation of world
+// coordinates. The box around the volumes is centered at 0 with longest side 1. So single-precision
+// intersections are accurate anywhere in the world. Radiance is invariant.
 template <int D>
 class SceneTracer {
  public:
@@ -95,38 +93,37 @@ class SceneTracer {
   const std::vector<Mesh<D>>& meshes() const { return meshes_; }   // frame
   const std::vector<Light<D>>& lights() const { return lights_; }  // frame
   const Affine<D>& index_to_frame(int volume) const { return fields_[volume].index_to_frame; }
-  // Around the volumes and meshes.
+  // Returns the box around volumes and meshes.
   const Box<D>& box() const { return box_; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
   const Walls<D>& walls() const { return walls_; }
 
-  // The point of a volume's isosurface at a cell point, whose common isovalue must be c, seen from
-  // the given side. Its kind is none where |grad h| = 0: no isosurface passes there.
+  // Returns the point of a volume's isosurface at a cell point, seen from the given side. The
+  // common isovalue there must be c. Its kind is none if |grad h| = 0.
   SurfacePoint<D> isosurface_point(int volume, const CellPoint<D>& point, double c,
                                    bool back) const;
 
-  // Whether a point of a volume's isosurface c lies inside another volume's, where nobody sees it.
-  // Glass covers nothing.
+  // True if another volume's isosurface c encloses a point and hides it. Glass hides nothing.
   bool is_covered(int volume, const Vec<D>& position, double c) const;
 
-  // The point of a facet of the walls, seen from the side of its normal, or from the other.
+  // Returns the point of a wall's facet, seen from the side of its normal if `front`.
   SurfacePoint<D> facet_point(int mesh, int facet, double u, double v, bool front, double c) const;
 
   Hit<D> intersect(const SurfacePoint<D>& from, const Vec<D>& direction) const;
   Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const;
   SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double c) const;
 
-  // Whether an isosurface or the walls block the way from a surface point to a point of a light, or
-  // in a direction without end.
+  // True if an isosurface or a wall blocks the way to a point on a light, or to infinity in a
+  // direction.
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
-  // Which isosurfaces block such a way.
+  // Returns the isovalues that block such a way.
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
                              const Vec<D>& light_normal) const;
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  // Whether a way may pass through the isosurfaces' openings: of the scene's only volume.
+  // True if ways may pass through openings of the isosurfaces, which requires a single volume.
   bool has_openings() const { return has_openings_; }
 
  private:

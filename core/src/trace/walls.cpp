@@ -28,7 +28,7 @@ RTCRay make_ray(const Vec<D>& origin_d, const Vec<D>& direction_d, double t_max)
   return ray;
 }
 
-// A geometry with vertex and index buffers of its own, to be filled; null if there is no memory.
+// A geometry with its own vertex and index buffers; null without memory.
 struct Buffers {
   RTCGeometry geometry;
   float* vertices;
@@ -54,14 +54,15 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh<3>& mesh) {
   const Buffers buffers =
       new_geometry(device, RTC_GEOMETRY_TYPE_TRIANGLE, 3, mesh.vertices.size(), mesh.facets.size());
   if (!buffers.geometry) return nullptr;
-  // Imath's constructors hide that its vectors are numbers alone.
+  // Imath's vectors contain only numbers, although their constructors are not trivial.
   std::memcpy(buffers.vertices, mesh.vertices.data(),  // NOLINT(bugprone-undefined-memory-*)
               mesh.vertices.size() * 3 * sizeof(float));
   std::memcpy(buffers.indices, mesh.facets.data(), mesh.facets.size() * 3 * sizeof(std::uint32_t));
   return buffers.geometry;
 }
 
-// Vertex i becomes 2i below the plane and 2i + 1 above it; u runs along the segment.
+// Makes a quad per segment. Vertex i becomes 2i below the plane and 2i + 1 above it; u runs along
+// the segment.
 RTCGeometry make_geometry(RTCDevice device, const Mesh<2>& mesh) {
   const Buffers buffers =
       new_geometry(device, RTC_GEOMETRY_TYPE_QUAD, 4, 2 * mesh.vertices.size(), mesh.facets.size());
@@ -81,8 +82,8 @@ RTCGeometry make_geometry(RTCDevice device, const Mesh<2>& mesh) {
   return buffers.geometry;
 }
 
-// Instructions that all processors have: with others, rays end elsewhere in the last bits, and what
-// bounces often goes another way.
+// Embree configuration for SSE2 instructions, which all processors have. Others change the last
+// bits of hits, and later bounces amplify the difference.
 constexpr const char* same_bits = "isa=sse2";
 
 }  // namespace

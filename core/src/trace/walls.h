@@ -16,8 +16,8 @@ struct WallHit {
   double u = 0, v = 0;  // barycentric coordinates of the facet's second and third vertex
 };
 
-// Rays against the meshes, through Embree in robust mode; the segments of the plane are extruded to
-// rectangles about it. Coordinates are the caller's, in single precision.
+// Ray intersections with the meshes by Embree in robust mode. In 2D, segments become rectangles
+// across the plane. Coordinates are the caller's, in single precision.
 template <int D>
 class Walls {
  public:

@@ -7,7 +7,8 @@
 namespace leaflight {
 namespace {
 
-// Of a unit direction of the image's frame; the formula of Blender's equirectangular textures.
+// Returns the image coordinates of a unit direction in the image's frame, by the formula of
+// Blender's equirectangular textures.
 std::array<double, 2> image_coordinates(const Vec3& d) {
   return {0.5 - std::atan2(d.y, d.x) / (2 * pi), 0.5 + std::asin(std::clamp(d.z, -1.0, 1.0)) / pi};
 }
@@ -31,8 +32,8 @@ EnvironmentSampler<D>::EnvironmentSampler(const Environment<D>& environment)
     for (int j = 0; j < image.height; ++j) {
       std::vector<double> row(image.width, 0.0);
       for (int i = 0; i < image.width; ++i) {
-        // Over the neighbours too, between which the image is interpolated: no light may come from
-        // where no sample goes.
+        // Include the neighbors, between which the image is interpolated. Otherwise light could
+        // come from directions that are never sampled.
         for (int dj = -1; dj <= 1; ++dj) {
           const int y = (j + dj + image.height) % image.height;
           for (int di = -1; di <= 1; ++di) {
@@ -54,7 +55,7 @@ Rgb EnvironmentSampler<D>::radiance(const Vec<D>& direction) const {
   if constexpr (D == 3) {
     if (environment_.image) {
       const auto uv = image_coordinates(environment_.world_to_image.vector(direction));
-      // No row beyond the poles.
+      // Clamp, because there are no rows beyond the poles.
       const double half = 0.5 / environment_.image->height;
       return environment_.radiance *
              environment_.image->at(uv[0], std::clamp(uv[1], half, 1 - half));
@@ -87,8 +88,8 @@ double EnvironmentSampler<D>::largest_flux(const BoundingSphere<D>& bounds) cons
   if (!environment_.image) {
     return largest(environment_.radiance) * all_directions<D> * parallel_area(bounds);
   }
-  // The ratio of radiance and density is at most that of a pixel and the sum over it and its
-  // neighbours; where it is largest is not worth a search.
+  // Bound the ratio of radiance to density by that of a pixel to the sum over it and its neighbors.
+  // A tighter bound is not worth a search.
   return 3 * 9 * power(bounds);
 }
 

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// Light from all around. An image is sampled in proportion to its brightness.
+// The environment light. An image is sampled in proportion to its brightness.
 template <int D>
 class EnvironmentSampler {
  public:
@@ -18,13 +18,13 @@ class EnvironmentSampler {
   double power(const BoundingSphere<D>& bounds) const;
   double largest_flux(const BoundingSphere<D>& bounds) const;
 
-  // Half of the samples follow the image, half the cosine to the unit normal (Veach and Guibas
-  // 1995, one-sample model with the balance heuristic); a constant environment is sampled by the
-  // cosine.
+  // Samples a direction. Half of the samples follow the image, half the cosine to the unit normal.
+  // They are combined by the one-sample model with the balance heuristic (Veach and Guibas 1995). A
+  // constant environment is sampled by the cosine.
   LightSample<D> sample(const Vec<D>& normal, const std::array<double, 2>& u) const;
   EmittedPhoton<D> emit(const BoundingSphere<D>& bounds, const std::array<double, 2>& u_position,
                         const std::array<double, 2>& u_direction) const;
-  // A direction by the image's brightness; a uniform one where there is none.
+  // Samples a direction by the image's brightness, or uniformly if there is no image.
   LightSource<D> source(const std::array<double, 2>& u) const;
 
  private:
@@ -39,7 +39,7 @@ class EnvironmentSampler {
   const Environment<D>& environment_;
   Affine<D> image_to_world_;
   DiscreteDistribution rows_;
-  std::vector<DiscreteDistribution> columns_;  // of each row
+  std::vector<DiscreteDistribution> columns_;  // one per row
 };
 
 }  // namespace leaflight

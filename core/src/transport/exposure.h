@@ -8,9 +8,10 @@
 
 namespace leaflight {
 
-// Whether a point of the isosurface can be seen from outside the domain: one of `directions` random
-// rays from its front leaves the domain without hitting the isosurface again. Points are in the
-// world; those outside the domain, in masked cells or without a gradient are not exposed.
+// Tests which points of an isosurface are visible from outside the domain. A point is visible if
+// one of `directions` random rays from its front leaves the domain without another hit. Points are
+// in world coordinates. Points outside the domain, in masked cells or without a gradient are not
+// visible.
 template <int D>
 std::vector<std::uint8_t> exposed(const Field<D>& field, const std::vector<Vec<D>>& points,
                                   double isovalue, int directions, std::uint64_t seed);

@@ -10,18 +10,19 @@
 
 namespace leaflight {
 
-// Sums of photon flux in 64-bit fixed point: integers add up alike in any order, so the sums are
-// the same for any number of threads. The squares of the fluxes' means over their colours are the
-// variance of a sum: photons fall independently, nearly, so that their number is Poisson's.
+// Sums of photon flux in 64-bit fixed point. Integer sums do not depend on the order, so they are
+// the same for any number of threads. The variance of a sum is the sum of squared fluxes, averaged
+// over the channels. Photons are nearly independent, so their number follows Poisson's
+// distribution.
 class FluxAccumulator {
  public:
-  // `photon_flux`: the largest flux with which a photon starts; `photons`: how many there are;
-  // `squares`: whether variance() will be asked for.
+  // `photon_flux`: largest flux with which a photon starts. `photons`: their number. `squares`:
+  // true if variance() is needed.
   FluxAccumulator(std::size_t cells, double photon_flux, std::uint64_t photons,
                   bool squares = false)
       : sums_(3 * cells),
         squares_(squares ? cells : 0),
-        // All photons may fall into one cell, each with up to `most` times its first flux.
+        // All photons may fall into one cell, each with up to `most` times its initial flux.
         unit_(photon_flux * most * static_cast<double>(photons) / 0x1p62),
         limit_(photon_flux * most),
         unit2_(unit_ * limit_) {}
@@ -50,7 +51,7 @@ class FluxAccumulator {
   bool empty() const { return sums_.empty(); }
 
  private:
-  // Only the factor of shading normals lets a photon's flux exceed the one with which it started.
+  // Only the factor of shading normals increases a photon's flux above its initial value.
   static constexpr double most = 64;
 
   std::vector<std::atomic<std::int64_t>> sums_, squares_;

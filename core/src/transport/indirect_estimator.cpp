@@ -9,7 +9,8 @@
 namespace leaflight {
 namespace {
 
-// Light from below the traced surface does not arrive, whatever the shading normal says.
+// True if a direction leaves the traced surface. Light from below it does not arrive, for any
+// shading normal.
 template <int D>
 bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
   return direction.dot(point.geometric_normal) > 0;
@@ -21,18 +22,18 @@ double length_of(const Hit<D>& hit) {
   return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.walls.t;
 }
 
-// A ray followed through mirrors and glass to the first diffuse surface, or into the open.
+// A ray through mirrors and glass to the first diffuse surface, or out of the scene.
 template <int D>
 struct Sight {
   Hit<D> hit;
-  SurfacePoint<D> point;  // of kind none in the open
+  SurfacePoint<D> point;  // of kind none if the ray left the scene
   Vec<D> direction;       // of the last ray
   Rgb throughput{1};
   bool specular = false;
 };
 
-// Calls passed(origin, direction, t, throughput, specular) for each ray of the way, and
-// reached(sight) for each surface on it.
+// Follows a ray. Calls passed(origin, direction, t, sight) for each segment, and reached(sight) for
+// each surface.
 template <int D, class Passed, class Reached>
 Sight<D> look(const SceneTracer<D>& tracer, const SurfacePoint<D>& start, const Vec<D>& direction,
               Random& random, std::uint64_t& rays, Passed passed, Reached reached) {
@@ -81,8 +82,8 @@ class PathEstimator final : public IndirectEstimator<D> {
       if (!leaves_surface(point, direction)) return radiance;
       const Sight<D> sight = look<D>(
           tracer_, point, direction, random, rays,
-          // Lights are sampled at the diffuse surface, save those seen in mirrors and through
-          // glass, whose light photons may carry.
+          // Lights are sampled at the diffuse surface. Only lights seen by mirrors and glass count
+          // here, unless photons carry their light.
           [&](const Vec<D>& origin, const Vec<D>& along, double t, const Sight<D>& way) {
             if (!way.specular || photons_) return;
             radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
@@ -113,7 +114,7 @@ class PathEstimator final : public IndirectEstimator<D> {
   const CausticPhotons<D>* photons_;  // may be null
 };
 
-// Of the radiance that a photons' density of a texel means.
+// Returns the variance of the radiance that the photon density of a texel gives.
 template <int D>
 float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
                        const IsosurfaceTexel<D>& texel,
@@ -183,13 +184,13 @@ class GatherEstimator final : public IndirectEstimator<D> {
   }
 
  private:
-  // Gather rays shorter than this, in texels, continue as paths, because a texel that near mixes
-  // isosurfaces that face elsewhere. So many bounces at most; most rays of a scan hit nothing near
-  // (docs/decisions/thesis.md).
+  // Gather rays shorter than this, in texels, continue as paths, because texels that near mix
+  // isosurfaces of other orientations. The number of such bounces is limited; most rays of a scan
+  // hit nothing near (docs/decisions/thesis.md).
   static constexpr double near = 8;
   static constexpr int most_near_bounces = 4;
-  // The same of walls seen from walls, in widths of their patches: in a corner half
-  // of all rays would hit one and the same patch, and show its noise.
+  // The same limit between walls, in widths of their patches. In a corner, half of all rays would
+  // hit the same patch and show its noise.
   static constexpr double near_patches = 3;
 
   Rgb gathered(const SurfacePoint<D>& point, const std::array<double, 2>& u, Random& random,
@@ -204,7 +205,7 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const SurfacePoint<D> there = tracer_.surface_point(hit, direction, point.c);
     const double choice = random.uniform();
     const std::array<double, 2> on_light = random.pair(), next = random.pair();
-    // What walls emit is direct light.
+    // Emission of walls is direct light.
     const Rgb emission = hit.kind == HitKind::isosurface ? there.emission : Rgb(0);
     return point.albedo * (emission + lights_.direct_radiance(there, choice, on_light, rays) +
                            caustic_radiance<D>(isosurfaces_, &walls_, there) +
@@ -221,8 +222,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
            near * near;
   }
 
-  // Reflected radiance of one side of a volume's texels, with the albedo of the isosurface through
-  // each.
+  // Returns the reflected radiance of one side of a volume's texels, with the albedo of the
+  // isosurface in each texel.
   static std::vector<Rgb> side_radiance(const Volume<D>& volume,
                                         const IsosurfaceRadiance<D>& isosurface, int side) {
     const TexelLattice<D>& lattice = *isosurface.lattice;
@@ -236,7 +237,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     return radiance;
   }
 
-  // A ray through mirrors or glass to a light is a caustic, which photons carry.
+  // Returns incident light. A ray through mirrors or glass to a light is a caustic, which photons
+  // carry.
   Rgb incident(Hit<D> hit, const Vec<D>& towards, double c, Random& random,
                std::uint64_t& rays) const {
     if (hit.kind == HitKind::none) return Rgb(0);
@@ -276,8 +278,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     return slot == TexelLattice<D>::inactive ? emission : emission + radiance[slot];
   }
 
-  // The texel half a texel in front of the hit: texels within a thin shell hold the light of both
-  // its faces, and light of the front face would leak into the shell.
+  // Returns the slot of the texel half a texel in front of the hit. Texels in a thin shell contain
+  // light of both faces, so light of the front would leak inside.
   static std::int32_t slot_before(const TexelLattice<D>& lattice, const Field<D>& field,
                                   const IsosurfaceHit<D>& hit) {
     const Vec<D> position = hit.point.index_position();

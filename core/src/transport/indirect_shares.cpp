@@ -17,7 +17,7 @@ std::array<double, 2> two(Random& random) {
   return {u, random.uniform()};
 }
 
-// Whether light that a point sends on, by the cosine, hits an isosurface.
+// True if a sampled diffuse reflection at a point hits an isosurface.
 template <int D>
 bool reaches_isosurface(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
   const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, two(random));
@@ -29,9 +29,9 @@ class Paths {
  public:
   explicit Paths(const SceneTracer<D>& tracer) : tracer_(tracer) {}
 
-  // The mean flux of photons of a lamp that reaches isosurfaces. `emit`: from random numbers,
-  // which are the same for every lamp. `unreflected`: whether photons count that come
-  // straight.
+  // Returns the mean flux from a lamp that reaches isosurfaces. The callback `emit` makes a photon
+  // from random numbers, which are the same for every lamp. `unreflected`: true if photons count
+  // before their first reflection.
   template <class Emit>
   Imath::V3d of(Emit emit, bool unreflected) const {
     Imath::V3d sum(0);
@@ -61,7 +61,7 @@ class Paths {
   const SceneTracer<D>& tracer_;
 };
 
-// What isosurfaces send to each other straight, which is nearly all that they do.
+// Returns light after one bounce between isosurfaces; it is most of their indirect light.
 template <int D>
 Imath::V3d of_isosurfaces(const SceneTracer<D>& tracer, const IsosurfaceEmitter<D>& isosurfaces) {
   Imath::V3d sum(0);

@@ -5,22 +5,23 @@
 
 namespace leaflight {
 
-// How much of the indirect light of isosurfaces, by channel, comes from which lamps of a
-// scene: what reaches isosurfaces of any isovalue after one reflection. All in one unit.
+// The parts of the indirect light of isosurfaces that the lamps of a scene cause, by channel. It
+// counts light that reaches isosurfaces of any isovalue after one reflection. All parts have the
+// same unit.
 struct IndirectShares {
-  std::vector<Imath::V3d> lights;  // of each of the scene's lights
-  // Of the environment, emissive meshes and isosurfaces; what has no light points counts before its
-  // first reflection, too.
+  std::vector<Imath::V3d> lights;  // one per light of the scene
+  // Light of the environment, emissive meshes and isosurfaces. Light without light points also
+  // counts before its first reflection.
   Imath::V3d others{0.0};
 
-  // How much more there is, by channel, with the lights brighter by factors: the mean of these
-  // where nothing comes back.
+  // Returns the ratio by which indirect light grows, by channel, if each light is scaled by a
+  // factor. Returns the mean factor if there is no indirect light.
   Rgb factor(const std::vector<Rgb>& factors) const;
-  // Of all of them.
+  // Returns the sum of all parts.
   Imath::V3d total() const;
 };
 
-// Estimated by a fixed number of paths a lamp.
+// Estimates the shares with a fixed number of paths per lamp.
 template <int D>
 IndirectShares indirect_shares(const SceneTracer<D>& tracer);
 

@@ -11,12 +11,12 @@ namespace {
 
 constexpr double indirect_photons_per_box = 100, caustic_photons_per_box = 30;
 constexpr int largest_indirect_radius = 4, largest_caustic_radius = 2;
-// Points per texel and axis at which |grad h| is evaluated; more where the texel lies only in part
-// within the isovalue range, which a cap fills as a thin layer.
+// Points per texel and axis at which |grad h| is evaluated. A texel only partly in the isovalue
+// range uses more, because a cap fills it with a thin layer.
 constexpr int measure_points = 2, finer_measure_points = 4;
 
-// The share of the values within `reach` of c that lies in the isovalue range: where it is narrower
-// than the change of h from one point to the next, the points alone would miss it.
+// Returns the share of the values within `reach` of c that is in the isovalue range. Points alone
+// would miss a range that is narrower than the change of h between two points.
 double share_in_range(const IsovalueRange& isovalue_range, double c, double reach) {
   if (!(reach > 0)) return isovalue_range.contains(c);
   const double low = std::max(isovalue_range.min, c - reach),
@@ -24,10 +24,10 @@ double share_in_range(const IsovalueRange& isovalue_range, double c, double reac
   return std::max(0.0, high - low) / (2 * reach);
 }
 
-// Mean of |grad h| over a texel's box, of its part that isosurfaces of the isovalue range pass.
+// Mean of |grad h| over the part of a texel's box in the isovalue range.
 struct MeanGradient {
   double value = 0;
-  bool whole = true;  // isosurfaces of the isovalue range pass all of the box
+  bool whole = true;  // true if all of the box is in the isovalue range
 };
 template <int D>
 MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalue_range,
@@ -46,7 +46,7 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalu
     const CellPoint<D> point = locate(field, position);
     const CellCorners<D> corners = load_corners(field, point.cell);
     const double h = interpolate(corners, point.local);
-    // Masked cells hold no isosurface.
+    // Masked cells contain no isosurface.
     if (!inside(field, position) || std::isnan(h)) {
       mean.whole = false;
       return;
@@ -64,8 +64,8 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalu
   return mean;
 }
 
-// Integral of |grad c| over the part of a texel's box that isosurfaces of the isovalue range pass,
-// in the frame, heights being in units of the isovalue range's.
+// Integrates |grad c| over the part of a texel's box in the isovalue range, in the frame. Heights
+// are in units of the isovalue range.
 template <int D>
 float coarea_measure(const Volume<D>& volume, const IsovalueRange& isovalue_range,
                      const TexelLattice<D>& lattice, std::uint32_t texel,
@@ -79,7 +79,8 @@ float coarea_measure(const Volume<D>& volume, const IsovalueRange& isovalue_rang
   return static_cast<float>(mean.value * texel_volume / volume.scale / isovalue_range.height());
 }
 
-// Running sums over 2 radius + 1 values along one axis of a dense grid, zero outside.
+// Computes running sums over 2 radius + 1 values along one axis of a dense grid, with zeros
+// outside.
 template <int D>
 void box_sum(std::vector<float>& grid, const Index<D>& dims, int axis, int radius,
              Progress& progress) {
@@ -100,7 +101,7 @@ void box_sum(std::vector<float>& grid, const Index<D>& dims, int axis, int radiu
   });
 }
 
-// Box sums of a quantity known at active texels, read back at active texels.
+// Computes box sums of a quantity at active texels, for active texels.
 template <int D, class Value>
 std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& progress,
                           Value value) {
@@ -194,13 +195,13 @@ void IsosurfaceCache<D>::finish(Progress& progress) {
                                   lattice_.active[s], frame_to_index, texel_volume);
     }
   });
-  // Both sides alike, by the front's photons.
+  // Both sides use the radius of the front's photons.
   const int radius = radius_for(static_cast<double>(sides_[0].indirect.stored.load()), n,
                                 indirect_photons_per_box, largest_indirect_radius);
   for (Side& side : sides_) {
     if (!side.indirect.flux.empty()) estimate(side.indirect, radius, measure, progress);
     if (side.caustic.flux.empty() || side.caustic.stored.load() == 0) continue;
-    // Caustics light a part of the isosurfaces only; what counts is their density there.
+    // Caustics light only a part of the isosurfaces; the radius depends on their density there.
     std::size_t lit = 0;
     for (std::size_t s = 0; s < n; ++s) lit += side.caustic.flux.lit(s);
     const int sharp = radius_for(static_cast<double>(side.caustic.stored.load()), lit,

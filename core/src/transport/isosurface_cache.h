@@ -8,38 +8,39 @@
 
 namespace leaflight {
 
-// Which photons a side of the isosurfaces keeps. Where direct light is known better, from shadow
-// rays, direct photons are left out.
+// Photons that a side of the isosurfaces stores. Direct photons are excluded if shadow rays sample
+// direct light.
 enum class SideContents { nothing, indirect, all };
 
-// Irradiance of the isosurfaces of one volume from photons by the coarea formula dV = dA dc / |grad
-// c|:
+// Irradiance of the isosurfaces of one volume from photons by the coarea formula
+// dV = dA dc / |grad c|:
 //   E(R) = sum of F_p over the photons in R / integral of |grad c| over R
-// with R a box of texels. The fourth coordinate of a photon carries no information, since c = h(x),
-// so a plain density estimate in space serves all isovalues (docs/theory.md). Caustics, which are
-// sharp, have cells of their own and are smoothed less, if asked for.
+// R is a box of texels. The fourth coordinate of a photon is redundant, since c = h(x). So a
+// density estimate in space serves all isovalues (docs/theory.md). Caustics, which are sharp, can
+// have their own cells with smaller boxes.
 template <int D>
 class IsosurfaceCache {
  public:
-  // `indirect_variance`: whether that will be asked for.
+  // `indirect_variance`: true if that variance is needed.
   IsosurfaceCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
                   SideContents back, bool indirect_variance, bool caustics, double photon_flux,
                   std::uint64_t photons);
 
   void deposit(const PhotonHit<D>& photon);
 
-  // Smooths the photons over boxes of (2 radius + 1)^D texels, the radius chosen so that a box
-  // holds about a hundred of them, and frees the sums.
+  // Averages the photons over boxes of (2 radius + 1)^D texels and frees the sums. The radius is
+  // chosen so that a box contains about a hundred photons.
   void finish(Progress& progress);
 
-  // Irradiance at an active texel from the photons that the side keeps; zero where it keeps none.
+  // Returns the irradiance at an active texel from the photons of a side, or zero if it stores
+  // none.
   Rgb irradiance(std::int32_t slot, bool back) const {
     return indirect(slot, back) + caustic(slot, back);
   }
   Rgb indirect(std::int32_t slot, bool back) const { return value(sides_[back].indirect, slot); }
   Rgb caustic(std::int32_t slot, bool back) const { return value(sides_[back].caustic, slot); }
 
-  // Variances of these, of the mean over the colours, from the number of photons.
+  // Returns the variance, averaged over the channels, from the number of photons.
   float indirect_variance(std::int32_t slot, bool back) const {
     return variance(sides_[back].indirect, slot);
   }
@@ -48,7 +49,7 @@ class IsosurfaceCache {
   }
 
  private:
-  // Photons of one kind on one side, then their irradiance.
+  // Photons of one kind on one side, and then their irradiance.
   struct Density {
     FluxAccumulator flux{0, 1, 1};
     std::atomic<std::uint64_t> stored{0};

@@ -38,7 +38,7 @@ IsosurfaceEmitter<D>::IsosurfaceEmitter(const SceneTracer<D>& tracer, int volume
       if (p.kind() == HitKind::none) return;
       power += average(p.emission) * p.isosurface().gradient_length / height;
     });
-    // A brick whose middles are dark may still shine elsewhere.
+    // A brick may emit even if the centers of its cells are dark.
     power = std::max(power, 1e-3 * of.emission.largest());
     powers.push_back(power * 2 * projected_hemisphere<D> * cell_volume);
     bricks_.push_back(brick);

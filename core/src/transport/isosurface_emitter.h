@@ -9,23 +9,24 @@
 
 namespace leaflight {
 
-// The emission of all isosurfaces of a volume within the isovalue_range ("level sets could emit
-// their own illumination", thesis 4.3.3), from both sides. Since dA dc = |grad c| dV, a point of
-// the volume stands for the isosurface that passes it, and no isosurface needs to be extracted.
+// The emission of all isosurfaces of a volume within the isovalue range, from both sides (thesis
+// 4.3.3: "level sets could emit their own illumination"). Since dA dc = |grad c| dV, a point of the
+// volume represents the isosurface through it. So no isosurface is extracted.
 template <int D>
 class IsosurfaceEmitter {
  public:
   IsosurfaceEmitter(const SceneTracer<D>& tracer, int volume);
 
-  // Power integrated over the common isovalue, in units of the isovalue range's height, averaged
-  // over the channels and estimated at the middles of cells: what emitters are chosen by.
+  // Returns the power, integrated over the common isovalue and averaged over the channels. The unit
+  // of isovalues is the height of the isovalue range. It is estimated at the centers of cells.
+  // Emitters are chosen by it.
   double power_height() const { return by_power_.total(); }
-  // An upper bound, roughly, of the largest channel of a sample's flux-height.
+  // Returns an approximate upper bound on the largest channel of a sample's flux-height.
   double largest_flux_height() const { return 16 * power_height(); }
 
   struct Sample {
     SurfacePoint<D> point;  // kind none: no light from there
-    Rgb flux_height;        // of all isosurfaces, as this photon alone would carry it
+    Rgb flux_height;        // of all isosurfaces, if this were the only photon
   };
   Sample sample(double choice, Random& random) const;
 
@@ -35,7 +36,7 @@ class IsosurfaceEmitter {
   };
   const SceneTracer<D>& tracer_;
   int volume_;
-  std::vector<Brick> bricks_;  // those that emit
+  std::vector<Brick> bricks_;  // only emissive bricks
   DiscreteDistribution by_power_;
 };
 

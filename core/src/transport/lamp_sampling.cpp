@@ -7,7 +7,7 @@
 namespace leaflight {
 namespace {
 
-// What a disc or segment of radius 1 measures.
+// The measure of a disc, or in 2D a segment, of radius 1.
 template <int D>
 constexpr double unit_disc = D == 3 ? pi : 2.0;
 
@@ -20,7 +20,8 @@ double power(const AreaLight<D>& light, const BoundingSphere<D>&) {
   return projected_hemisphere<D> * light.area() * average(light.radiance);
 }
 
-// Power of a diffuse emitter: pi A L (thesis Eq. 3.3), 2 length L in the plane (Eq. 3.4).
+// Returns the power of a diffuse emitter: pi A L (thesis Eq. 3.3), or 2 length L in the plane (Eq.
+// 3.4).
 template <int D>
 double most_flux(const AreaLight<D>& light, const BoundingSphere<D>&) {
   return largest(light.radiance * static_cast<Real>(projected_hemisphere<D> * light.area()));
@@ -69,7 +70,7 @@ Rgb along(const AreaLight<D>& light, const Vec<D>& origin, const Vec<D>& directi
   const double approach = -direction.dot(normal);
   if (!(approach > 0)) return Rgb(0);
   const double t = (origin - light.corner).dot(normal) / approach;
-  // A light in the plane of a wall shines before it.
+  // A light in the plane of a wall is in front of it.
   constexpr double slack = 64 * std::numeric_limits<float>::epsilon();
   if (!(t > 0 && (t - t_max) * approach < slack)) return Rgb(0);
   const Vec<D> at = origin + direction * t - light.corner;
@@ -84,8 +85,8 @@ Rgb along(const AreaLight<D>& light, const Vec<D>& origin, const Vec<D>& directi
 
 // Point and spot lights.
 
-// What the cone leaves of the intensity in a unit direction away from the light; smooth at the edge
-// as in Blender.
+// Returns the share of the intensity inside a cone, for a unit direction away from the light. Its
+// edge is smooth, as in Blender.
 template <int D>
 double cone_factor(const std::optional<typename PointLight<D>::Cone>& cone,
                    const Vec<D>& direction) {
@@ -106,7 +107,7 @@ double emitted_angle(const PointLight<D>& light) {
 
 template <int D>
 double power(const PointLight<D>& light, const BoundingSphere<D>&) {
-  // Its order of magnitude is enough to choose by.
+  // An order of magnitude suffices to choose lights.
   return emitted_angle(light) * average(light.intensity);
 }
 
@@ -121,7 +122,7 @@ LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
   LightSample<D> s;
   const Vec<D> way = light.position - from;
   const double distance = way.length();
-  if (!(distance > light.radius)) return s;  // within the sphere
+  if (!(distance > light.radius)) return s;  // inside the sphere
   const Vec<D> axis = way / distance;
   if (light.radius == 0) {
     s.direction = axis;
@@ -133,7 +134,7 @@ LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
   }
   const double sine = light.radius / distance, cap = one_minus_cosine(sine);
   s.direction = sample_cone<D>(axis, cap, u);
-  // The near end of the ray's way through the sphere.
+  // Find the near end of the ray's way through the sphere.
   const double middle = s.direction.dot(way);
   const double beside2 = (way - s.direction * middle).length2();
   const double half = std::sqrt(std::max(0.0, light.radius * light.radius - beside2));
@@ -154,7 +155,7 @@ EmittedPhoton<D> emit(const PointLight<D>& light, const BoundingSphere<D>&,
   if (light.cone) axis = light.cone->axis;
   const Vec<D> direction =
       sample_cone<D>(axis, light.cone ? 1 - light.cone->cosine : 2, u_direction);
-  // A point of the sphere as it is seen from afar in this direction.
+  // Sample a point of the sphere as seen from infinity in this direction.
   const Vec<D> beside = sample_facing_disc<D>(direction, u_position);
   const double forward = std::sqrt(std::max(0.0, 1 - beside.length2()));
   const double factor = cone_factor<D>(light.cone, direction) * emitted_angle(light);
@@ -174,7 +175,7 @@ LightSource<D> source(const PointLight<D>& light, const std::array<double, 2>& u
   s.normal = sample_cone<D>(axis, 2, u);
   s.position += s.normal * light.radius;
   s.sphere = false;
-  // A point of the sphere faces half of all directions; seen from afar the sphere is a disc.
+  // A point of the sphere faces half of all directions; from infinity, the sphere is a disc.
   s.amount *= static_cast<Real>(all_directions<D> / unit_disc<D>);
   return s;
 }
@@ -194,7 +195,7 @@ Rgb along(const PointLight<D>& light, const Vec<D>& origin, const Vec<D>& direct
 
 // Suns.
 
-// The radiance of the disc of directions is such that a surface facing it receives the irradiance.
+// Returns the radiance of the disc of directions for unit irradiance on a surface that faces it.
 template <int D>
 double sun_radiance(const SunLight<D>& light) {
   const double sine = std::sin(0.5 * light.angle);
@@ -208,7 +209,7 @@ double power(const SunLight<D>& light, const BoundingSphere<D>& bounds) {
 
 template <int D>
 double most_flux(const SunLight<D>& light, const BoundingSphere<D>& bounds) {
-  // A photon's flux is the radiance over the density of its direction, which is largest at 0.
+  // A photon's flux is the radiance times the area, over the constant density of its direction.
   const double cap = 1 - std::cos(0.5 * light.angle);
   const double scale = light.angle > 0 ? sun_radiance(light) * cone_measure<D>(cap) : 1;
   return largest(light.irradiance) * parallel_area(bounds) * scale;

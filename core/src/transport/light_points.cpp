@@ -11,27 +11,27 @@ namespace leaflight {
 namespace {
 
 constexpr int fewest_points = 16, most_points = 64;
-// Of a lamp that is as wide as it is far away.
+// Points of a lamp that is as wide as its distance.
 constexpr double points_at_unit_size = 48;
-// Emissive meshes that are wider, against their distance, are left to the rays that hit them.
+// Wider emissive meshes, relative to their distance, have no points; rays sample them.
 constexpr double widest_mesh = 1;
-// Pixels of an environment are bright beyond so many times the mean; where all that is bright
-// brings less than this share of its light, none of it gets points.
+// Pixels of an environment are bright above this multiple of the mean. They get no points if they
+// have less than this share of its light.
 constexpr double bright = 8, least_bright_share = 0.05;
 constexpr int bright_points = 64;
-// The number of what is none of the scene's lights.
+// Number of the light of points on emissive meshes and of the environment.
 constexpr int no_light = -1;
 
-// Where the points of a set lie within their cells; those of set 0 in the middle.
+// Returns the position of a set's points in their cells; set 0 has the centers.
 std::array<double, 2> place_in_cell(int set) {
   const auto along = [](int n) { return (n % light_point_sets + 0.5) / light_point_sets; };
   constexpr int middle = light_point_sets / 2;
   return {along(set + middle), along(3 * set + middle)};
 }
 
-// One point in each of equal cells of the unit square, about `wanted` of them, `aspect` times as
-// many columns as rows; a shear lets no two points share a coordinate, so that the edge of a shadow
-// crosses them one by one whatever its direction.
+// Returns one point in each of about `wanted` equal cells of the unit square. `aspect`: ratio of
+// columns to rows. A shear makes all coordinates distinct, so that the edge of a shadow in any
+// direction crosses the points one by one.
 template <int D>
 std::vector<std::array<double, 2>> spread_points(int wanted, double aspect, int set) {
   const auto within = [](double x) { return x - std::floor(x); };
@@ -67,7 +67,7 @@ double aspect_of(const Light<D>& light) {
   return 1;
 }
 
-// How wide a lamp is, against its distance from the middle of the volumes.
+// The width of a lamp relative to its distance from the center of the volumes.
 template <int D>
 struct Size {
   double operator()(const AreaLight<D>& light) const {
@@ -87,8 +87,8 @@ Rgb brightness(const Light<D>& light) {
   return std::get<SunLight<D>>(light).irradiance;
 }
 
-// Points of a sphere lie on the disc that it is seen as from the middle of the volumes: those of
-// its surface would face away by half.
+// Returns a source at a position of a light. Points of a sphere are on its disc as seen from the
+// center of the volumes; half of its surface would face away.
 template <int D>
 LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) {
   const auto* sphere = std::get_if<PointLight<D>>(&light);
@@ -101,11 +101,11 @@ LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) 
   return source;
 }
 
-// The first so many of the sets of points.
+// The first sets of points.
 template <int D>
 using Sets = std::vector<std::vector<LightPoint<D>>>;
 
-// Adds to each set so many points that share a light; source(set, i): of one of them.
+// Adds `count` points of one light to each set. source(set, i): returns one of them.
 template <int D, class Source>
 void add_points(Sets<D>& sets, int count, int light, Source source) {
   for (std::size_t set = 0; set < sets.size(); ++set) {
@@ -145,12 +145,12 @@ void add_mesh(const Mesh<D>& mesh, SplitLight<D>& split, Sets<D>& sets) {
   }
   const int count = points_for(width / distance);
   add_points<D>(sets, count, no_light, [&](int set, int i) {
-    // One number chooses the face, and the place in it, too, since faces may be few or many.
+    // One number chooses the face and the position in it, since there may be few or many faces.
     return emitter.source((i + place_in_cell(set)[0]) / count, sobol_point(i + set * count, 0));
   });
 }
 
-// The light of an image up to a brightness, or what is beyond it.
+// Returns the light of an image up to a brightness, or the rest above it.
 std::shared_ptr<const Texture> part_of(const Texture& image, double limit, bool beyond) {
   auto part = std::make_shared<Texture>(image);
   for (auto& pixel : part->pixels) {
@@ -187,7 +187,7 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
   });
 }
 
-// All but the points, which go into the sets.
+// Splits the light, except for its points, which go into the sets.
 template <int D>
 SplitLight<D> split_into(const SceneTracer<D>& tracer, Sets<D>& sets) {
   SplitLight<D> split;

@@ -6,43 +6,43 @@
 
 namespace leaflight {
 
-// A point of a lamp that stands for a part of it.
+// A point of a lamp that represents a part of it.
 template <int D>
 struct LightPoint {
   LightSource<D> source;  // frame
-  // The number of the scene's light that it belongs to; -1: an emissive mesh or the environment.
+  // Number of its light in the scene; -1: an emissive mesh or the environment.
   int light = -1;
 };
 
-// A scene's light in two parts. Points stand for what throws shadows with edges: all lights, the
-// emissive meshes that are small in the sky, and what an image of the environment holds that is
-// much brighter than its mean. The rest covers wide angles, and is sampled by the rays that hit it.
+// A scene's light in two parts. Points represent lights whose shadows have edges: all lamps, small
+// emissive meshes, and bright parts of an environment image. The rest covers wide angles, and rays
+// that hit it sample it.
 template <int D>
 struct SplitLight {
   std::vector<LightPoint<D>> points;
-  std::vector<char> mesh_is_wide;      // of each mesh: it emits, and has no points
-  std::optional<Environment<D>> wide;  // null: nothing comes from it
+  std::vector<char> mesh_is_wide;      // one per mesh: true if it emits and has no points
+  std::optional<Environment<D>> wide;  // null: no light from it
 };
 
-// The points depend on where the lights are, and on nothing random; on how bright the lights are
-// only where a light is black. Lights and emissive meshes get 16 to 64 points, by their size as
-// seen from the middle of the volumes; those without extent get one.
+// Splits the light. The points depend on positions of the lights, not on random numbers, nor on
+// their strengths, except that black lights have no points. Lights and emissive meshes get 16 to 64
+// points, by their size as seen from the center of the volumes. Lights without extent get one.
 template <int D>
 SplitLight<D> split_light(const SceneTracer<D>& tracer);
 
-// Sets of as many points, the first that of split_light(), all in other places: together they stand
-// for the light more finely.
+// Returns sets of equally many points, the first that of split_light(). Their positions differ, so
+// together they sample the light more finely.
 inline constexpr int light_point_sets = 7;
 template <int D>
 std::vector<std::vector<LightPoint<D>>> interleaved_points(const SceneTracer<D>& tracer);
 
-// For each point the number of an earlier one whose light goes the same ways, whatever its amount;
-// -1 where there is none.
+// Returns, for each point, the number of an earlier one with the same geometry, whatever its
+// amount; -1: none.
 template <int D>
 std::vector<int> same_points(const std::vector<LightPoint<D>>& points,
                              const std::vector<LightPoint<D>>& earlier);
 
-// Makes the points of the scene's lights brighter by a factor per channel of each light.
+// Scales the points by a factor per channel of each light in the scene.
 template <int D>
 void scale_points(const std::vector<Rgb>& lights, std::vector<LightPoint<D>>& points);
 

@@ -9,8 +9,8 @@
 namespace leaflight {
 namespace {
 
-// About the irradiance that a light causes at the middle of the scene: what shadow rays are
-// distributed by. Power would favour suns and skies in large scenes.
+// Estimates the irradiance of a light at the center of the scene. Shadow rays are distributed by
+// it; power would favor suns and skies in large scenes.
 template <int D>
 struct NearIrradiance {
   double operator()(const AreaLight<D>& light) const {
@@ -39,7 +39,7 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
                               const SplitLight<D>* split)
     : tracer_(tracer) {
   const Scene<D>& scene = tracer.scene();
-  std::vector<char> is_sampled;  // of the meshes that emit
+  std::vector<char> is_sampled;  // one per emissive mesh
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     const Mesh<D>& mesh = tracer.meshes()[m];
     if (!(largest(mesh.emission) > 0)) continue;
@@ -68,7 +68,8 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
   for (const IsosurfaceEmitter<D>& isosurface : isosurfaces_) {
     power.push_back(isosurface.power_height());
   }
-  // A tenth of the shadow rays goes to all alike, in case the middle of the scene misleads.
+  // A tenth of the shadow rays is uniform over all lights, in case the center of the scene is not
+  // typical.
   double sum = 0, shining = 0;
   for (const double n : near) sum += n, shining += n > 0;
   for (double& n : near) n = n > 0 ? 0.9 * n / sum + 0.1 / shining : 0;
@@ -81,7 +82,7 @@ double LightSampler<D>::largest_flux_height() const {
   double most = 0;
   const auto consider = [&](std::size_t number, double flux_height) {
     const double p = by_power_.probability(number);
-    // A light without power is never chosen.
+    // Lights without power are never chosen.
     if (p > 0) most = std::max(most, flux_height / p);
   };
   for (std::size_t i = 0; i < tracer_.lights().size(); ++i) {
@@ -120,7 +121,7 @@ LightSample<D> LightSampler<D>::reflected(const SurfacePoint<D>& point, double c
   LightSample<D> light = sample(picked, point, u);
   const double cosine = light.direction.dot(point.shading_normal);
   if (!(cosine > 0 && light.direction.dot(point.geometric_normal) > 0)) return {};
-  // BRDF albedo / projected_hemisphere.
+  // The BRDF is albedo / projected_hemisphere.
   light.radiance *=
       point.albedo * static_cast<Real>(cosine / (projected_hemisphere<D> * picked.probability));
   return light;

@@ -19,7 +19,7 @@ typename MeshEmitter<D>::PointOn MeshEmitter<D>::point(double choice,
                                                        const std::array<double, 2>& u) const {
   const FacetFrame<D> facet(*mesh_, by_area_.pick(choice).index);
   if constexpr (D == 2) return {facet.point(u[0], 0), facet.normal()};
-  // Uniform on the triangle.
+  // Sample the triangle uniformly.
   const double root = std::sqrt(u[0]);
   return {facet.point(root * (1 - u[1]), root * u[1]), facet.normal()};
 }

@@ -7,16 +7,16 @@
 
 namespace leaflight {
 
-// How a photon came to a diffuse surface: straight from a light; from a light by mirrors and glass
-// alone (LS+D, a caustic); or after a diffuse reflection. Photons of emissive isosurfaces are
-// indirect from the start, since their direct light is no estimator's but the gathered one.
+// The history of a photon at a diffuse surface. `direct`: straight from a light. `caustic`: from a
+// light by mirrors and glass only (LS+D). `indirect`: after a diffuse reflection. Photons of
+// emissive isosurfaces are indirect from the start, because gather rays sample their direct light.
 enum class Arrival { direct, caustic, indirect };
 
-// A photon where it hits a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4):
-// flux per photon times the height of the isovalue range, since n photons share all isovalues.
-// Heights are in units of the isovalue range's, H = 1: in those of the data, single precision would
-// underflow or overflow. On leaves it carries the factor |w.Ns| / |w.Ng| of shading normals (Veach
-// 1997, ch. 5), so that flux per area is irradiance with respect to the shading normal.
+// A photon at a hit of a diffuse surface. Its flux-height is F = Phi H / n (thesis Eq. 4.4). That
+// is flux per photon times the height of the isovalue range, since n photons share all isovalues.
+// Heights are in units of the isovalue range, so H = 1; the data's units could overflow single
+// precision. On isosurfaces it includes the factor |w.Ns| / |w.Ng| of shading normals (Veach 1997,
+// ch. 5). So flux per area is irradiance with respect to the shading normal.
 template <int D>
 struct PhotonHit {
   const Hit<D>& hit;
@@ -25,32 +25,32 @@ struct PhotonHit {
   Arrival arrival;
 };
 
-// Which photons are followed: all, or those of caustics, up to the first diffuse surface.
+// Photons to follow: all, or only caustics up to the first diffuse surface.
 enum class PhotonPaths { all, caustics };
 
-// What became of the photons' flux-height, for the balance of energy.
+// The flux-heights of photons by their fate, for the balance of energy.
 struct PhotonBalance {
   Imath::V3d emitted{0}, absorbed{0}, escaped{0};
 };
 
-// Traces photons of numbers [begin, end) out of `count` and calls deposit(PhotonHit) at each
+// Traces photons with numbers [begin, end) out of `count` and calls deposit(PhotonHit) at each
 // diffuse surface. Isovalues are uniform over the isovalue range (thesis 4.3.5), stratified by
-// photon number. Returns the number of rays traced. `balance`, if given, is added to.
+// photon number. Returns the number of rays. Adds to `balance`, if given.
 template <int D, class Deposit>
 std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                             PhotonPaths paths, std::uint64_t seed, std::uint64_t begin,
                             std::uint64_t end, std::uint64_t count, Deposit deposit,
                             PhotonBalance* balance = nullptr);
 
-// Russian roulette that keeps the photons' fluxes alike (thesis 1.3, Jensen 2001): the flux if the
-// photon survives, zero if it does not.
+// Applies Russian roulette that keeps the photons' fluxes similar (thesis 1.3, Jensen 2001).
+// Returns the flux of a surviving photon, or zero.
 Rgb survivor(const Rgb& flux_height, Real reference_flux, Random& random);
 
-// |w.Ns| / |w.Ng|, 0 where the light would come from behind the shading normal.
+// Returns |w.Ns| / |w.Ng|, or 0 for light from behind the shading normal.
 template <int D>
 double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& direction);
 
-// The random numbers with which photons start.
+// The random numbers of photon starts.
 struct PhotonStream {
   std::uint64_t seed, position_key, direction_key;
 
@@ -59,7 +59,7 @@ struct PhotonStream {
         position_key(Random(seed ^ 0x706f736974696f6eull).bits()),
         direction_key(Random(seed ^ 0x646972656374696full).bits()) {}
 
-  // That of photon i of `count`.
+  // Starts photon i of `count`.
   template <int D>
   PhotonStart<D> start(const LightSampler<D>& lights, const IsovalueRange& isovalue_range,
                        std::uint64_t i, std::uint64_t count, Random& random) const {
@@ -107,8 +107,8 @@ std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>&
         if (paths == PhotonPaths::caustics) break;
         flux_height *= point.albedo;
         arrival = Arrival::indirect;
-        // The density cos / pi is about the geometric normal, which is what flux leaves through;
-        // the shading normal's part is in the flux already.
+        // Sample the cosine about the geometric normal, through which flux leaves. The flux already
+        // includes the factor of the shading normal.
         from = point;
       } else {
         const SpecularBounce<D> bounce = specular_bounce(point, direction, random.uniform());

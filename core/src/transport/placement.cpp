@@ -12,7 +12,7 @@ namespace {
 
 constexpr int rays = 64;
 
-// Corners and centre of a volume's box, a little within it.
+// Returns points slightly inside the corners of a volume's box, and its center.
 template <int D>
 std::vector<Vec<D>> box_points(const SceneTracer<D>& tracer, int volume) {
   const Field<D>& field = tracer.scene().volumes[volume].field;
@@ -54,7 +54,7 @@ bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
   return tracer.scene().volumes.empty();
 }
 
-// The mesh that rays hit in every direction, or nothing.
+// Returns the mesh that rays hit in all directions, or nothing.
 template <int D>
 std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& from) {
   std::optional<int> mesh;

@@ -5,8 +5,8 @@
 
 namespace leaflight {
 
-// Finds what only rays can find of a bad scene: a light that a mesh encloses while the volumes are
-// outside it, and a volume outside the walls that no light reaches. Throws Error with one
+// Finds errors of a scene that need rays. A mesh may enclose a light although the volumes are
+// outside it. A volume may be outside the walls, where no light reaches it. Throws Error with one
 // sentence that names the object.
 template <int D>
 void check_placement(const SceneTracer<D>& tracer);

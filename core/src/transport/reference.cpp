@@ -12,7 +12,7 @@
 namespace leaflight {
 namespace {
 
-// place(tracer, i) gives the surface point of number i, of kind none if there is none.
+// Traces the reference. place(tracer, i): returns surface point i, of kind none if there is none.
 template <int D, class Place>
 std::vector<ReferenceRadiance> trace_reference(const Scene<D>& scene, std::size_t count,
                                                const ReferenceSettings& settings,

@@ -8,13 +8,13 @@
 namespace leaflight {
 namespace {
 
-// v_in - 2 (N.v_in) N (thesis 3.3.6, corrected).
+// Returns v_in - 2 (N.v_in) N (thesis 3.3.6, corrected).
 template <int D>
 Vec<D> mirrored(const Vec<D>& direction, const Vec<D>& normal) {
   return direction - normal * (2 * normal.dot(direction));
 }
 
-// The shading normal, unless it would send the ray to the wrong side of the traced surface.
+// Reflects about the shading normal, unless the ray would then enter the traced surface.
 template <int D>
 Vec<D> reflected(const SurfacePoint<D>& point, const Vec<D>& direction) {
   const Vec<D> smooth = mirrored<D>(direction, point.shading_normal);

@@ -5,26 +5,26 @@
 
 namespace leaflight {
 
-// A ray that hits more mirrors and glass than this is given up.
+// A ray ends after this number of mirrors and glass surfaces.
 inline constexpr int most_specular_bounces = 64;
 
-// Unpolarised reflectance of a dielectric whose far side has the refractive index `ior` against the
-// near one, for a ray at the given cosine to the normal; 1 beyond the critical angle.
+// Returns the unpolarized reflectance of a dielectric at the given cosine to the normal; 1 beyond
+// the critical angle. `ior`: index of the far side relative to the near one.
 double fresnel_reflectance(double cosine, double ior);
 
-// How a ray goes on after a mirror or glass: from `from`, which is the far side of the surface if
-// it was refracted. `weight` is what its flux is multiplied with.
+// The continuation of a ray after a mirror or glass. `from`: its origin, on the far side of the
+// surface after refraction. `weight`: factor on its flux.
 template <int D>
 struct SpecularBounce {
   SurfacePoint<D> from;
   Vec<D> direction;
   Rgb weight;
-  // What radiance is multiplied with besides, since it grows with the square of the refractive
-  // index (Veach 1997, ch. 5.2), in the plane with the index.
+  // An additional factor on radiance, which grows with the square of the refractive index (Veach
+  // 1997, ch. 5.2); in 2D with the index.
   Real radiance_scale = 1;
 };
 
-// `u` uniform in [0,1) chooses between reflection and refraction in proportion to their shares.
+// Chooses between reflection and refraction in proportion to their shares. `u`: uniform in [0,1).
 template <int D>
 SpecularBounce<D> specular_bounce(const SurfacePoint<D>& point, const Vec<D>& direction, double u);
 

@@ -14,22 +14,22 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t nodes = IsovalueNodes::count;
-// Patches the walls are cut into, about, when their facets are large.
+// Approximate number of patches of the walls if their facets are large.
 template <int D>
 constexpr double coarse_patches = D == 3 ? 8192 : 1024;
 template <int D>
 constexpr double fine_patches = D == 3 ? 32768 : 2048;
 constexpr int most_cuts = 512;
-// Of collect_photons(): each reaches one patch further.
+// Passes of collect_photons(); each reaches one patch further.
 constexpr int patch_passes = 4;
 
-// How a facet is cut: a segment into n pieces; a triangle into n^2, numbered by the lattice square
-// (i, j) of their barycentric coordinates. A square below the diagonal holds two of them, so row j
-// begins after j rows of 2 (n - j') - 1.
+// The patches of a facet. A segment has n pieces. A triangle has n^2, numbered by the square (i, j)
+// of their barycentric coordinates. A square below the diagonal contains two of them, so row j
+// starts after j rows of 2 (n - j') - 1.
 template <int D>
 struct Patches;
 
-// Those that share an edge with a patch; itself at the facet's border.
+// Patches that share an edge with a patch; the patch itself at the facet's border.
 template <int D>
 using Beside = std::array<int, static_cast<std::size_t>(D)>;
 
@@ -85,7 +85,7 @@ struct Patches<3> {
   }
 };
 
-// Whether anything in the scene lies in front of a plane, as far as the box around it all tells.
+// True if the scene's box reaches in front of a plane.
 template <int D>
 bool sees_anything(const SceneTracer<D>& tracer, const Vec<D>& point, const Vec<D>& normal) {
   const Box<D>& box = tracer.box();
@@ -97,7 +97,7 @@ bool sees_anything(const SceneTracer<D>& tracer, const Vec<D>& point, const Vec<
   return farthest_in_front > 1e-6 * tracer.bounds().radius;
 }
 
-// Means of each patch and those beside it; [patch * stride + ...].
+// Averages each patch with its neighbors; the index is patch * stride + ...
 template <int D>
 void spread_over_patches(const std::vector<Beside<D>>& beside, std::size_t stride,
                          std::vector<Rgb>& light) {
@@ -188,7 +188,7 @@ double SurfaceCache<D>::share_of_range(int node) const {
   return nodes_.height(node) / tracer_.scene().isovalue_range.height();
 }
 
-// Irradiance from an entry's photons.
+// Returns the irradiance from an entry's photons.
 template <int D>
 Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) const {
   if (flux.empty()) return Rgb(0);
@@ -200,9 +200,9 @@ Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) con
   return irradiance;
 }
 
-// A wall has few photons for each of its patches, and its indirect light varies little from one to
-// the next. Over isovalues it may vary fast: where an isosurface leaves the walls, they become
-// dark.
+// Averages photons over patches, because a patch has few photons and indirect light varies little
+// between patches. Isovalues are not averaged: light may vary fast where an isosurface leaves the
+// walls.
 template <int D>
 void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
   parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
@@ -226,7 +226,8 @@ void SurfaceCache<D>::finish(std::size_t column, const LightSampler<D>& lights, 
   SurfacePoint<D> point =
       tracer_.facet_point(facet.mesh, facet.facet, 0, 0, front, nodes_.node(node));
   if (point.scattering != Scattering::diffuse) return;  // no ray looks it up
-  // Of the patch and side: the sides that are kept do not change the light.
+  // The key is that of the patch and side, so that the set of stored sides does not change the
+  // light.
   const std::size_t key = (facet.first_patch + patch) * 2 + !front;
   Random random = random_for(seed, Purpose::surface_cache, key);
   const std::uint64_t point_key = random.bits(), light_key = random.bits();

@@ -11,45 +11,45 @@
 
 namespace leaflight {
 
-// Radiance of the walls over (u, v, c): each triangle is cut into n x n equal patches, each
-// segment of the plane into n, and c has nodes. Each side is kept that anything in the scene can
-// see; the outside of a closed box is not. It answers rays of the final gather.
+// Radiance of the walls over (u, v, c), for final-gather rays. Each triangle is divided into n x n
+// equal patches, each segment into n; c has nodes. It stores each side that the rest of the scene
+// can see; the outside of a closed box is not stored.
 template <int D>
 class SurfaceCache {
  public:
-  // Without `photons` none can be deposited: it holds what another cache has finished.
+  // Without `photons`, none can be deposited; then it only holds the radiance of another cache.
   SurfaceCache(const SceneTracer<D>& tracer, bool caustics, double photon_flux,
                std::uint64_t photons, bool fine);
 
-  // Photons that did not come straight from a light: direct light is sampled by finish().
+  // Deposits a photon, unless it came straight from a light: finish() samples direct light.
   void deposit(const PhotonHit<D>& photon);
 
-  // The finished radiance, to or from another cache of the same scene; of no other use is a cache
-  // then than to answer rays.
+  // Returns the finished radiance, for transfers between caches of the same scene. Afterwards a
+  // cache only serves lookups.
   std::vector<Rgb>& finished() { return radiance_; }
 
   std::size_t entries() const { return radiance_.size(); }
-  // Each is a side of a patch with an entry for every node.
+  // Returns the number of columns; a column has the entries of one side of a patch for all nodes.
   std::size_t columns() const { return entries() / IsovalueNodes::count; }
-  // Before columns are finished. `smooth`: photons are spread over patches and then given up, so
-  // that indirect_irradiance() is 0.
+  // Prepares the photons before columns are finished. `smooth`: averages photons over patches and
+  // then frees them, so that indirect_irradiance() is 0.
   void collect_photons(bool smooth, Progress& progress);
-  // Turns the photons of one column into radiance and adds direct light by `samples` shadow rays,
+  // Converts the photons of one column to radiance and adds direct light by `samples` shadow rays,
   // each of which serves all nodes.
   void finish(std::size_t column, const LightSampler<D>& lights, int samples, std::uint64_t seed,
               std::uint64_t& rays);
 
-  // Of the side that a ray of the given direction hits. `u` uniform in [0,1) chooses between two
-  // nodes, so that the mean is linear in c at the cost of one lookup.
+  // Returns the radiance of the side that a ray hits. The number `u`, uniform in [0,1), chooses one
+  // of two nodes. So the mean is linear in c with a single lookup.
   Rgb radiance(const WallHit& hit, const Vec<D>& direction, double c, double u) const;
-  // Of the patch that a ray hits: the side of a square of its size.
+  // Returns the side of a square with the area of the patch that a ray hits.
   double patch_width(const WallHit& hit) const {
     const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
     return D == 3 ? std::sqrt(area) : area;
   }
-  // Light of mirrors and glass, which no path from here finds.
+  // True if it holds light of mirrors and glass, which paths from here cannot find.
   bool holds_caustics() const { return !caustic_.empty(); }
-  // Irradiance from photons at a point of the walls, linear in c.
+  // Returns the irradiance from photons at a point on a wall, linearly in c.
   Rgb indirect_irradiance(const SurfacePoint<D>& point) const {
     return between_nodes(indirect_sides_, point);
   }
@@ -61,7 +61,7 @@ class SurfaceCache {
   struct Facet {
     int mesh, facet;
     int cuts;          // patches along each edge
-    bool front, back;  // sides that are kept
+    bool front, back;  // stored sides
     std::size_t first_patch, first_entry;
     double patch_area;
     Vec<D> normal;
@@ -74,7 +74,7 @@ class SurfaceCache {
     bool front;
     int node;
   };
-  // The first entry of the side that a ray of the given direction hits, that of the first node.
+  // Returns the first entry, of the first node, on the side that a ray hits.
   std::optional<std::size_t> column(const WallHit& hit, const Vec<D>& direction) const;
   Place place_of(std::size_t entry) const;
   Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
@@ -82,10 +82,10 @@ class SurfaceCache {
   double share_of_range(int node) const;
 
   const SceneTracer<D>& tracer_;
-  std::vector<std::size_t> first_facet_;  // of each mesh, in facets_
+  std::vector<std::size_t> first_facet_;  // number in facets_, one per mesh
   std::vector<Facet> facets_;
   IsovalueNodes nodes_;
-  std::vector<Rgb> radiance_;  // of each facet: patch, side, node
+  std::vector<Rgb> radiance_;  // by facet, patch, side, node
   FluxAccumulator indirect_sides_, caustic_;
 };
 

@@ -11,15 +11,15 @@
 namespace leaflight {
 namespace {
 
-// Points whose maps are computed at once.
+// Number of points whose maps are computed at once.
 constexpr std::size_t points_at_once = 8;
-// Of the maps of one side; of those that are finer than voxels, which have as many texels at most.
+// Limits for the maps of one side. The last two hold for maps that are finer than voxels.
 constexpr std::size_t most_bytes = std::size_t{512} << 20, most_finer_bytes = 24 << 20,
                       most_fine_texels = 8'000'000;
 
-// The gradient of the surface itself jumps at the faces of cells, on which meshes have their
-// vertices. This near to one, in voxels, it goes over to that of shading, which there is the mean
-// of both cells' across the face.
+// The gradient of the interpolated surface jumps at cell faces, on which meshes have their
+// vertices. Within this distance in voxels, it blends into the shading gradient, the mean across
+// the face.
 constexpr double near_face = 0.05;
 
 template <int D>
@@ -32,7 +32,7 @@ Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, cons
   return gradient;
 }
 
-// By how much values at neighbouring texels differ, on average over the isosurfaces.
+// Computes the difference between values at neighboring texels, averaged over the isosurfaces.
 template <int D>
 double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattice) {
   constexpr std::size_t most_texels = 1 << 16;
@@ -48,8 +48,8 @@ double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattic
   return area > 0 ? sum / area : 0;
 }
 
-// The common isovalues that codes tell apart: the isovalue range, and those beyond it that the
-// texels about its isosurfaces have, as codes are interpolated before they are compared.
+// Returns the common isovalues that codes can distinguish. Codes are interpolated before they are
+// compared, so a margin of two texels extends the isovalue range.
 template <int D>
 IsovalueRange range_of_codes(const Scene<D>& scene, const Volume<D>& volume,
                              const TexelLattice<D>& lattice) {
@@ -142,7 +142,7 @@ void DirectLight<D>::find(const VisibilityThroughAll<D>& way,
                           Progress& progress) const {
   const std::size_t count = points_.size(), active = maps.lattice.active.size();
   std::vector<std::uint8_t>& codes = maps.codes[back];
-  codes.resize(active * count + block);  // whole blocks are read
+  codes.resize(active * count + block);  // radiance() reads whole blocks
   const VisibilityCode code{code_range_, back};
   for (std::size_t first = 0; first < numbers.size(); first += points_at_once) {
     const std::size_t some = std::min(points_at_once, numbers.size() - first);
@@ -255,7 +255,7 @@ void DirectLight<D>::bound(Block& of, std::size_t first, std::size_t end) const 
   of.radius = static_cast<float>((box.high - box.low).length() * 0.5);
 }
 
-// Whether no point lights an isosurface of code `own`, whatever the weights of the texels are.
+// True if no point lights an isosurface of code `own`, for any weights of the texels.
 template <int D>
 bool DirectLight<D>::is_dark(const TexelWeights<D>& near, bool back, float own) const {
   for (int i = 0; i < near.count; ++i) {
@@ -278,7 +278,7 @@ typename DirectLight<D>::Shadows DirectLight<D>::shadows(std::size_t number,
       continue;
     }
     for (int k = 0; k < block; ++k) {
-      // A mesh's shadow ends half way between the texels on either side of its edge.
+      // A mesh's shadow ends halfway between the texels on either side of its edge.
       const float is_dark = codes[k] == VisibilityCode::dark ? w : 0.0f;
       found.dark[k] += is_dark;
       found.greatest[k] += (w - is_dark) * static_cast<float>(codes[k]);
@@ -324,7 +324,7 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, const TexelWeights
   if (std::isnan(h)) return Rgb(0);
   const float own = VisibilityCode{code_range_, back}(h);
   if (is_dark(near, back, own)) return Rgb(0);
-  // Towards higher values, the back.
+  // The back faces higher values.
   const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
   const double length = gradient.length();
   if (!(length > 0)) return Rgb(0);

@@ -9,64 +9,65 @@
 
 namespace leaflight {
 
-// A point of the isosurface through it, which the texels and the direct light there both need.
+// A point on the isosurface through a position. Texels and direct light both need it.
 template <int D>
 struct IsosurfacePoint {
   Vec<D> position;  // in index coordinates
   CellPoint<D> at;
   CellCorners<D> corners;
-  double value;     // of the field, NaN where there is no data
-  Vec<D> gradient;  // of shading, in index coordinates
+  double value;     // of the field; NaN without data
+  Vec<D> gradient;  // shading gradient, in index coordinates
 };
 template <int D>
 IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
 
-// Direct light of a scene's light points at any point of any isosurface of a volume, computed where
-// it is shown: the cosine and the distance are those of the point itself. For each texel and light
-// point it stores the greatest value on the way: the isosurface of a lower isovalue is in shadow
-// there (for backs the least value). Nothing of it is averaged or random.
+// Direct light of a scene's light points at any point of any isosurface of a volume. The cosine and
+// the distance are exact at each point. For each texel and light point it stores the greatest value
+// on the way, for backs the least. Isosurfaces of lower isovalues are in shadow there, for backs
+// those of higher ones. Nothing is averaged or random.
 template <int D>
 class DirectLight {
  public:
-  // Of a map, for the progress, in points of lines.
+  // Work per texel of a map, in the unit of the progress: points of lines.
   static constexpr double work_of_texel = 0.2;
 
-  // Of a volume by its number; `resolution`: of the maps; `back`: of the backs, too, which
-  // needs the scene's only volume; `spacing`: as VisibilitySweep has it; `earlier`: where lights
-  // alone were others, whose maps serve for the points that have not moved. The result is the same
-  // for any number of threads, and where the maps have texels as wide, with `earlier` or without.
-  // Throws Cancelled.
+  // Computes the maps of one volume in a `resolution`. With `back`, it includes the backs, which
+  // requires that the scene has only this volume. For `spacing`, see VisibilitySweep. An `earlier`
+  // light is that of the same scene under other lights. Its maps are reused for points that have
+  // not moved. The result does not depend on the number of threads, nor on `earlier` if its texels
+  // are as wide. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
               const DirectLight* earlier = nullptr);
 
-  // With other strengths of the scene's lights: a factor per channel for each. Shares the maps.
+  // Returns the same light with one factor per channel for each light of the scene. Shares the
+  // maps.
   DirectLight scaled(const std::vector<Rgb>& lights) const;
 
-  // Texels of the maps.
+  // Returns the texels of the maps.
   const TexelLattice<D>& lattice() const { return maps_->lattice; }
   std::size_t points() const { return points_.size(); }
   const LightPoint<D>& point(std::size_t number) const { return points_[number]; }
   const Affine<D>& index_to_frame() const { return to_frame_; }
-  // Of the field's values.
+  // Returns the isovalue range in values of the field.
   const IsovalueRange& isovalue_range() const { return isovalue_range_; }
-  // That of the codes.
+  // Returns the range of the codes in values of the field.
   const IsovalueRange& code_range() const { return code_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
-  // VisibilityCode of the way from an active texel to a point.
+  // Returns the VisibilityCode of the way from an active texel to a point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
     return maps_->codes[back][slot * points_.size() + point];
   }
 
-  // Radiance [W/(m^2 sr)] that the isosurface through an index position of the field, which must be
-  // that of the volume, reflects on one of its sides; zero where no isosurface passes.
-  // `near`: the position's weights in lattice().
+  // Computes the radiance [W/(m^2 sr)] that an isosurface reflects on one of its sides. Returns
+  // zero where no isosurface passes. The field must be that of the volume. `near`: the position's
+  // weights in lattice().
   Rgb radiance(const IsosurfacePoint<D>& point, const TexelWeights<D>& near, bool back) const;
   Rgb radiance(const Field<D>& field, const Vec<D>& index_position, bool back) const {
     return radiance(isosurface_point(field, index_position),
                     linear_weights(lattice(), index_position), back);
   }
-  // Has what radiance() will read of the maps brought from memory.
+  // Prefetches the part of the maps that radiance() will read.
   void prefetch(const TexelWeights<D>& near, bool back) const {
     for (int i = 0; i < near.count; ++i) {
       const auto slot = static_cast<std::size_t>(near.slot[i]);
@@ -74,44 +75,45 @@ class DirectLight {
       __builtin_prefetch(&maps_->codes[back][slot * points_.size()]);
     }
   }
-  // What the isosurface emits by itself, [W/(m^2 sr)].
+  // Returns the emission of the isosurface [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
-  // The greatest code on the way to a point from where a position has these weights in lattice().
+  // Interpolates the greatest code on the way to a point. `near`: the position's weights in
+  // lattice().
   float greatest(std::size_t point, const TexelWeights<D>& near, bool back) const;
 
  private:
-  // Points are taken so many at a time, by instructions that do the same for several.
+  // Number of points in a block; one SIMD instruction handles several of them.
   static constexpr int block = 8;
   using Row = std::array<float, static_cast<std::size_t>(block)>;
-  // A place in the frame, and its normals on the side that is lit.
+  // A position in the frame, and its normals on the lit side.
   struct Receiver {
     Vec<D, float> position, normal, geometric_normal;
   };
-  // Of lengths, in single precision.
+  // Rounding error of a length in single precision, relative.
   static constexpr float rounding = 1e-5f;
-  // A block of points as numbers, filled up with dark ones. From a position x of the frame the way
-  // from a point is x * near - at; its strength is the sum of `even`, of `front` times the cosine
-  // to `normal` where that is positive, and of `both` times its absolute value.
+  // A block of points as arrays, padded with dark points. The vector from a point to x in the frame
+  // is x * near - at. Its strength is the sum of three terms: `even`, `front` times the positive
+  // part of the cosine to `normal`, and `both` times the absolute cosine.
   struct Block {
     std::array<Row, D> at{}, normal{};
     Row near{}, even{}, front{}, both{};
     std::array<Row, 3> amount{};
-    std::vector<int> cones;  // points with one
-    // A ball in the frame that holds the points; infinite where light comes from afar.
+    std::vector<int> cones;  // points with a cone
+    // A ball in the frame that contains the points; infinite for lights at infinity.
     Vec<D, float> centre{0.0f};
     float radius = 0;
 
-    // Whether all points lie below the horizon of a receiver.
+    // True if all points lie below the horizon of a receiver.
     bool is_behind(const Receiver& seen) const {
       const Vec<D, float> way = centre - seen.position;
       return way.dot(seen.normal) + radius < -rounding * way.length();
     }
   };
-  // Of the points of a block: the greatest code on the way, and the part of a mesh's shadow.
+  // For each point of a block, the greatest code on the way and the weight of a mesh's shadow.
   struct Shadows {
     Row greatest{}, dark{};
 
-    // Whether an isosurface of code `own` is lit from any point.
+    // True if any point lights an isosurface of code `own`.
     bool any_lit(float own) const {
       bool any = false;
       for (int k = 0; k < block; ++k) any |= greatest[k] < own;
@@ -119,56 +121,55 @@ class DirectLight {
     }
   };
   struct Maps;
-  // The codes of the points of these numbers.
+  // Computes the codes of the points with these numbers.
   void find(const VisibilityThroughAll<D>& way, const std::vector<std::size_t>& numbers, bool back,
             Maps& maps, Progress& progress) const;
-  // Those of the points that an earlier one has, by their numbers there; -1: it has not.
+  // Copies codes from an earlier DirectLight. `numbers`: each point's number there, or -1.
   void take(const DirectLight& earlier, const std::vector<int>& numbers, bool back, Maps& maps,
             Progress& progress) const;
-  // What follows from the codes.
+  // Computes the least code of each texel, and has_dark.
   void summarize(bool back, Maps& maps, Progress& progress) const;
   void fill_blocks();
-  // Of points [first, end).
+  // Computes the bounding ball of points [first, end).
   void bound(Block& of, std::size_t first, std::size_t end) const;
   bool is_dark(const TexelWeights<D>& near, bool back, float own) const;
   Shadows shadows(std::size_t number, const TexelWeights<D>& near, bool back) const;
-  // The irradiance at a receiver of code `own` from each point of a block, over the point's amount;
-  // without cones.
+  // Computes the irradiance at a receiver of code `own` from each point of a block, divided by the
+  // point's amount. Ignores cones.
   static Row arriving(const Block& of, const Receiver& at, const Shadows& shadows, float own);
 
-  IsovalueRange isovalue_range_, code_range_;  // of the field's values
+  IsovalueRange isovalue_range_, code_range_;  // in values of the field
   ColorRamp albedo_, emission_;
   double offset_, scale_;  // isovalue = offset + scale c
-  // Shading normals alone then tell what faces a light: the stairs of the values would stay dark
-  // (docs/decisions/volumes.md).
+  // True if shading normals alone decide which side faces a light. The steps of integer values
+  // would stay dark otherwise (docs/decisions/volumes.md).
   bool has_smooth_normals_;
   Affine<D> to_frame_, to_index_;
   std::vector<LightPoint<D>> points_;
   std::vector<Block> blocks_;
   struct Maps {
     TexelLattice<D> lattice;
-    // By side; [slot * points + point].
+    // One array per side; its index is slot * points + point.
     std::array<std::vector<std::uint8_t>, 2> codes;
-    // The least of a texel's codes: isosurfaces of codes below it lie in the shadow of all points.
+    // The least code of each texel. Isosurfaces of lower codes lie in the shadow of all points.
     std::array<std::vector<std::uint8_t>, 2> least;
-    bool has_dark = false;  // a mesh throws shadows into the volume
+    bool has_dark = false;  // true if a mesh casts shadows into the volume
   };
   std::shared_ptr<const Maps> maps_;
 };
 
-// The resolution of the maps of so many light points for a bake of so many texels along each axis:
-// that of the bake where maps then take 24 MB at most; else that of the field or of the bake,
-// whichever is coarser, or half of it where maps would take more than 512 MB. `isovalue_range`: of
-// the field's values.
+// Returns the resolution of the maps for a bake of `texels` along each axis. It is that of the bake
+// if the maps then take at most 24 MB. Otherwise it is the coarser of the field's and the bake's,
+// or half of that if the maps would exceed 512 MB. `isovalue_range`: in values of the field.
 template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
                         const Index<D>& texels, std::size_t points);
 
-// Whether maps of a field may have such a resolution.
+// True if maps of a field may have this resolution.
 template <int D>
 bool fits_maps(const Field<D>& field, const Index<D>& resolution);
 
-// What the maps of one side take.
+// Returns the memory of the maps of one side.
 template <int D>
 std::size_t map_bytes(const Field<D>& field, const IsovalueRange& isovalue_range,
                       const Index<D>& texels, std::size_t points) {

@@ -7,7 +7,7 @@
 
 namespace leaflight {
 
-// Where a coordinate lies among regular points.
+// A position between two of several regular points.
 struct Between {
   int below = 0;
   float part = 0;
@@ -19,20 +19,21 @@ inline Between between(double x, int count) {
   return {below, static_cast<float>(clamped - below)};
 }
 
-// Lines across one axis of the lines' plane: at distance t from the light, line i is at
-// offset + slope t + i spacing(t).
+// Lines across one axis of a plane. At distance t from the light, line i is at offset + slope t + i
+// spacing(t).
 struct LineFan {
   bool parallel = false;
   double offset = 0, slope = 0;
-  double step = 1;  // between lines: of slopes, or of coordinates where they are parallel
+  double step = 1;  // between lines: in slopes, or in coordinates for parallel lines
   int first = 0, count = 1;
-  double last_voxel = 0;  // of the axis
+  double last_voxel = 0;  // along the axis
 
   double spacing(double t) const { return parallel ? step : step * t; }
   double origin(double t) const { return offset + slope * t; }
   double at(int i, double t) const { return origin(t) + (first + i) * spacing(t); }
 
-  // Makes room for all lines that are in the box somewhere from t to `end`, and a neighbour each.
+  // Makes room for all lines that are in the box at some distance from t to `end`, plus one
+  // neighbor on each side.
   void cover(double t, double end) {
     double low = std::numeric_limits<double>::infinity(),
            high = -std::numeric_limits<double>::infinity();

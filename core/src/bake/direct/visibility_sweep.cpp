@@ -16,7 +16,7 @@
 namespace leaflight {
 namespace {
 
-// Stands for masked voxels: no isosurface passes beside them.
+// Code of masked voxels; no isosurface passes next to them.
 constexpr float masked_code = -1e9f;
 
 // A plane of codes, axis `u` fastest.
@@ -27,7 +27,7 @@ struct CodePlane {
   const float* row(int v) const { return codes.data() + static_cast<std::size_t>(v) * u_count; }
 };
 
-// What all sweeps through a volume share, as VisibilitySweep has it.
+// Inputs that all sweeps through a volume share; see VisibilitySweep.
 template <int D>
 struct SweptVolume {
   const SceneTracer<D>& tracer;
@@ -37,7 +37,7 @@ struct SweptVolume {
   double spacing;
 };
 
-// The sweep along one axis, in one sense: of the nodes that the light reaches that way.
+// The sweep along one axis in one direction. It serves the nodes that the light reaches that way.
 template <int D>
 class AxisSweep {
  public:
@@ -79,7 +79,7 @@ class AxisSweep {
       from_ = at[axis];
       for (int b = 0; b < D - 1; ++b) fans_[b].offset = at[across_[b]];
     }
-    // The voxels' coordinate of each plane, from the light on.
+    // Store the coordinate of each plane in voxels, starting at the light.
     for (const int i : order_) t_.push_back(sense * (width * planes_.planes[i].z - from_));
     delay_ = count > 1 ? (count - 1) / (nodes_.resolution[axis] - 1) : 1;
     ring_.resize(delay_ + 1);
@@ -89,7 +89,7 @@ class AxisSweep {
     const auto count = static_cast<int>(order_.size());
     int q = 0;
     while (q < count && !reached(q)) ++q;
-    const int first = q;  // that the light reaches
+    const int first = q;  // first plane that the light reaches
     if (q == count) return;
     for (int b = 0; b < D - 1; ++b) {
       LineFan& fan = fans_[b];
@@ -120,7 +120,7 @@ class AxisSweep {
   int u_lines() const { return fans_[0].count; }
   int v_lines() const { return D == 3 ? fans_[D - 2].count : 1; }
 
-  // Twice as many lines across an axis: every second one is one of those before.
+  // Doubles the number of lines across an axis; every second line is an old one.
   void halve(int b, double t) {
     const LineFan before = fans_[b];
     LineFan& fan = fans_[b];
@@ -147,12 +147,12 @@ class AxisSweep {
     if (meshes_) find_walls();
   }
 
-  // The distance along the axis at which a mesh ends each line.
+  // Finds the distance along the axis at which a mesh ends each line.
   void find_walls() {
     walls_.assign(greatest_.size(), std::numeric_limits<double>::infinity());
     for (int v = 0; v < v_lines(); ++v) {
       for (int u = 0; u < u_lines(); ++u) {
-        Vec<D> one, two;  // of the line, at two distances
+        Vec<D> one, two;  // points on the line at two distances
         const double near = source_.infinite ? 0 : 1, far = near + 1;
         one[axis_] = from_ + sense_ * near;
         two[axis_] = from_ + sense_ * far;
@@ -184,14 +184,14 @@ class AxisSweep {
     }
   }
 
-  // The codes of plane q, between two planes of voxels where it lies so.
+  // Computes the codes of plane q; interpolates if it lies between two planes of voxels.
   void take_plane(int q) {
     const auto& plane = planes_.planes[order_[q]];
     CodePlane& codes = ring_[q % ring_.size()];
     codes.u_count = field_.dims[across_[0]];
     codes.v_count = D == 3 ? field_.dims[across_[D - 2]] : 1;
     codes.codes.resize(static_cast<std::size_t>(codes.u_count) * codes.v_count);
-    // Of the values that lie in the order of the axes, or with axis 0 slowest.
+    // Strides of the values, which are stored in the order of the axes or with axis 0 slowest.
     std::size_t plane_size = 1, next = 1;
     for (int a = 0; a < D; ++a) {
       if (a != axis_) plane_size *= field_.dims[a];
@@ -220,13 +220,13 @@ class AxisSweep {
         turned ? turned_ : field_.values);
   }
 
-  // The lines take what they pass in plane q.
+  // Updates the greatest code of each line with plane q.
   void pass(int q) {
     const double t = t_[q];
     const CodePlane& plane = ring_[q % ring_.size()];
     const LineFan& fan = fans_[0];
     const double margin = fan.spacing(t);
-    // Lines a little beside the box take what is at its border, for their neighbours' sake.
+    // Clamp lines slightly outside the box to its border, because their neighbors need them.
     int begin = 0, end = u_lines();
     while (begin < end && fan.at(begin, t) < -margin) ++begin;
     while (end > begin && fan.at(end - 1, t) > fan.last_voxel + margin) --end;
@@ -253,7 +253,7 @@ class AxisSweep {
     }
   }
 
-  // Stores at the nodes of plane q what the lines beside them carry.
+  // Stores the codes of the lines next to each node of plane q.
   void store(int q, std::vector<std::uint8_t>& found) {
     const double t = t_[q];
     Index<D> node{};
@@ -292,10 +292,10 @@ class AxisSweep {
         const int u = column.place.below, next = std::min(u + 1, u_lines() - 1);
         const float code = row_[u] + (row_[next] - row_[u]) * column.place.part;
         node[across_[0]] = column.node;
-        // Rounded down: an isosurface in a flat part of the field does not hide itself.
+        // Round down, so that an isosurface in a flat part of the field does not hide itself.
         found[nodes_.linear(node)] = static_cast<std::uint8_t>(code);
         if (!meshes_) continue;
-        // Beyond a mesh if most of the lines beside the node, by their weights, are.
+        // A node is behind a mesh if most of the lines next to it are, by weight.
         const auto ended = [&](std::size_t line) { return walls_[line] < t ? 1.0f : 0.0f; };
         const auto between_two = [](float a, float b, float part) { return a + (b - a) * part; };
         const float dark = between_two(
@@ -324,12 +324,12 @@ class AxisSweep {
   double spacing_;
   std::array<int, 2> across_{};
   std::array<LineFan, static_cast<std::size_t>(D - 1)> fans_;
-  std::vector<int> order_;  // of the planes, as the light passes them
-  std::vector<double> t_;   // voxels from the light to them, along the axis
-  double from_ = 0;         // where the light is, or where parallel lines begin
-  int delay_ = 1;           // planes from one of nodes to the next
+  std::vector<int> order_;  // indices of the planes in the order of the light
+  std::vector<double> t_;   // voxels from the light to the planes
+  double from_ = 0;         // position of the light, or start of parallel lines
+  int delay_ = 1;           // planes from one plane of nodes to the next
   std::vector<CodePlane> ring_;
-  std::vector<float> greatest_;  // of the lines
+  std::vector<float> greatest_;  // one code per line
   std::vector<double> walls_;
   std::vector<Between> places_;
   std::vector<Column> columns_;

@@ -9,8 +9,9 @@
 
 namespace leaflight {
 
-// Values of a field as bytes, to compare for shadows: 1 to 253 over a range, 0 below it, 254 above
-// it, 255 behind a mesh, where nothing is lit. For backs the order of the values is turned around.
+// Values of a field as bytes, for shadow comparisons. Codes 1 to 253 cover a range; 0 is below it,
+// and 254 is above it. Code 255 is behind a mesh, where nothing is lit. For backs, the order of the
+// values is reversed.
 struct VisibilityCode {
   IsovalueRange range;
   bool back = false;
@@ -23,24 +24,22 @@ struct VisibilityCode {
   static constexpr std::uint8_t dark = 255;
 };
 
-// Sweeps through one volume from points of light. For each of the nodes, all texels of a lattice,
-// it finds the greatest code on its way to the point, from one texel away from the node on: an
-// isosurface of a greater value is lit there. Beyond the walls nothing is.
-//
-// Planes of the field are taken in the order in which the light passes them. Lines from the light
-// carry the greatest value so far; they are less than a voxel apart, since twice as many take over
-// where they are not, and are interpolated at the nodes. A line so costs as much as one shadow ray
-// and serves all nodes beside it.
+// Sweeps through one volume from light points. The nodes are all texels of a lattice. For each node
+// it finds the greatest code on the way to the light point, starting one texel away from the node.
+// An isosurface of a greater value is lit there. Nothing is lit behind walls. The sweep visits
+// planes of the field in the order of the light. Lines from the light carry the greatest value so
+// far and are interpolated at the nodes. Lines are less than a voxel apart: their number doubles
+// where they diverge. A line costs as much as one shadow ray and serves all nodes next to it.
 template <int D>
 class VisibilitySweep {
  public:
-  // `meshes`: whether the walls end the way. `spacing`: voxels between lines and between planes at
-  // most, where nodes are not nearer to each other; above 1 they may miss what is thinner. All that
-  // is given must outlive it.
+  // `meshes`: true if walls block light. `spacing`: upper bound on the voxels between lines and
+  // between planes, unless nodes are closer together; above 1, sweeps may miss thin features. The
+  // inputs must outlive the sweep.
   VisibilitySweep(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
                   bool meshes = true, double spacing = 1);
 
-  // From a point of light, into as many codes as there are nodes.
+  // Computes one code per node for a light point.
   void run(const LightSource<D>& source, const VisibilityCode& code,
            std::vector<std::uint8_t>& found, Progress& progress) const;
 
@@ -50,7 +49,7 @@ class VisibilitySweep {
   const TexelLattice<D>& nodes_;
   bool meshes_;
   double spacing_;
-  // The field's values, axis 0 slowest, so that its planes lie together.
+  // The field's values with axis 0 slowest, so that its planes are contiguous.
   std::variant<LargeArray<float>, LargeArray<std::uint8_t>, LargeArray<std::int16_t>,
                LargeArray<std::uint16_t>>
       turned_;

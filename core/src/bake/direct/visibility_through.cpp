@@ -8,7 +8,8 @@
 namespace leaflight {
 namespace {
 
-// Where a ray of so many lengths first is within the voxels of a field; nothing if it never is.
+// Returns the first point of a ray inside the voxels of a field, or nothing. `length`: in units of
+// `way`.
 template <int D>
 std::optional<Vec<D>> entry(const Field<D>& field, const Vec<D>& from, const Vec<D>& way,
                             double length) {
@@ -29,7 +30,7 @@ std::optional<Vec<D>> entry(const Field<D>& field, const Vec<D>& from, const Vec
   return position;
 }
 
-// Of codes at all texels of a lattice as wide as voxels.
+// Interpolates codes at all texels of a lattice that has one texel per voxel.
 template <int D>
 float interpolated(const TexelLattice<D>& lattice, const std::vector<std::uint8_t>& codes,
                    const Vec<D>& position) {
@@ -74,7 +75,7 @@ void VisibilityThrough<D>::run(const LightSource<D>& source, std::vector<std::ui
     const Vec<D> from = to_other_.point(to_frame_.point(nodes_.centre(node)));
     const auto at = entry(field_, from, source.infinite ? light : light - from, length);
     if (!at) continue;
-    // The sweep leaves out what is nearer than a voxel.
+    // The sweep ignores the first voxel on the way.
     const double h = value_at(field_, *at);
     const float own = std::isnan(h) ? 0 : std::clamp(code_(h), 0.0f, VisibilityCode::most);
     const auto code = static_cast<std::uint8_t>(std::max(own, interpolated(lattice_, codes, *at)));

@@ -8,19 +8,19 @@
 
 namespace leaflight {
 
-// How the isosurfaces of another volume stand in the way of light to those of one: of the same
-// common isovalue, which both volumes' codes stand for. Nodes of the other volume are swept,
-// and looked up where the way from a node of this one to the light enters the other volume.
+// The shadows that isosurfaces of another volume cast on those of one volume, for equal common
+// isovalues. The sweep runs over nodes of the other volume. Each node of this volume looks up the
+// code where its way to the light enters the other volume.
 template <int D>
 class VisibilityThrough {
  public:
-  // `nodes`: texels of `volume`, of which the active ones count; `code_range`: of common isovalues.
-  // All else that is given must outlive it.
+  // `nodes`: texels of `volume`; only active ones are computed. `code_range`: in common isovalues.
+  // The other inputs must outlive it.
   VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
                     const TexelLattice<D>& nodes, const IsovalueRange& code_range);
 
-  // Raises the codes of the nodes to the greatest of the other volume on their way to a point of
-  // light, the node itself included.
+  // Raises the code of each node to the greatest code of the other volume on the way to a light
+  // point, including the node itself.
   void run(const LightSource<D>& source, std::vector<std::uint8_t>& found,
            Progress& progress) const;
 
@@ -28,20 +28,20 @@ class VisibilityThrough {
   const Field<D>& field_;  // of the other volume
   VisibilityCode code_;
   const TexelLattice<D>& nodes_;
-  TexelLattice<D> lattice_;  // of the other volume's voxels
+  TexelLattice<D> lattice_;  // one texel per voxel of the other volume
   VisibilitySweep<D> sweep_;
-  Affine<D> to_frame_, to_other_;  // from the indices of the nodes' volume; from the frame
+  Affine<D> to_frame_, to_other_;  // from the indices of `volume`; from the frame
 };
 
-// The greatest codes of all volumes of a scene on the ways from a point of light to nodes of one.
+// The greatest code of all volumes of a scene on the way from a light point to each node of one.
 template <int D>
 class VisibilityThroughAll {
  public:
-  // As VisibilityThrough and VisibilitySweep have it.
+  // The parameters are those of VisibilityThrough and VisibilitySweep.
   VisibilityThroughAll(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
                        const IsovalueRange& code_range, double spacing);
 
-  // Into as many codes as there are nodes.
+  // Computes one code per node.
   void run(const LightSource<D>& source, const VisibilityCode& code,
            std::vector<std::uint8_t>& found, Progress& progress) const;
 

@@ -11,22 +11,22 @@
 
 namespace leaflight {
 
-// What a bake has to do with others.
+// Callbacks and optional inputs of a bake.
 template <int D>
 struct BakeHooks {
-  // Is given a whole bake after each pass but the last.
+  // Receives a complete bake after each pass except the last.
   std::function<void(Baked<D>&&)> on_pass;
-  // What the bake goes on with, of each volume, of the same scene and settings but for the error
-  // and the time.
+  // The light of a previous bake for each volume, which this bake continues. Scene and settings
+  // must be equal, except for the target error and the time.
   const std::vector<PreviousLight<D>>* previous = nullptr;
   const Checkpoints* checkpoints = nullptr;
   const BlockWorkers* workers = nullptr;
-  // Of the time that settings.seconds limits, as TimeLimit has it.
+  // The clock of settings.seconds; see TimeLimit.
   std::function<double()> clock = nullptr;
 };
 
 // Lights every isosurface of the scene's isovalue range at once. The result is the same, bit for
-// bit, for any number of threads, and of workers. Throws Error for a bad scene or settings,
+// bit, for any number of threads and workers. Throws Error for a bad scene or settings. Throws
 // Cancelled within half a second of progress.cancel().
 template <int D>
 Baked<D> bake(const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,

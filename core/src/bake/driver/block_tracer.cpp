@@ -64,8 +64,8 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
   const std::uint64_t indirect = texels.indirect.lattice.active.size();
   const std::uint64_t wall_entries =
       plan.wall_cache ? SurfaceCache<3>(tracer, false, 1, 0, true).entries() : 0;
-  // The values, the maps of direct light and what lines look up of them and of the walls, indirect
-  // light as it comes and as it is looked up, and a block as it is and as it goes.
+  // Add up the values, the visibility maps, and the lookups of them and of the walls. Add indirect
+  // light, as accumulated and as looked up, and one block, in memory and serialized.
   const std::uint64_t maps =
       sides * map_bytes(field, volume.isovalue_range(), texels.shown.lattice.resolution,
                         split_light(tracer).points.size());

@@ -8,18 +8,18 @@
 
 namespace leaflight {
 
-// Traces single blocks of indirect light for a bake in passes that runs elsewhere, of the same
-// scene and settings. The bits are those of the bake itself.
+// Traces single blocks of indirect light for a bake in passes that runs in another process. Scene
+// and settings must be equal; so the bits are those of the bake itself.
 class BlockTracer {
  public:
-  // Scene and progress are referred to; progress.cancel() ends whatever is done with Cancelled.
-  // Throws Error where such a bake has no passes.
+  // Keeps references to scene and progress. progress.cancel() makes every call throw Cancelled.
+  // Throws Error if a bake of these settings has no passes.
   BlockTracer(const Scene<3>& scene, const BakeSettings<3>& settings, Progress& progress);
   ~BlockTracer();
 
-  // Takes what BlockWorkers::begin() has written; blocks need it.
+  // Reads the output of BlockWorkers::begin(), which blocks need.
   void look_up(std::istream& stream);
-  // A block, as block_bytes().
+  // Traces a block and returns it as block_bytes() does.
   std::string trace(int number);
 
  private:
@@ -27,7 +27,7 @@ class BlockTracer {
   std::unique_ptr<Parts> parts_;
 };
 
-// About how many bytes it holds at most, the values of the volume included.
+// Estimates the maximum memory of a BlockTracer in bytes, including the values of the volume.
 std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& settings);
 
 }  // namespace leaflight

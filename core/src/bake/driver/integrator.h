@@ -10,30 +10,30 @@
 
 namespace leaflight {
 
-// Lights all isosurfaces of a scene in blocks, which are independent of each other, and has a whole
-// bake after any number of them. The driver (passes.h) decides how many there are. The same blocks
-// give the same bits.
+// An integrator lights all isosurfaces of a scene in independent blocks. It can return a complete
+// bake after any number of blocks. The driver (passes.h) chooses their number. The same blocks give
+// the same bits.
 template <int D>
 class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  // Adds at most so many blocks. go_on(), if given, is called after each of them, and after each
-  // step that comes before the first one; false ends add().
+  // Adds at most `blocks` blocks. Calls go_on() after each block and after each step before the
+  // first block; add() ends when it returns false.
   virtual void add(int blocks, const std::function<bool()>& go_on = {}) = 0;
-  // Its state, as it is whenever go_on() is called. An add() that was interrupted goes on with one
-  // of the blocks that are missing then.
+  // Serializes the state, which is valid whenever go_on() is called. An add() after an interrupted
+  // one continues with the missing blocks.
   virtual void serialize(Archive& archive) = 0;
-  // All that are averaged, with those of a bake that it goes on with.
+  // Returns the number of all blocks, including those of the bake that it continues.
   virtual int blocks() const = 0;
-  // Of a block, in the unit of the progress.
+  // Returns the work of a block in the unit of the progress.
   virtual double cost() const = 0;
 
-  // Of each volume of the scene.
+  // Returns one grid for each volume of the scene.
   virtual std::vector<RadianceGrid<D>> grids() = 0;
-  // The noise of what grids() found, by the standard errors of the texels.
+  // Returns the noise of the last grids(), from the standard errors of the texels.
   virtual const IsovalueErrors& errors() const = 0;
-  // Once the scene knows their direct light.
+  // Returns the light of the walls. Requires that the scene has computed their direct light.
   virtual WallRadiance<D> walls() = 0;
 };
 

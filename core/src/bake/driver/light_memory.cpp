@@ -12,15 +12,15 @@
 namespace leaflight {
 namespace {
 
-// Bytes, as measured (docs/clusters.md): of texels of the result and of indirect light at the end
-// of a pass, when most is held; of the file's grids beside what they are made of; and of a voxel in
-// the nodes of the grid of values.
+// Measured memory in bytes (docs/clusters.md). It counts texels of the result and of indirect light
+// at the end of a pass, when memory peaks. A saved texel is one of the file's grids, without their
+// inputs. A saved voxel is a share of the nodes of the grid of values.
 struct TexelBytes {
   double direct, indirect;
 };
 constexpr TexelBytes front_side{150, 100}, both_sides{265, 160}, walls{30, 30};
 constexpr double saved_texel = 100, saved_voxel = 0.27, photon_texel = 90, fixed = 16 << 20;
-// Resolutions are tried until one is this much finer than what fits.
+// The search over resolutions ends when this factor separates a fitting one from a failing one.
 constexpr double step = 1.05;
 constexpr int coarsest = 8;
 
@@ -54,7 +54,7 @@ class LightMemory {
     return static_cast<std::uint64_t>(fixed + maps + std::max(lit, saved));
   }
 
-  // So many times as wide as voxels.
+  // Returns the resolution of texels that are `width` voxels wide.
   Index<3> resolution(double width) const {
     Index<3> coarser;
     for (int a = 0; a < 3; ++a) {

@@ -6,12 +6,12 @@
 
 namespace leaflight {
 
-// About how many bytes a bake in passes takes at most, besides the arrays of the volume
+// Estimates the maximum memory of a bake in passes in bytes, without the arrays of the volume
 // (math/large_array.h).
 std::uint64_t light_memory(const Scene<3>& scene, const BakeSettings<3>& settings);
 
-// The finest texels for which that is at most `bytes`; zeros where it is with those that the bake
-// takes by itself. Throws Error where not even the coarsest fit.
+// Returns the finest resolution whose light_memory() is at most `bytes`, or zeros if the default
+// resolution fits. Throws Error if not even the coarsest resolution fits.
 Index<3> fitting_resolution(const Scene<3>& scene, const BakeSettings<3>& settings,
                             std::uint64_t bytes);
 

@@ -15,9 +15,9 @@
 namespace leaflight {
 namespace {
 
-// Directions of the bounces of indirect light that come before blocks count. Later bounces bring
-// less and vary less. They begin with none: light from photons is too coarse, and what leaks
-// through a wall stays in a closed cavity for many bounces.
+// Numbers of directions of the first bounces of indirect light, before blocks count. Later bounces
+// add less light and less variance. Bounces start without photon light: it is too coarse, and light
+// that leaks through a wall stays in a closed cavity for many bounces.
 constexpr std::array bounce_directions{16, 8, 4, 4};
 constexpr int bounces = bounce_directions.size();
 
@@ -63,7 +63,7 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   learn_lookups();
   const auto ended = [&] { return go_on && !go_on(); };
   bool stopped = false;
-  // It is what it was where an interrupted add() goes on.
+  // After an interrupted add(), these are already computed.
   if (indirect_sides_[0].empty()) {
     learn_back_direct();
     learn_indirect();
@@ -90,8 +90,8 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   release();
 }
 
-// Each bounce is that of the one before. The sides that lines do not gather for keep their light
-// from photons.
+// Computes the first bounces, each from the one before. Sides for which lines do not gather keep
+// their photon light.
 template <int D>
 void LineBake<D>::gather_bounces() {
   static const DirectLookup<D> no_direct;
@@ -122,7 +122,7 @@ void LineBake<D>::add_block(const std::function<void(SideMoments&)>& fill) {
   indirect_->add_block_by(fill, progress_);
 }
 
-// What only lines look up takes as much memory as the result does.
+// Frees the inputs of the lines, which take as much memory as the result.
 template <int D>
 void LineBake<D>::release() {
   indirect_->release();
@@ -206,7 +206,7 @@ RadianceGrid<D> LineBake<D>::grid() {
   return result;
 }
 
-// Of white isosurfaces, by side.
+// Returns the light of white isosurfaces, by side.
 template <int D>
 std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfiltered) {
   std::array<NoisyLight, 2> light;
@@ -260,7 +260,8 @@ WallRadiance<D> LineBake<D>::walls() {
 template <int D>
 void LineBake<D>::trace_photons(const BakeTexels<D>& texels) {
   PhotonSettings settings;
-  // A continued bake has its own photons: the noise of the walls' cache is in all of its lines.
+  // A continued bake traces new photons, because the noise of the walls' cache is in all of its
+  // lines.
   const std::uint64_t before = previous_ ? previous_->blocks() : 0;
   settings.seed = random_for(settings_.seed, Purpose::photon, before).bits();
   settings.photons = texels.photon_count;
@@ -297,7 +298,7 @@ std::vector<Rgb> LineBake<D>::direct_at(const TexelLattice<D>& lattice, bool bac
   return found;
 }
 
-// Without an error.
+// Returns direct light, which has no variance.
 template <int D>
 std::vector<Average> LineBake<D>::direct_averages(bool back) {
   std::vector<Rgb>& known = direct_texels_[back];
@@ -321,7 +322,7 @@ void LineBake<D>::learn_surfaces() {
     surfaces_ = texel_surfaces(volume_, indirect_->texels().lattice, progress_);
 }
 
-// Photons light the back where no lines gather for it.
+// Computes the indirect light that lines look up. Photons light the back if no lines gather for it.
 template <int D>
 void LineBake<D>::learn_indirect() {
   for (int side = 0; side < 2; ++side) {
@@ -355,7 +356,7 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
           true};
 }
 
-// From white isosurfaces to those of the scene.
+// Converts light of white isosurfaces to light of the scene's isosurfaces.
 template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& of = volume_.volume();
@@ -384,7 +385,7 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
       colour += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
-    // What is beyond white does not count.
+    // Errors of colors brighter than white are invisible.
     const bool is_white = colour * settings_.exposure > 1;
     errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);
   }

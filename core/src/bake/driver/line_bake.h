@@ -16,38 +16,38 @@ namespace leaflight {
 // The texels at which a bake by lines stores light.
 template <int D>
 struct BakeTexels {
-  IndexedLattice<D> shown;         // the texels of the result
-  IndexedLattice<D> indirect;      // those of indirect light
-  int spacing = 1;                 // of the lines for indirect light, in its texels
-  TexelLattice<D> photons;         // what photons fall into
-  std::uint64_t photon_count = 0;  // 0: their light comes by serialize_lookups()
-  int wall_samples = 0;            // shadow rays of each patch of the walls
+  IndexedLattice<D> shown;         // texels of the result
+  IndexedLattice<D> indirect;      // texels of indirect light
+  int spacing = 1;                 // of the lines, in texels of indirect light
+  TexelLattice<D> photons;         // texels that collect photons
+  std::uint64_t photon_count = 0;  // 0: serialize_lookups() reads their light
+  int wall_samples = 0;            // shadow rays per patch of the walls
 };
 
-// One volume's bake by lines, from nothing, or from a previous bake, to any number of
-// blocks of indirect light, beside direct light, which is exact.
+// One volume's bake by lines. It has any number of blocks of indirect light, and exact direct
+// light. It starts empty or continues a previous bake.
 template <int D>
 class LineBake final : public Integrator<D> {
  public:
-  // `volume`: its number. `previous`: of the same texels and settings; null: nothing. `workers`:
-  // who traces blocks; null: nobody else.
+  // `volume`: its number. `previous`: light at the same texels with equal settings, or null.
+  // `workers`: processes that trace blocks, or null.
   LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texels,
            const PreviousLight<D>* previous = nullptr, const BlockWorkers* workers = nullptr);
 
   void add(int blocks, const std::function<bool()>& go_on = {}) override;
   void serialize(Archive& archive) override;
-  // What lines of indirect light look up, from a bake to that of a BlockTracer.
+  // Transfers the inputs of the lines from a bake to a BlockTracer.
   void serialize_lookups(Archive& archive);
-  // Another block, of which fill() makes the open sums, instead of lines.
+  // Adds a block whose open sums come from `fill` instead of lines.
   void add_block(const std::function<void(SideMoments&)>& fill);
-  // Frees what only blocks need.
+  // Frees the data that only blocks need.
   void release();
-  // A block for another bake that has asked for it, as block_bytes().
+  // Traces a block for another bake and returns it as block_bytes() does.
   std::string traced_block(int number);
   int blocks() const override {
     return indirect_ ? indirect_->blocks() + (previous_ ? previous_->blocks() : 0) : 0;
   }
-  // In points of lines.
+  // Returns the work of a block in points of lines.
   double cost() const override { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
@@ -57,7 +57,8 @@ class LineBake final : public Integrator<D> {
   WallRadiance<D> walls() override;
 
  private:
-  // Exact direct light at the texels of a lattice; none of a side whose maps are not known.
+  // Computes exact direct light at the texels of a lattice; returns nothing for a side without
+  // maps.
   std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool back) const;
   void trace_photons(const BakeTexels<D>& texels);
   void serialize_indirect(Archive& archive);
@@ -77,24 +78,25 @@ class LineBake final : public Integrator<D> {
   LineVolume<D> volume_;
   const LightSampler<D>& lights_;
   const SplitLight<D>& split_;
-  // Of the scene: coarser maps while the first picture is made.
+  // Maps of the scene, which are coarser for the first picture.
   const std::shared_ptr<const DirectLight<D>>& direct_;
-  std::optional<EnvironmentSampler<D>> sky_;  // that has no points
+  std::optional<EnvironmentSampler<D>> sky_;  // without the light points
   const BakeSettings<D>& settings_;
   const Plan& plan_;
   Progress& progress_;
   const PreviousLight<D>* previous_;  // may be null
   const BlockWorkers* workers_;       // may be null
   IndexedLattice<D> texels_;
-  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, once it is asked for
+  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, after the first use
   std::vector<TexelSurface<D>> surfaces_;          // at the texels of indirect light
-  DirectLookup<D> direct_lookup_;                  // while lines look it up
+  DirectLookup<D> direct_lookup_;                  // empty when no lines need it
   std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
   std::vector<TexelLattice<D>> lattices_;          // of the photons
   PhotonCaches<D> photons_;
-  // Of white isosurfaces' sides, at the texels of indirect light, while lines look it up.
+  // Light of both sides of white isosurfaces at the texels of indirect light; empty when no lines
+  // need it.
   std::array<std::vector<Rgb>, 2> indirect_sides_;
-  std::vector<Rgb> back_direct_;  // there, too
+  std::vector<Rgb> back_direct_;  // at the same texels
   IsovalueErrors errors_;
 };
 

@@ -34,7 +34,7 @@ const std::vector<SubdividedMesh<D>>& LitScene<D>::subdivided() {
 template <int D>
 void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
   progress.begin("Direct light");
-  // The light of backs would take two maps where other volumes stand in its way.
+  // With several volumes, backs would need two maps, so they have none.
   const bool back = plan.back && volumes.size() == 1;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
     if (!stores_light_of(v)) continue;

@@ -11,15 +11,15 @@
 
 namespace leaflight {
 
-// How finely walls are lit. One way of every `share` to points of lights is traced
-// (MeshDirectLight); `samples`: of each vertex at each node, where lines light the volume.
+// Detail of the light of walls. One of every `share` ways to light points is traced
+// (MeshDirectLight). `samples`: of each vertex at each node, if lines light the volume.
 struct WallDetail {
   int samples = 8;
   std::size_t share = 1;
 };
 inline constexpr WallDetail least_wall_detail{2, light_point_sets};
 
-// A scene made ready for light: what its integrators share. All that it is given must outlive it.
+// A scene prepared for lighting, which its integrators share. The inputs must outlive it.
 template <int D>
 struct LitScene {
   const BakeSettings<D>& settings;
@@ -29,35 +29,36 @@ struct LitScene {
   LightSampler<D> lights;
   SplitLight<D> split;
   std::vector<LineVolume<D>> volumes;
-  // Of each volume, once it is known; null where no texel stores light.
+  // One per volume, after its computation; null if no texel of it stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
   WallDetail wall_detail;
-  std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // once it is known
+  std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // null before its computation
 
-  // Throws Error where lights are walled in.
+  // Throws Error if walls enclose all lights.
   LitScene(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
            Progress& progress);
   LitScene(const LitScene&) = delete;
 
   int sides() const { return plan.back ? 2 : 1; }
-  // What mirrors and glass show depends on the view, so that no texel can hold it.
+  // True if texels can store light. Reflections of mirrors and glass depend on the view.
   bool stores_light_of(std::size_t volume) const {
     return tracer.scene().volumes[volume].scattering == Scattering::diffuse;
   }
-  // The walls' meshes, which are cut when they are first asked for.
+  // Returns the walls' meshes; subdivides them at the first call.
   const std::vector<SubdividedMesh<D>>& subdivided();
-  // Computes the maps of the points of `split`; `texels`: the resolution of each volume's;
-  // `spacing`: as VisibilitySweep has it.
+  // Computes the visibility maps of the points of `split`. `texels`: the resolution of each volume.
+  // `spacing`: see VisibilitySweep.
   void learn_direct(const std::vector<Index<D>>& texels, double spacing);
-  // Once for each detail.
+  // Computes the direct light of the walls once for each detail.
   void learn_direct_of_walls();
-  // What they still are for the progress. Paths light walls in their blocks.
+  // Returns the remaining work for the walls in the unit of the progress. Paths light walls in
+  // their blocks.
   double cost_of_walls();
 
  private:
-  std::vector<EmptySpace<D>> empty_;  // of each volume, below the isovalue range
+  std::vector<EmptySpace<D>> empty_;  // below the isovalue range; one per volume
   std::vector<SubdividedMesh<D>> subdivided_;
-  std::size_t learned_share_ = 0;  // of the walls' direct light; 0: none
+  std::size_t learned_share_ = 0;  // share of the walls' direct light; 0: none yet
 };
 
 }  // namespace leaflight

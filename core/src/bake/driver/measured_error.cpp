@@ -8,14 +8,14 @@ namespace {
 
 constexpr int points_a_volume = 2048;
 
-// Paths of an estimate: the smaller the error, the less noise hides it.
+// Returns the paths of an estimate. Small errors need more paths, or noise hides them.
 int paths_to_measure(double error) {
   const double percents = 1.5 / error;
   return static_cast<int>(std::clamp(16 * percents * percents, 16.0, 32.0));
 }
 
-// The chance by which each point is chosen: half of them by area, and half so that each part of the
-// isovalue range which has an estimate of its own gets as many as others.
+// Computes the probability of each point. One half is proportional to area. The other half gives
+// equal shares to all parts of the isovalue range that have their own estimate.
 template <int D>
 std::vector<double> chances(const std::vector<AreaPoint<D>>& points, const IsovalueErrors& parts) {
   std::array<double, IsovalueErrors::parts> areas{};
@@ -34,11 +34,11 @@ std::vector<double> chances(const std::vector<AreaPoint<D>>& points, const Isova
   return found;
 }
 
-// The square of what radiance differs by from the mean of others, as colours, over the channels,
-// less the square that the noise of the mean adds.
+// Computes the squared difference between a radiance and the mean of others as colors, summed over
+// the channels. Subtracts the expected square that the noise of the mean adds.
 double square_without_noise(const Vec<3, float>& radiance, const std::vector<Rgb>& others,
                             double exposure) {
-  // A path that meets a lamp by chance may bring a hundred times as much as all others.
+  // Clamp, because a path that hits a lamp by chance may be a hundred times brighter.
   constexpr double brightest = 1.5;
   const auto count = static_cast<double>(others.size());
   double result = 0;
@@ -50,7 +50,7 @@ double square_without_noise(const Vec<3, float>& radiance, const std::vector<Rgb
       sum2 += one * one;
     }
     const double mean = sum / count, own = std::min(1.0, exposure * radiance[i]);
-    // What is beyond white does not count.
+    // Clip colors at white, where errors are invisible.
     if (mean > 1) {
       result += (own - 1) * (own - 1);
     } else {
@@ -71,7 +71,7 @@ MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<Bake
   }
 }
 
-// Evenly along all points in their order (systematic sampling).
+// Chooses points by systematic sampling along their order.
 template <int D>
 void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) {
   const std::vector<AreaPoint<D>> all =
@@ -96,7 +96,7 @@ template <int D>
 void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estimates) {
   scene_.progress.begin("Measuring the error");
   const int paths = paths_to_measure(scene_.settings.error);
-  std::vector<TexelLattice<D>> lattices;  // of photons
+  std::vector<TexelLattice<D>> lattices;  // one per volume, for photons
   lattices.reserve(texels.size());
   for (const BakeTexels<D>& one : texels) {
     if (scene_.plan.caustics) lattices.push_back(one.indirect.lattice);
@@ -114,7 +114,7 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estim
               AreaPoint<D>& at = points_[v][p].at;
               const SurfacePoint<D> point =
                   scene_.tracer.isosurface_point(static_cast<int>(v), at.at, at.c, false);
-              // No isosurface passes there.
+              // The area is zero if no isosurface passes there.
               if (point.kind() == HitKind::none) at.area = 0;
               if (!(at.area > 0)) continue;
               const SampleKeys keys =

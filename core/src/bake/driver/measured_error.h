@@ -6,22 +6,22 @@
 
 namespace leaflight {
 
-// How far bakes of a scene are from the light that paths find at some points of the isosurfaces.
-// Each point has several independent estimates of its radiance. Their spread tells how noisy their
-// mean is, so that this noise does not count as error: few estimates suffice, more tell more.
+// The error of bakes of a scene, compared with path tracing at some points of the isosurfaces. Each
+// point has several independent estimates of its radiance. Their variance gives the noise of their
+// mean, which is subtracted from the error. Few estimates suffice; more reduce the uncertainty.
 template <int D>
 class MeasuredError {
  public:
-  // Estimates of a point, at most. Fewer than two tell nothing.
+  // Upper bound on the estimates per point; the variance needs at least two.
   static constexpr int most_estimates = 8;
 
-  // `texels`: of each volume, those of the bake.
+  // `texels`: those of the bake, for each volume.
   MeasuredError(const LitScene<D>& scene, const std::vector<BakeTexels<D>>& texels);
 
-  // Traces paths until each point has so many estimates. `texels`: as before.
+  // Traces paths until each point has `estimates` estimates. `texels`: as above.
   void trace(const std::vector<BakeTexels<D>>& texels, int estimates);
 
-  // The error of the fronts of a bake's isosurfaces, to those of its noise.
+  // Adds the error of the fronts of a bake's isosurfaces to its noise.
   void add_to(IsovalueErrors& errors, const std::vector<RadianceGrid<D>>& grids) const;
 
  private:
@@ -33,7 +33,7 @@ class MeasuredError {
   void place(std::size_t volume, const TexelLattice<D>& texels);
 
   const LitScene<D>& scene_;
-  int estimates_ = 0;                       // of each point, so far
+  int estimates_ = 0;                       // per point, so far
   std::vector<std::vector<Point>> points_;  // of each volume
 };
 

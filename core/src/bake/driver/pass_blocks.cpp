@@ -7,13 +7,13 @@
 namespace leaflight {
 namespace {
 
-// Of all passes, at most.
+// Upper bound on the number of blocks of a bake.
 constexpr int most_blocks = 32;
-// Bakes of fewer texels begin with four blocks, which take little time there.
+// Bakes with fewer texels begin with four blocks, which are quick.
 constexpr std::size_t few_texels = 1'500'000;
-// The noise to reach, as a share of the target error: what the texture error leaves of it. Where
-// that is less than the least, passes would take several times as long for an error that hardly
-// falls: a share of the texture error is enough.
+// Bounds of the noise to reach, as a share of the target error. If the texture error leaves less
+// than the lower bound, passes would take several times as long for almost no gain. Then the noise
+// to reach is a share of the texture error.
 constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
 
 }  // namespace
@@ -30,7 +30,7 @@ int next_blocks(int now, double noise, double target) {
   if (now == 0) return 0;
   const double wanted = noise * now / target;
   const int most = std::max(now, std::min(std::max(2 * now, 8), most_blocks));
-  // A pass that adds little costs as much to look at as one that adds more.
+  // A small pass has the same overhead as a large one, so passes grow by at least a quarter.
   const double grown = wanted > now ? std::max(std::ceil(wanted), std::ceil(1.25 * now)) : now;
   return static_cast<int>(std::clamp<double>(grown, now, most));
 }

@@ -5,15 +5,15 @@
 
 namespace leaflight {
 
-// The noise, in percent, at which a bake of this target error and this texture error ends: what the
-// texture error leaves of the target, within bounds.
+// Returns the noise, in percent, at which a bake ends: the part of the target error that the
+// texture error leaves, within bounds.
 double noise_to_reach(double error, double texture);
 
-// Blocks of the first pass of a bake of so many texels. The difference of two shows the error.
+// Returns the blocks of the first pass. At least two are needed to estimate the error.
 int first_blocks(std::size_t texels);
 
-// The blocks after the next pass: as many as leave the noise `target`, a variance, by what was
-// found so far; at most twice as many as now, or eight.
+// Returns the number of blocks after the next pass. It aims at the variance `target`, given the
+// variance `noise` of `now` blocks. It is at most twice `now`, or eight.
 int next_blocks(int now, double noise, double target);
 
 }  // namespace leaflight

@@ -7,33 +7,34 @@
 namespace leaflight {
 namespace {
 
-// Texels that a bake has by default, at most, where they are finer than voxels.
+// Upper bounds on the default texels if they are finer than voxels.
 constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
 constexpr int most_halvings = 2;
-// Where isosurfaces pass more voxels than these, indirect light's lines are two texels apart, its
-// texels are coarser than voxels, those that photons fall into are.
+// Numbers of voxels that isosurfaces pass. Above the first, lines of indirect light are two texels
+// apart. Above the second, texels of indirect light are coarser than voxels. Above the third, those
+// of photons are.
 constexpr std::size_t most_dense_voxels = 200'000, most_indirect_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
 constexpr int widest_texel = 8;
-// Of a block of rays, which has photons of its own.
+// Photons of a block of rays; each block traces its own.
 constexpr std::uint64_t ray_photons = 100'000;
-// Of indirect light where each texel takes rays of its own.
+// Upper bound on the texels of indirect light if each traces its own rays.
 constexpr std::size_t most_ray_texels = 500'000;
-// Of indirect light where a resolution is given; or as many as are given.
+// Upper bound on the texels of indirect light if a resolution is given that has fewer.
 constexpr std::size_t most_given_indirect_texels = 500'000;
-// Those of a first picture are so many voxels wide.
+// Width of a texel of a first picture, in voxels.
 constexpr int preview_width = 4;
-// Photons give the light that has bounced more than once before line passes have sampled it, and
-// the indirect light of the walls.
+// Photons carry light of several bounces until line passes have sampled it, and the indirect light
+// of the walls.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
-// Shadow rays of each patch of the walls.
+// Shadow rays per patch of the walls.
 constexpr int wall_samples = 8, preview_wall_samples = 2;
 
-// How many texels isosurfaces pass.
+// Counts the texels that isosurfaces pass.
 template <int D>
 using Counted = std::function<std::size_t(const Index<D>& resolution)>;
 
-// Texels half as wide where they are few. `count`: of the resolution.
+// Halves the width of texels while their number stays small. `count`: number at `resolution`.
 template <int D>
 Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
                 const Counted<D>& counted) {
@@ -44,7 +45,8 @@ Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
   return resolution;
 }
 
-// How wide texels are for isosurfaces to pass at most so many, given the voxels that they pass.
+// Returns the texel width at which isosurfaces pass at most `most` texels. `voxels`: those that
+// they pass.
 int width_for(std::size_t voxels, std::size_t most, int dimension) {
   int width = 1;
   while (width < widest_texel && voxels > most) {
@@ -54,7 +56,8 @@ int width_for(std::size_t voxels, std::size_t most, int dimension) {
   return width;
 }
 
-// Without active texels where mirrors and glass show what depends on the view.
+// Returns a lattice; it has no active texels for mirrors and glass, whose light depends on the
+// view.
 template <int D>
 TexelLattice<D> lattice_of(const LineVolume<D>& volume, const Index<D>& resolution) {
   const Field<D>& field = volume.volume().field;
@@ -88,7 +91,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
   if (given) {
     check_resolution<D>(settings.resolution);
     found.shown = settings.resolution;
-    // Indirect light finer than what is asked for is of no use, unless it costs little.
+    // Indirect light needs no finer texels than the result, unless they are cheap.
     const std::size_t asked = counted(found.shown);
     if (asked >= most_given_indirect_texels && counted(found.indirect) > asked)
       found.indirect = found.shown;

@@ -6,8 +6,8 @@
 
 namespace leaflight {
 
-// How fine the texels of a bake in passes are: of the resolution of the settings, or as fine as its
-// volume needs and its size allows.
+// The resolutions of a bake in passes. They follow the settings, or else the detail and the size of
+// the volume.
 template <int D>
 struct PassResolutions {
   Index<D> shown, indirect, photons;  // as in BakeTexels
@@ -17,7 +17,7 @@ template <int D>
 PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
                                     const BakeSettings<D>& settings);
 
-// Where it does, by lines or by rays, with texels so many times as wide.
+// Returns the texels of a bake by lines or by rays. `width`: factor on the width of texels.
 template <int D>
 BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
                           int width = 1);
@@ -25,7 +25,7 @@ template <int D>
 BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
                          int width = 1);
 
-// Where its first picture does; resolution: of the texels of the result.
+// Returns the texels of the first picture. `resolution`: of the result.
 template <int D>
 BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolution);
 

@@ -14,18 +14,19 @@
 namespace leaflight {
 namespace {
 
-// Bakes of fewer texels do without a first picture.
+// Bakes with fewer texels have no first picture.
 constexpr std::size_t most_without_preview = 200'000;
-// Blocks of a first picture; how much wider texels of its maps are, and voxels between their lines;
-// estimates at each point where its error is measured, of which all would delay it.
+// Parameters of a first picture: its blocks, the spacing of its visibility sweeps, and the
+// estimates per point of its error. All estimates would delay it.
 constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
-// How many times as long the walls of a whole pass take for ways, and for all else.
+// Predicted ratio of the walls' time in a complete pass to that in the first picture: for ways to
+// lights, and for samples.
 constexpr int more_ways = 6, more_samples = 3;
-// A pass that is out of time ends after so many.
+// A pass that runs out of time ends after at least this many blocks.
 constexpr int least_blocks = 2;
 
-// The texels of a bake: as fine as its volume needs, or, where its time is too short for them,
-// twice as wide or those of its first picture.
+// The texels of a bake. The usual ones are as fine as its volume needs. If time is short, they are
+// twice as wide, or those of the first picture.
 enum class Texels : int { usual, wider, preview };
 constexpr int wider_by = 2;
 
@@ -75,7 +76,7 @@ class Passes {
 
   bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->restore; }
 
-  // So many times as wide as usual.
+  // Returns the texels of all volumes, `width` times as wide as usual.
   std::vector<BakeTexels<D>> texels(int width) const {
     std::vector<BakeTexels<D>> found;
     for (const LineVolume<D>& volume : scene_.volumes) {
@@ -103,7 +104,7 @@ class Passes {
     return std::make_unique<LineBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
   }
 
-  // Shows a first picture where the bake is large; returns the texels that the time is enough for.
+  // Shows a first picture if the bake is large. Returns the finest texels that the time allows.
   Texels first_picture() {
     const bool is_large = count_ > most_without_preview;
     if (previous_ || count_ == 0 || !(is_large || limit_.is_given())) return Texels::usual;
@@ -121,7 +122,7 @@ class Passes {
     return fits(texels_) ? Texels::usual : wider_in_time();
   }
 
-  // Lights the first picture's walls coarsely: nothing else tells how long they take.
+  // Measures the time of coarse walls, to decide if there is time for fine ones.
   void choose_wall_detail() {
     scene_.wall_detail = least_wall_detail;
     scene_.subdivided();
@@ -129,10 +130,10 @@ class Passes {
     scene_.learn_direct_of_walls();
     const double ways = more_ways * (limit_.seconds() - began);
     preview_walls_ = walls(*preview_);
-    // Rays light them with the volume.
+    // A bake by rays samples walls in the blocks of the volume.
     const double samples = walls_seconds_ * (scene_.plan.lines ? more_samples : 1);
     fine_walls_seconds_ = ways + samples;
-    // At most half of the time that is left is theirs.
+    // Fine walls may take at most half of the remaining time.
     if (over(2 * fine_walls_seconds_)) return;
     preview_walls_.reset();
     scene_.wall_detail = WallDetail();
@@ -147,7 +148,7 @@ class Passes {
     return wider_;
   }
 
-  // For a first pass.
+  // True if the time suffices for a first pass with these texels.
   bool fits(const std::vector<BakeTexels<D>>& texels) const {
     const double ratio = static_cast<double>(texels_of_indirect_light(texels)) /
                          static_cast<double>(preview_texels_);
@@ -193,7 +194,7 @@ class Passes {
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
   }
 
-  // What the bake goes on with; null where it has texels of another width.
+  // Returns the light to continue, or null if its texels have another width.
   const Previous* previous_light() const {
     const Previous* previous = hooks_.previous;
     if (!previous) return nullptr;
@@ -211,7 +212,7 @@ class Passes {
         "anew.");
   }
 
-  // Work of all that comes before the walls, until the integrator tells it.
+  // Sets the expected work of the steps before the walls, before the integrator exists.
   void expect() {
     const auto points = static_cast<double>(scene_.split.points.size());
     double work = 0;
@@ -223,7 +224,7 @@ class Passes {
     progress_.expect(progress_.work() + work + scene_.cost_of_walls());
   }
 
-  // What is done, the blocks, what comes before them, the radiance of the texels and the walls.
+  // Sets the expected work: past work, the blocks, the steps before them and the walls.
   void expect_pass() {
     const int blocks = blocks_ - bake_->blocks() + (bake_->blocks() == before_ ? 2 : 1);
     progress_.expect(progress_.work() + bake_->cost() * blocks + scene_.cost_of_walls());
@@ -232,7 +233,7 @@ class Passes {
   Baked<D> subdivide() {
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
-      // The first picture is a whole bake.
+      // The first picture is a complete bake.
       if (chosen_ == Texels::preview && passes_ <= 1 &&
           over(preview_seconds_.all() + closing_seconds())) {
         return last(whole(*bake_), true);
@@ -257,17 +258,17 @@ class Passes {
       if (cut || is_late()) return last(std::move(baked), true);
       if (next <= blocks_) return last(std::move(baked), false);
       if (hooks_.on_pass) {
-        // Where isosurfaces store no light, the walls are all that there is to see.
+        // If isosurfaces store no light, only the walls are visible.
         if (count_ == 0) baked.walls = walls(*bake_);
         hooks_.on_pass(std::move(baked));
       }
-      // What was shown is what is left.
+      // Out of time: the result is the bake that was shown.
       if (is_late()) return last(whole(*bake_), true);
       blocks_ = next;
     }
   }
 
-  // After each block: leaves a checkpoint where one is due. Whether time is left for another.
+  // Saves a checkpoint after a block if one is due. True if time is left for another block.
   bool go_on() {
     const double now = limit_.seconds();
     block_seconds_ = now - block_began_;
@@ -279,22 +280,22 @@ class Passes {
     }
     const int done = bake_->blocks() - before_;
     if (done >= least_blocks) return !is_late();
-    // Before it, nothing is left but the first picture. What comes before a first block takes as
-    // long as the least blocks.
+    // With fewer blocks, only the first picture can be returned. The steps before a first block
+    // take about as long as the least number of blocks.
     if (done == 0) return !preview_ || !is_late();
     return !preview_ || !limit_.is_over(block_seconds_ + closing_seconds());
   }
 
-  // Another block takes about as long as the one before.
+  // True if another block would end too late. It is assumed to take as long as the last one.
   bool is_late() const { return over(block_seconds_ + closing_seconds()); }
-  // Of what follows the blocks.
+  // Estimates the time of the steps after the blocks.
   double closing_seconds() const {
     return seconds_a_texel_ * static_cast<double>(std::max<std::size_t>(1, count_)) +
            walls_seconds_;
   }
 
   void serialize(Archive archive) {
-    // Numbers are stored as this build has them in memory.
+    // Numbers are stored in the memory layout of this build.
     int layout = sizeof(Real) * 256 + D;
     const int own_layout = layout;
     archive(layout);
@@ -345,7 +346,7 @@ class Passes {
     return walls;
   }
 
-  // A bake's last pass, which has the walls, too.
+  // Finishes the last pass, which includes the walls.
   Baked<D> last(Baked<D> baked, bool stopped) {
     if (!over(fine_walls_seconds_)) scene_.wall_detail = WallDetail();
     const bool is_known = scene_.wall_detail.share > 1 && preview_walls_;
@@ -367,21 +368,21 @@ class Passes {
   const BakeHooks<D>& hooks_;
   LitScene<D> scene_;
   Progress& progress_;
-  const std::uint64_t first_rays_ = progress_.rays();  // of others, before
-  const Previous* previous_ = nullptr;                 // null: nothing
+  const std::uint64_t first_rays_ = progress_.rays();  // rays before this bake
+  const Previous* previous_ = nullptr;                 // null: none
   std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
-  std::size_t count_ = 0, preview_texels_ = 1;         // of all texels, of the first picture's
+  std::size_t count_ = 0, preview_texels_ = 1;         // of all texels; of the first picture's
   Texels chosen_ = Texels::usual;
-  // Passes, blocks of the previous bake, and those after the pass.
+  // Passes; blocks of the previous bake; blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
   PreviewSeconds preview_seconds_;
   double walls_seconds_ = 0, fine_walls_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0;
-  double block_began_ = 0, saved_ = 0;  // when
+  double block_began_ = 0, saved_ = 0;  // times
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;
-  IsovalueErrors errors_;  // of the last whole bake
+  IsovalueErrors errors_;  // of the last complete bake
 };
 
 }  // namespace

@@ -5,12 +5,12 @@
 
 namespace leaflight {
 
-// A bake in passes: each adds blocks of an integrator (integrator.h), lines where there is one
-// volume without mirrors and glass, else rays, and leaves a whole bake. What a pass does depends
-// on the passes before alone, never on time. Ends when the estimated noise leaves room for
-// settings.error, when settings.seconds are over or progress.stop() was called. A first picture is
-// nothing to go on with, as it has texels of its own. Checkpoints leave its state now and then, and
-// it goes on from one of them with the bits of a bake that nobody interrupted.
+// Bakes in passes; each adds blocks of an integrator (integrator.h) and leaves a complete bake. One
+// volume without mirrors and glass uses lines, all other scenes use rays. A pass depends only on
+// the passes before it, never on time. The bake ends when its estimated error reaches
+// settings.error, when settings.seconds are over, or at progress.stop(). A first picture cannot be
+// continued, because it has its own texels. Checkpoints save the state at intervals. A bake that
+// continues from one has the bits of an uninterrupted bake.
 template <int D>
 Baked<D> bake_in_passes(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
                         Progress& progress, const BakeHooks<D>& hooks);

@@ -7,19 +7,18 @@
 
 namespace leaflight {
 
-// Samples of all light but what light points give, by paths, beside photons that carry caustics
-// where the plan asks for them. Of another seed all is independent.
+// Samples all light except that of light points by paths. Photons carry caustics if the plan asks
+// for them. Estimates with different seeds are independent.
 template <int D>
 class PathLight {
  public:
-  // `lattices`: where photons are stored, of each volume, if any are; they and the scene must
-  // outlive it.
+  // `lattices`: texels that collect photons, for each volume. They and the scene must outlive it.
   PathLight(const LitScene<D>& scene, const std::vector<TexelLattice<D>>& lattices,
             std::uint64_t photons, std::uint64_t seed);
   PathLight(const PathLight&) = delete;
 
   const IndirectEstimator<D>& estimator() const { return *estimator_; }
-  // `lights`: what its direct light comes from.
+  // Returns a sampler. `lights`: sources of its direct light.
   PointSampler<D> sampler(const LightSampler<D>& lights) const {
     return {lights, isosurfaces_, photons_.walls.get(), has_caustics_};
   }

@@ -7,7 +7,7 @@
 namespace leaflight {
 namespace {
 
-// Paths of a texel, and of a vertex of the walls at a node, in a block.
+// Paths in a block: per texel, and per vertex of the walls at a node.
 constexpr int texel_samples = 1, vertex_samples = 4;
 
 }  // namespace
@@ -51,7 +51,7 @@ double RayBake<D>::cost() const {
 template <int D>
 void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!scene_.plan.indirect) return;
-  // A bake that is continued has texels in its file, but no walls.
+  // The file of a previous bake has no blocks of the walls, so they are traced again.
   while (walls_ && walls_->blocks() < previous_blocks_) add_block(walls_->blocks(), false);
   for (int i = 0; i < blocks; ++i) {
     add_block(previous_blocks_ + blocks_, true);
@@ -82,7 +82,7 @@ void RayBake<D>::add_block(int number, bool texels) {
   }
 }
 
-// Of isosurfaces as if they were white.
+// Gathers light as if isosurfaces were white.
 template <int D>
 void RayBake<D>::gather(std::size_t volume, bool back, const PointSampler<D>& from,
                         const IndirectEstimator<D>& estimator, std::uint64_t seed,
@@ -133,7 +133,7 @@ std::vector<RadianceGrid<D>> RayBake<D>::grids() {
       grids.emplace_back().lattice = inactive_lattice<D>(field.dims, shown_[v]);
     }
   }
-  // Where isosurfaces store no light, the noise of the walls is all that there is.
+  // If isosurfaces store no light, only the walls have noise.
   if (!any && walls_) walls_->add_noise(scene_.settings.exposure, errors_, scene_.progress);
   return grids;
 }

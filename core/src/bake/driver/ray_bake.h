@@ -7,14 +7,14 @@
 
 namespace leaflight {
 
-// Light of any scene by paths: of several volumes, beside mirrors and glass. Each block has paths
+// Bake of any scene by paths, including several volumes, mirrors and glass. Each block traces paths
 // from each texel. Photons carry caustics; each block traces its own, so that blocks are
 // independent (progressive photon mapping, Hachisuka et al. 2008). Direct light of light points is
 // exact on front sides; shadow rays sample the rest.
 template <int D>
 class RayBake final : public Integrator<D> {
  public:
-  // `previous`: of each volume, of the same texels and settings; null: nothing.
+  // `previous`: light of each volume at the same texels with equal settings, or null.
   RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
           const std::vector<PreviousLight<D>>* previous = nullptr);
 
@@ -33,15 +33,15 @@ class RayBake final : public Integrator<D> {
   void add_block(int number, bool texels);
   void gather(std::size_t volume, bool back, const PointSampler<D>& from,
               const IndirectEstimator<D>& estimator, std::uint64_t seed, TexelMoments& moments);
-  // What direct light of a side its maps lack.
+  // Returns a sampler of the direct light that a side's maps lack.
   const LightSampler<D>& sampled(bool back) const;
 
   LitScene<D>& scene_;
-  LightSampler<D> wide_;  // without the lights' points
+  LightSampler<D> wide_;  // all lights except the light points
   std::vector<Index<D>> shown_;
-  std::vector<TexelLattice<D>> lattices_;             // of indirect light, of each volume
-  std::vector<std::unique_ptr<LineBake<D>>> stored_;  // of each volume; null: none
-  std::uint64_t photons_;                             // of a block
+  std::vector<TexelLattice<D>> lattices_;             // of indirect light; one per volume
+  std::vector<std::unique_ptr<LineBake<D>>> stored_;  // one per volume, or null
+  std::uint64_t photons_;                             // per block
   std::optional<WallLight<D>> walls_;
   int blocks_ = 0, previous_blocks_;
   IsovalueErrors errors_;

@@ -9,16 +9,17 @@
 
 namespace leaflight {
 
-// The time since a bake began, and how much of it there may be.
+// The time since a bake began, and its limit.
 class TimeLimit {
  public:
-  // `limit` [s]; 0: none. `clock`: seconds since any time; null: those that pass.
+  // `limit` in seconds; 0: none. `clock`: returns seconds since any fixed time; null: a steady
+  // clock.
   TimeLimit(double limit, std::function<double()> clock)
       : limit_(limit), clock_(clock ? std::move(clock) : passing), began_(clock_()) {}
 
   bool is_given() const { return limit_ > 0; }
   double seconds() const { return clock_() - began_; }
-  // Whether something that takes so long ends too late.
+  // True if a step of this duration would end too late.
   bool is_over(double seconds_to_come) const {
     return is_given() && seconds() + seconds_to_come > limit_;
   }
@@ -34,7 +35,7 @@ class TimeLimit {
   double began_;
 };
 
-// What there is no time for. `resolution`: of the texels that there is time for.
+// Describes finer texels that were skipped for lack of time. `resolution`: of the baked texels.
 template <int D>
 SkippedPass finer_texels(const Index<D>& resolution) {
   std::string texels;

@@ -10,22 +10,22 @@
 
 namespace leaflight {
 
-// Whoever traces blocks of indirect light for a bake, in other processes or on other machines
-// (block_tracer.h). Blocks have numbers, from which all that is random in them follows, so that it
-// makes no difference who traces them.
+// Workers that trace blocks of indirect light for a bake, in other processes or on other machines
+// (block_tracer.h). The number of a block determines its random numbers, so its result does not
+// depend on the worker.
 struct BlockWorkers {
-  // Blocks [first, first + count) will be asked for. `looked_up` writes what their lines look up.
+  // Announces blocks [first, first + count). `looked_up` writes the data that their lines look up.
   std::function<void(int first, int count, const std::function<void(std::ostream&)>& looked_up)>
       begin;
-  // What a tracer returned for one of them; empty: nobody has it, and the bake traces it itself.
+  // Returns a worker's result for one block. An empty string makes the bake trace it itself.
   std::function<std::string(int number)> take;
 };
 
-// The sums of the open block of all texels, and how many lines they took, as bytes.
+// Returns the sums of the open block of all texels, and the number of its lines, as bytes.
 std::string block_bytes(const SideMoments& moments, std::uint64_t lines);
 
-// Those of a tracer into the open block; returns the lines. Throws Error unless they are of as
-// many texels and sides.
+// Reads block_bytes() into the open block and returns the number of lines. Throws Error if the
+// numbers of texels or sides differ.
 std::uint64_t take_block(const std::string& bytes, SideMoments& moments);
 
 }  // namespace leaflight

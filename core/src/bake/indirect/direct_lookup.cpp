@@ -9,8 +9,8 @@
 namespace leaflight {
 namespace {
 
-// Numbers of points that stand for all, with the share of all light that each stands for divided by
-// its own: all of them if they are few, or some by the light that they bring to the middle.
+// Chooses light points to represent all, each with its factor for the mean over the chosen ones.
+// Returns all points if they are few. Otherwise the choice is by their light at the center.
 template <int D>
 std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& direct, int most) {
   std::vector<std::pair<std::size_t, double>> chosen;
@@ -22,7 +22,7 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
     const double distance = source.infinite ? 1 : source.position.length();
     const Vec<D> way =
         source.infinite || !(distance > 0) ? source.direction : -source.position / distance;
-    // What shines elsewhere may be seen, too.
+    // The constant keeps points with a chance that shine away from the center.
     light[i] = average(source.amount) * (source.strength(way, std::max(distance, 0.1)) + 0.05);
   }
   const DiscreteDistribution by_light(std::move(light));

@@ -9,10 +9,10 @@
 
 namespace leaflight {
 
-// Direct light on the fronts of white isosurfaces at the texels of a lattice, of a few light points
-// that stand for all. Lines look it up where they hit an isosurface. A texel stores the greatest
-// value on the way to each point, which decides which of the isosurfaces through it lie in shadow:
-// light of a thin shell's bright face does not leak through it.
+// Direct light on the fronts of white isosurfaces at the texels of a lattice, from a few light
+// points that represent all. Lines look it up where they hit an isosurface. A texel stores the
+// greatest value on the way to each point. This value decides which isosurfaces in the texel are in
+// shadow, so light does not leak through thin shells.
 template <int D>
 class DirectLookup {
  public:
@@ -28,8 +28,8 @@ class DirectLookup {
   void prefetch(std::size_t source, std::int32_t slot) const {
     if (source < reflected_.size()) __builtin_prefetch(&reflected_[source][slot]);
   }
-  // What the front of the isosurface of value h reflects in the texel of a slot, if this source is
-  // all light; the mean over the sources counts.
+  // Returns the radiance of the front of isosurface h in a texel, as if this source were all light.
+  // Callers average over the sources.
   Rgb reflected(std::size_t source, std::int32_t slot, double h) const {
     const std::uint32_t packed = reflected_[source][slot];
     if (!(static_cast<float>(packed & 0xff) < code_(h))) return Rgb(0);
@@ -41,9 +41,9 @@ class DirectLookup {
 
  private:
   VisibilityCode code_;
-  std::vector<Rgb> amounts_;  // of the sources
-  // Of each source and slot, without its shadow, as a share of the source's amount: a float, whose
-  // last 8 bits are the greatest value on the way.
+  std::vector<Rgb> amounts_;  // one per source
+  // Unshadowed share of the source's amount, by source and slot. It is a float whose last 8 bits
+  // hold the greatest value on the way.
   std::vector<std::vector<std::uint32_t>> reflected_;
 };
 

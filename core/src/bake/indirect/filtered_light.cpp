@@ -10,19 +10,19 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t grain = 2048;
-// The neighbours of a step are so many texels away (a trous, Dammertz et al. 2010), on about the
-// same isosurface or across to the next.
+// A step of the filter. Neighbors are `reach` texels away (a trous, Dammertz et al. 2010), on about
+// the same isosurface or across to the next.
 struct Step {
   int reach;
   bool across;
 };
 constexpr std::array<Step, 3> steps{{{1, false}, {2, false}, {1, true}}};
-// The weight of a neighbour a step away along one axis, against the texel itself.
+// Weight of a neighbor one step away along one axis, relative to the texel itself.
 constexpr float beside = 0.6f;
-// An isosurface that is so many texels away has a quarter of the weight of the texel's own.
+// Distance in texels at which the weight of another isosurface is a quarter.
 constexpr float quarter_distance = 0.75f;
 
-// The neighbours of texels that are `reach` texels away along some axes.
+// The neighbors of texels, `reach` texels away along some axes.
 template <int D>
 class Neighbours {
  public:
@@ -40,7 +40,7 @@ class Neighbours {
     });
   }
 
-  // Calls visit(slot, weight) for those of a texel that are active.
+  // Calls visit(slot, weight) for each active neighbor of a texel.
   template <class Visit>
   void of(std::size_t slot, Visit visit) const {
     const TexelLattice<D>& lattice = texels_.lattice;
@@ -84,8 +84,7 @@ void for_each_texel(std::size_t count, Progress& progress, Body body) {
   });
 }
 
-// The light of a texel and how its halves differ, side by side, so that neighbours are read at
-// once.
+// The light of a texel and the difference of its halves, adjacent in memory for reads of neighbors.
 struct Texel {
   Rgb light;
   HalfDifference halves;
@@ -99,7 +98,8 @@ std::vector<Texel> texels_of(const NoisyLight& light) {
   return texels;
 }
 
-// How far a texel is from the mean of its neighbours, and its halves' difference from theirs.
+// The mean of a texel's neighbors minus the texel, for its light and for the difference of its
+// halves.
 struct Offset {
   Imath::V3f light{0}, halves{0};
 };
@@ -133,16 +133,16 @@ Offset offset_of(const Neighbours<D>& neighbours, const std::vector<TexelSurface
   return {sum.light / weight, sum.halves / weight};
 }
 
-// The mean square of three channels.
+// Returns the mean square of three channels.
 float square(const Imath::V3f& x) { return x.length2() / 3; }
 
-// The variance of the mean of two halves, from their difference.
+// Returns the variance of the mean of two halves, given their difference.
 float noise_of(const Imath::V3f& difference, float first_share) {
   return square(difference) * first_share * (1 - first_share);
 }
 
-// Two numbers of a texel times its weight, as the noise of few samples would outweigh all others;
-// its weight; and 1. Aligned, so that a sum over neighbours adds them at once.
+// Two numbers of a texel times its weight, the weight, and 1. Without weights, the noise of texels
+// with few samples would dominate. Aligned for SIMD sums.
 struct alignas(16) Weighed {
   float first = 0, second = 0, weight = 0, places = 0;
 };
@@ -162,12 +162,12 @@ Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& 
   return sums;
 }
 
-// Texels go towards the mean of their neighbours; `averages` get their new variances.
+// Moves texels towards the mean of their neighbors. Updates the variances of `averages`.
 template <int D>
 void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
             std::vector<Texel>& texels, std::vector<Average>& averages, Progress& progress) {
   const std::size_t count = texels.size();
-  // Squares of the offsets, and of what of them is noise; the noise of texels before and after.
+  // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
     const HalfDifference& own = texels[s].halves;
@@ -178,7 +178,7 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
   for_each_texel(count, progress, [&](std::size_t s) {
     const Weighed about = sums_about(neighbours, changes, s);
     HalfDifference& own = texels[s].halves;
-    // The noise of a texel falls with its samples; the light does not.
+    // The noise of a texel decreases with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
     const float of_own = std::max(0.0f, by_light) * own.weight;

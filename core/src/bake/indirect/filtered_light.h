@@ -7,20 +7,19 @@
 namespace leaflight {
 
 // Indirect light at the texels of a lattice: averages with pooled variances (pooled_variance.h),
-// and how their halves differ.
+// and the differences of their halves.
 struct NoisyLight {
   std::vector<Average> averages;
   std::vector<HalfDifference> halves;
 };
 
-// Takes noise from indirect light: each texel moves towards the mean of its neighbours on about the
-// same isosurface, if it faces the same way there. How far, two halves of the blocks decide, whose
-// noise is independent (Rousselle et al. 2012): what both halves would change alike is light, the
-// rest is noise, and the step is the longer, the more of it is noise (shrinkage, James and Stein
-// 1961). So more blocks mean less filtering, and the result goes to the truth; and texels of few
-// samples go further than those about them. Variances become those of the results, with what the
-// step changes of the light itself counted as error. `sides`: the front and the back one, which is
-// empty where it is not baked; their halves are empty afterwards.
+// Filters noise from indirect light. Each texel moves towards the mean of its neighbors on about
+// the same isosurface with a similar normal. Two halves of the blocks, whose noise is independent,
+// determine the step (Rousselle et al. 2012). A change that both halves share is light; the rest is
+// noise. The step grows with the share of noise (shrinkage, James and Stein 1961). More blocks
+// therefore mean less filtering, and the result converges to the truth. Texels with few samples
+// move further than their neighbors. Updates the variances, which then include the bias of the
+// step. `sides`: front and back; the back is empty if it is not baked. Clears the halves.
 template <int D>
 void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               const std::vector<TexelSurface<D>>& surfaces,

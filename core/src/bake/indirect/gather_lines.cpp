@@ -13,7 +13,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Returns a position relative to the centre of a texel, uniform over the texel; unit: texels.
+// Returns a position relative to the center of a texel, uniform over the texel; unit: texels.
 template <int D>
 Vec<D> offset_within_texel(std::uint64_t bits) {
   Vec<D> offset;
@@ -23,8 +23,8 @@ Vec<D> offset_within_texel(std::uint64_t bits) {
   return offset;
 }
 
-// Planes of a line whose values fall, or grow, from the bottom to the top: those at which an
-// isosurface may be hit first on the way back.
+// Planes of a line whose values decrease, or increase, from bottom to top. A ray back along the
+// line may first hit an isosurface at these planes.
 struct Stack {
   struct Entry {
     float h;
@@ -33,19 +33,19 @@ struct Stack {
   std::vector<Entry> entries;
   int top = 0;
 
-  // `bottom` is beyond all values and stays.
+  // `bottom` is beyond all values and stays in the stack.
   Stack(std::size_t planes, float bottom) : entries(planes + 1) { entries[0] = {bottom, -1}; }
   void clear() { top = 0; }
   void push(float h, int plane) { entries[++top] = {h, plane}; }
 };
 
-// What the lines of a bundle need of the planes that they cross.
+// Working memory for the lines of a bundle at the planes that they cross.
 template <int D>
 struct GatherLines {
-  // The slots that their points belong to, or inactive.
+  // Slots of the points, or inactive.
   std::vector<std::array<std::int32_t, LineBundle<D>::width>> slots;
-  std::size_t source = 0;  // of direct light
-  // Of one line.
+  std::size_t source = 0;  // number of a source of direct light
+  // The next members serve one line at a time.
   std::vector<float> h;
   Stack higher, lower;
 
@@ -53,19 +53,19 @@ struct GatherLines {
       : slots(planes), h(planes), higher(planes, infinity), lower(planes, -infinity) {}
 };
 
-// A walk along a line, from one end to the other: from its points one looks back to where it began.
+// A walk along a line from one end to the other. Rays from its points lead back to its start.
 template <int D>
 struct Walk {
   int lane, step, begin, end;  // planes
   double length;               // of the way from z to z + 1
   Vec<D> to_origin;
   Rgb sky;
-  int stretch;  // the plane after the last masked one
+  int stretch;  // plane after the last masked one
   std::optional<WallHit> wall;
-  double wall_z;  // of the nearest mesh behind
+  double wall_z;  // z of the nearest mesh behind
 };
 
-// The point at coordinate z of a line where a way back hits the isosurface of value h.
+// The point of a line at z where a ray back hits the isosurface of value h.
 struct Hit {
   float h;
   double z;
@@ -102,8 +102,8 @@ struct Gathering {
                           std::int32_t receiver, std::size_t source) const;
 };
 
-// The lanes whose lines cross active texels within the field. Fetches what the walks will look up
-// into the cache: they wait for memory more than for anything else.
+// Finds the lanes whose lines cross active texels within the field. Prefetches the data of the
+// walks, whose speed is limited by memory.
 template <int D>
 typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines,
                                                       GatherLines<D>& own) const {
@@ -150,8 +150,8 @@ void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
   }
 }
 
-// The last value above that of a point, on the way back, is where its isosurface is seen from the
-// front; the last one below, from the back.
+// Rays back from a point hit the front of its isosurface at the last greater value, and the back at
+// the last smaller one.
 template <int D>
 void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>& own) const {
   if (meshes) find_wall(line, line.z(walk.begin), walk);
@@ -171,7 +171,7 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
       while (lower.entries[lower.top].h >= h) --lower.top;
     }
     if (own.slots[k][walk.lane] != TexelLattice<D>::inactive) add_sample(line, k, walk, own);
-    // Values beyond the isovalue range are no isosurface's.
+    // Values outside the isovalue range belong to no isosurface.
     if (h >= isovalue_range.min) higher.push(h, k);
     if (back && h <= isovalue_range.max) lower.push(h, k);
   }
@@ -184,12 +184,12 @@ void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk)
   if (walk.wall) walk.wall_z = z - walk.step * walk.wall->t / walk.length;
 }
 
-// Adds the radiance that comes to the isosurface of plane k from behind.
+// Adds the radiance that reaches the isosurface at plane k from behind.
 template <int D>
 void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
                               GatherLines<D>& own) const {
   const float h = own.h[k];
-  // Climbing along the walk, the way back leads down and away from the front.
+  // If the value rises along the walk, the ray back leaves from the front.
   const float climb = line.slope(k, walk.lane) * static_cast<float>(walk.step / walk.length);
   const bool front = climb > 0;
   if (!front && !(back && climb < 0)) return;
@@ -214,7 +214,7 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
 }
 
-// That the isosurface of value h gets, at the texel of `slot`.
+// Returns the radiance of a wall towards the isosurface of value h at the texel of `slot`.
 template <int D>
 Rgb Gathering<D>::wall_radiance(const WallHit& hit, const Vec<D>& direction, float h,
                                 std::int32_t slot) const {
@@ -225,8 +225,8 @@ Rgb Gathering<D>::wall_radiance(const WallHit& hit, const Vec<D>& direction, flo
   return radiance;
 }
 
-// The plane at which the way back hits the isosurface of value h before the last masked voxels, or
-// -1.
+// Returns the plane at which a ray back hits the isosurface of value h before the last masked
+// voxels, or -1.
 template <int D>
 int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h,
                                 bool front) const {
@@ -245,10 +245,10 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, 
 }
 
 // Returns the slot of the texel whose light a hit sends, or inactive. `receiver`: slot of the texel
-// that gathers. Two texels are tried, at opposite random places about the hit: on average texels
-// count as in linear interpolation. The texel must face the line, and the one whose isosurface is
-// nearer in value is taken. Others may lie on the far face of a thin shell, or near its crest,
-// where isosurfaces have holes. Their light would stay in a closed cavity for many bounces.
+// that gathers. Tries two texels at opposite random offsets from the hit; on average this is linear
+// interpolation. The texel must face the line, and of two, the one with the closer value is chosen.
+// Other texels may lie on the far side of a thin shell, or near its crest, where isosurfaces have
+// holes. Their light would stay in a closed cavity for many bounces.
 template <int D>
 std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk, const Hit& hit,
                                    std::int32_t receiver) const {

@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-// Uniform over half of all directions: lines have two.
+// Returns a uniform direction of a hemisphere; each line serves two directions.
 template <int D>
 Vec<D> line_direction(const std::array<double, 2>& u) {
   Vec<D> axis(0.0);
@@ -36,7 +36,7 @@ template <int D>
 void IndirectLight<D>::clear() {
   blocks_ = 0;
   for (int side = 0; side < sides_; ++side) {
-    // Frees the earlier ones before it asks for as much memory again.
+    // Free the old moments before the allocation of new ones.
     moments_[side] = TexelMoments();
     moments_[side] = TexelMoments(texels_.lattice.active.size());
   }
@@ -110,7 +110,7 @@ void IndirectLight<D>::serialize(Archive& archive) {
 
 template <int D>
 double IndirectLight<D>::cost(const TexelLattice<D>& texels, int spacing) {
-  // Lines are as wide apart as texels; along them each plane of voxels counts.
+  // Lines are one texel apart; along a line, the work is proportional to the planes of voxels.
   const double planes = std::max(1.0, texels.voxels_per_texel[0]);
   return static_cast<double>(texels.texels()) * planes * directions_per_block /
          std::pow(spacing, D - 1);
@@ -138,7 +138,7 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
       for (int i = 0; i < near.count; ++i) {
         const Average& there = averages[near.slot[i]];
         result[s].mean += there.mean * near.weight[i];
-        // Texels that are crossed by the same lines err alike.
+        // Texels on the same lines have correlated errors.
         error += near.weight[i] * std::sqrt(there.variance);
         result[s].samples = std::max(result[s].samples, there.samples);
       }

@@ -7,39 +7,40 @@
 namespace leaflight {
 
 // Indirect light on the isosurfaces of one volume as if they were white, at the texels of a
-// lattice, by line passes, in blocks. Its lattice may be coarser than that of direct
-// light: indirect light varies less, and each direction then costs less.
+// lattice. Blocks of line passes compute it. Its lattice may be coarser than that of direct light,
+// because indirect light varies less.
 template <int D>
 class IndirectLight {
  public:
   static constexpr int directions_per_block = 32;
 
-  // `spacing`: of the lines, in texels; each texel then takes one of spacing^(D - 1) directions.
-  // `first_block`: how many blocks of the seed others have drawn.
+  // `spacing`: of the lines, in texels; each texel then receives one of spacing^(D - 1) directions.
+  // `first_block`: number of blocks of this seed that a previous bake has used.
   IndirectLight(const LineVolume<D>& volume, IndexedLattice<D> texels, int spacing, bool back,
                 std::uint64_t seed, int first_block = 0);
 
   const IndexedLattice<D>& texels() const { return texels_; }
 
-  // One block of directions, given the light to look up; all blocks that are averaged have as many.
+  // Adds a block of directions, given the light to look up. All averaged blocks have the same
+  // number.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  int directions = directions_per_block);
-  // One of which fill() makes the open sums.
+  // Adds a block whose open sums come from `fill`.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
-  // One that a BlockTracer has traced, as block_bytes(); its number is next_block().
+  // Adds the block next_block() of a BlockTracer, from its block_bytes().
   void add_block_of_others(const std::string& bytes, Progress& progress);
   int next_block() const { return drawn_; }
-  // A block of this number for another that has asked for it.
+  // Traces a block for another bake.
   std::string traced_block(int number, const GatheredRadiance<D>& from, Progress& progress);
-  // Frees what only blocks need, until the next.
+  // Frees the data that only blocks need, until the next block.
   void release();
-  // Its state between two blocks.
+  // Serializes the state between two blocks.
   void serialize(Archive& archive);
   int blocks() const { return blocks_; }
-  // What a block costs, in points of lines.
+  // Returns the work of a block in points of lines.
   double cost() const { return cost(texels_.lattice, spacing_); }
   static double cost(const TexelLattice<D>& texels, int spacing);
-  // Begins anew, with other directions.
+  // Starts again with other directions.
   void clear();
 
   std::vector<Average> averages(bool back) const;
@@ -60,7 +61,7 @@ class IndirectLight {
   int blocks_ = 0, drawn_;
 };
 
-// Averages known at the texels of one lattice, interpolated at those of another.
+// Interpolates averages from the texels of one lattice at those of another.
 template <int D>
 std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
                                   const TexelLattice<D>& to, Progress& progress);

@@ -6,8 +6,8 @@
 namespace leaflight {
 namespace {
 
-// The light of a bounce over that of the one before, at most: where all is reflected, chance may
-// make it more.
+// Upper bound on the ratio of successive bounces. For high albedos, noise may raise the estimate
+// above 1.
 constexpr Real most_bounced = Real(0.8);
 
 Rgb mean_of(const std::vector<Rgb>& light) {

@@ -7,8 +7,8 @@
 
 namespace leaflight {
 
-// The light of all bounces after `last`, as a multiple of it, by the geometric series that it and
-// the bounce `before` begin. Both have a value for each texel.
+// Returns the sum of all bounces after `last`, as a multiple of `last`. Extrapolates a geometric
+// series from `before` and `last`, which have one value per texel.
 Rgb later_bounces(const std::vector<Rgb>& before, const std::vector<Rgb>& last);
 
 }  // namespace leaflight

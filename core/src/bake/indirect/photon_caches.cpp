@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t photons_per_piece = 4096;
 
-// The largest flux-height with which any photon starts (thesis Eq. 4.4).
+// Returns the largest flux-height with which a photon starts (thesis Eq. 4.4).
 template <int D>
 double largest_photon_flux(const LightSampler<D>& lights, const PhotonSettings& settings,
                            const Plan& plan) {
@@ -46,7 +46,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   }
   const auto trace = [&](PhotonPaths paths, std::uint64_t count) {
     const auto store = [&](const PhotonHit<D>& photon) {
-      // Caustic photons bring these.
+      // Caustic photons carry this light.
       const bool caustic = photon.arrival == Arrival::caustic;
       if (paths == PhotonPaths::all && plan.caustics && caustic) return;
       if (photon.point.kind() == HitKind::isosurface) {

@@ -44,7 +44,7 @@ void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
     const Imath::V3f previous(light_.sides[back][s]), difference = previous - Imath::V3f(now.mean);
     now.mean += Rgb(difference * w);
     if (w == 1) {
-      // Of an unknown number of samples: one at least.
+      // The number of samples is unknown and at least one.
       now.samples = 1;
       continue;
     }

@@ -6,27 +6,26 @@
 
 namespace leaflight {
 
-// What a bake in passes that goes on keeps of those before: their indirect light, and how many
-// blocks of it are averaged.
+// Indirect light of a previous bake in passes, and the number of blocks in its average.
 template <int D>
 class PreviousLight {
  public:
-  // Takes numbers as a file holds them, in half precision, so that a bake goes on alike from memory
-  // and from its file.
+  // Rounds the numbers to half precision, as a file does. So a bake continues identically from
+  // memory and from its file.
   PreviousLight(const RadianceGrid<D>& grid, int passes, int blocks);
 
-  // Whether it is of these texels, of the result and of indirect light.
+  // True if it has these texels of the result and of indirect light.
   bool fits(const TexelLattice<D>& shown, const TexelLattice<D>& indirect, bool back) const;
   const Index<D>& resolution() const { return resolution_; }  // of the result
   int passes() const { return passes_; }
   int blocks() const { return blocks_; }
 
-  // The mean of one side's light of so many new blocks and of the previous, each a half of it
-  // if halves are known.
+  // Averages one side's light of `blocks` new blocks with the previous light. If halves are known,
+  // each light is one half of the result.
   void blend(NoisyLight& light, int blocks, bool back) const;
 
  private:
-  // Of previous light, where new blocks found `now`.
+  // Returns the weight of the previous light. `now`: average of the new blocks.
   float share(std::size_t slot, const Average& now, int blocks, bool back) const;
 
   Index<D> resolution_;

@@ -8,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-// The value of a texel, or the mean over its active neighbours, or black.
+// Returns the value of a texel, or the mean of its active neighbors, or black.
 Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values,
                      const Index<3>& texel) {
   const std::int32_t own = lattice.slot[lattice.linear(texel)];
@@ -34,7 +34,7 @@ Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, fl
 Atlas make_atlas(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values) {
   const Index<3>& n = lattice.resolution;
   Atlas atlas;
-  // As square as possible, since the longer side limits what a graphics card takes.
+  // Make the image nearly square, because graphics cards limit the longer side.
   atlas.columns = std::max(
       1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(n[2]) * n[1] / n[0]))));
   atlas.columns = std::min(atlas.columns, n[2]);

@@ -14,10 +14,10 @@ struct BakeStatistics {
   std::uint64_t peak_memory_bytes = 0;
   std::vector<SkippedPass> skipped;
   int passes = 1;
-  int blocks = 0;  // of indirect light, in the averages
+  int blocks = 0;  // averaged blocks of indirect light
   double noise_percent = 0, error_percent = 0;
   WorstIsovalue worst;   // of the isosurfaces
-  bool stopped = false;  // by time or by the caller, before the error was reached
+  bool stopped = false;  // true if time or the caller ended it before the target error
 };
 
 template <int D>

@@ -12,14 +12,14 @@
 namespace leaflight {
 namespace {
 
-// What a cell's edges are cut for: texels at most so many voxels wide.
+// Width of texels, in voxels, below which edges are split.
 constexpr double narrow = 0.75;
 
-// Meshes with fewer vertices are cut where light steps, so often.
+// Meshes with fewer vertices are also split at steps of the light, this many times.
 constexpr std::size_t small = 100'000;
 constexpr int most_step_halvings = 2;
 
-// What the grid says at the vertices, written into the lists that are wished.
+// Looks up the requested radiance of a grid at the vertices of a mesh.
 class Lookup {
  public:
   Lookup(const ShownGrid<3>& grid, const Field<3>& field, const LitContourSettings& settings,
@@ -37,7 +37,7 @@ class Lookup {
       radiance_at(grid_, field_, positions, true, &mesh_.radiance_back[first]);
     }
   }
-  // At all vertices of the mesh from the first on.
+  // Looks up all vertices of the mesh from number `first` on.
   void from(std::size_t first) const {
     resize(mesh_.vertices.size());
     if (!wished()) return;
@@ -49,7 +49,7 @@ class Lookup {
       }
     });
   }
-  // Whether the light of two vertices differs by more than it may.
+  // True if the light of two vertices differs by more than the largest step.
   bool steps(std::int32_t a, std::int32_t b) const {
     const auto step = [&](const std::vector<Vec<3, float>>& radiance) {
       if (radiance.empty()) return false;
@@ -67,7 +67,7 @@ class Lookup {
   LitMesh& mesh_;
 };
 
-// As fine as texels are everywhere, then where light steps.
+// Splits all edges to the width of the texels, then those across steps of the light.
 void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, double isovalue,
                        const Lookup& look_up, LitMesh& mesh) {
   const auto split = [&](const std::function<bool(std::int32_t, std::int32_t)>& wanted) {

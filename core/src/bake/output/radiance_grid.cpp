@@ -40,7 +40,7 @@ RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
   for (std::size_t s = 0; s < direct[0].size(); ++s) {
     grid.radiance_error.push_back(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
   }
-  // Averages take more memory than all else that large bakes hold at this time.
+  // Free the averages, which take most of the memory of a large bake here.
   direct = {};
   grid.radiance_indirect = means(indirect[0]);
   release(indirect[0]);
@@ -118,9 +118,9 @@ class PointLookup {
   }
 
  private:
-  // The factor by which extrapolated light may differ.
+  // Upper bound on the ratio of extrapolated light to unextrapolated light.
   static constexpr float most = 2;
-  // A smaller share in front is not worth its lookups.
+  // Smaller shares in front are ignored.
   static constexpr float least_share = 0.02f;
 
   void look_ahead(const TexelLattice<D>& lattice, const Field<D>& field, bool back) {
@@ -158,10 +158,10 @@ class PointLookup {
   IsosurfacePoint<D> point_;
   TexelWeights<D> around_, near_, far_;
   TexelWeights<D> maps_;  // in the lattice of the maps
-  float in_front_ = 0;    // the share of light that is extrapolated, 0..1
+  float in_front_ = 0;    // share of the light that is extrapolated, 0..1
 };
 
-// The texels that are looked up.
+// Returns the texels for lookups.
 template <int D>
 const Colours& texels_of(const ShownGrid<D>& shown, bool back) {
   const RadianceGrid<D>& grid = shown.grid;

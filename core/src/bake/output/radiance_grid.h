@@ -10,28 +10,27 @@
 
 namespace leaflight {
 
-// Indirect light of white isosurfaces before the filter, at its own texels, by side: what a bake
-// goes on with. Not a number where no line has passed.
+// Indirect light of white isosurfaces before the filter, at its own texels, by side. A bake can
+// continue from it. NaN where no line has passed.
 template <int D>
 struct UnfilteredLight {
   Index<D> resolution{};
-  std::vector<std::uint32_t> texels;  // the active ones, ascending
+  std::vector<std::uint32_t> texels;  // numbers of the active texels, ascending
   std::array<std::vector<Vec<3, float>>, 2> sides;
 };
 
-// Light of the isosurfaces of one volume: radiance [W/(m^2 sr)] at the active texels of a lattice,
-// in the order of `lattice.active`.
+// Light of the isosurfaces of one volume. It is the radiance [W/(m^2 sr)] at the active texels of a
+// lattice, in the order of `lattice.active`.
 template <int D>
 struct RadianceGrid {
   TexelLattice<D> lattice;
-  // The front.
+  // Light of the front.
   std::vector<Vec<3, float>> radiance;
-  std::vector<Vec<3, float>> radiance_indirect;  // all of it but direct light
+  std::vector<Vec<3, float>> radiance_indirect;  // without direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
-  // The back; empty where it was not baked.
+  // Light of the back; empty if it was not baked.
   std::vector<Vec<3, float>> radiance_back, radiance_back_indirect;
-  // Exact direct light, which with radiance_indirect is all light; null: texels hold all that is
-  // known. What it does not hold is in radiance_indirect.
+  // Exact direct light; null: texels contain it. The sum with radiance_indirect is all light.
   std::shared_ptr<const DirectLight<D>> direct;
   UnfilteredLight<D> unfiltered;  // of bakes in passes
 
@@ -39,37 +38,37 @@ struct RadianceGrid {
   std::size_t texels() const { return lattice.active.size(); }
 };
 
-// Averages of the front and the back; the latter's are empty where it is not baked.
+// Averages of the front and the back; the back is empty if it is not baked.
 using SideAverages = std::array<std::vector<Average>, 2>;
 
-// A grid without its lattice, from averages of the active texels.
+// Makes a grid without a lattice from averages of the active texels.
 template <int D>
 RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
-// A grid as it is shown: with its lights as they were baked, or at other strengths.
+// A grid for display, with its lights as baked or at other strengths.
 template <int D>
 struct ShownGrid {
   const RadianceGrid<D>& grid;
-  const DirectLight<D>* direct;  // of the strengths; null: texels hold all that is known
+  const DirectLight<D>* direct;  // direct light at these strengths; null: texels contain it
   Vec<3, float> indirect{1, 1,
-                         1};  // a factor of all other light but what the isosurface itself emits
+                         1};  // factor on all other light, except the emission of the isosurface
 
-  ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: a grid is shown as it was baked
+  ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: implicit, for display as baked
       : grid(baked), direct(baked.direct.get()) {}
   ShownGrid(const RadianceGrid<D>& baked, const DirectLight<D>* scaled, const Vec<3, float>& factor)
       : grid(baked), direct(scaled), indirect(factor) {}
 
-  // Of one side; null: its texels hold all that is known.
+  // Returns the direct light of one side, or null if its texels contain it.
   const DirectLight<D>* direct_of(bool back) const {
     return direct && (!back || direct->has_back()) ? direct : nullptr;
   }
-  // What radiance_indirect says, at these strengths.
+  // Scales a value of radiance_indirect to these strengths.
   Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,
                        const Vec<D>& index_position) const;
 };
 
-// Radiance of the isosurface through an index position of the field that was lit, on one of its
-// sides, which the grid must hold.
+// Returns the radiance of the isosurface through an index position, on one of its sides. The field
+// must be the one that was lit, and the grid must contain that side.
 template <int D>
 Vec<3, float> radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back);
@@ -79,19 +78,19 @@ Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
   return radiance_at(ShownGrid<D>(grid), field, index_position, back);
 }
 
-// The same of an array of texels alone: linear along each axis, over the active ones only; zero
-// where there is none.
+// Interpolates an array of texels linearly along each axis, over the active texels only. Returns
+// zero if there are none.
 template <int D>
 Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
                      const Vec<D>& index_position);
 
-// At many positions, into as many places from `found` on. What is read lies far apart: it is
-// fetched ahead.
+// Looks up many positions, into an array of the same size at `found`. Prefetches, because the
+// texels are far apart in memory.
 template <int D>
 void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found);
 
-// The standard error of such a radiance, from those of the texels, which are independent.
+// Returns the standard error of such a radiance, for independent errors of the texels.
 template <int D>
 float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& errors,
                    const Vec<D>& index_position);

@@ -27,7 +27,7 @@ std::vector<Vec<D>> corners(const Box<D>& box) {
   return points;
 }
 
-// Points that a light with a place may shine from lie between these.
+// Returns corners of a box or parallelogram that contains all points of a light; none for a sun.
 template <int D>
 std::vector<Vec<D>> corners(const AreaLight<D>& light) {
   std::vector<Vec<D>> points{light.corner};
@@ -46,7 +46,7 @@ std::vector<Vec<D>> corners(const SunLight<D>&) {
   return {};
 }
 
-// Whether the box about some points, in index coordinates, overlaps the field's domain.
+// True if the box around some points, in index coordinates, overlaps the field's domain.
 template <int D>
 bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
   Box<D> box, domain{Vec<D>(0.0), Vec<D>(0.0)};
@@ -55,8 +55,8 @@ bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
   return box.overlaps(domain);
 }
 
-// A light or an emissive mesh in the domain may stand inside an isosurface. Isosurfaces that glow
-// light each other from inside, those of other volumes, too.
+// True if light may come from inside an isosurface. A light or an emissive mesh may be inside one.
+// Emissive isosurfaces light each other from inside, even those of other volumes.
 template <int D>
 bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
   if (volume.emission.largest() > 0) return true;
@@ -111,7 +111,7 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   } else if (scene.meshes.empty()) {
     skip(&Plan::walls, "radiance of the walls", "nothing surrounds the volume");
   }
-  // Light that photons bring and something reflects.
+  // True if photons carry light that a surface reflects.
   const bool is_carried = plan.photons || (plan.indirect && plan.caustics);
   if (!is_carried && !(plan.caustics && plan.walls)) {
     skip(&Plan::wall_cache, "cache of the walls", "no photons are traced");

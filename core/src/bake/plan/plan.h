@@ -15,26 +15,26 @@ struct SkippedPass {
   std::string reason;
 };
 
-// Which passes a bake needs. Each pass that is left out is listed with its reason.
+// The passes that a bake needs. Each skipped pass is listed with its reason.
 struct Plan {
-  bool lines = false;      // lines through the one volume light it; otherwise paths
-  bool indirect = true;    // indirect light that has bounced before it reaches the texel
-  bool specular = true;    // rays go on after mirrors and glass
-  bool caustics = true;    // photons that come by mirrors and glass
+  bool lines = false;      // true if lines light the only volume; otherwise paths light all
+  bool indirect = true;    // light that has bounced before it reaches the texel
+  bool specular = true;    // rays continue after mirrors and glass
+  bool caustics = true;    // photons through mirrors and glass
   bool photons = true;     // photon tracing into the caches
   bool wall_cache = true;  // radiance of the walls over (u, v, c), for gather rays
   bool back_side = true;   // photons on the inside of isosurfaces
-  bool back = true;        // the back's radiance is stored
-  bool walls = true;       // the radiance of the walls is stored
+  bool back = true;        // the back's radiance
+  bool walls = true;       // the radiance of the walls
   std::vector<SkippedPass> skipped;
 };
 
-// A way to find indirect light, as far as the passes depend on it.
+// Properties of a method of indirect light that the passes depend on.
 struct IndirectMethod {
   std::string name;
-  bool photons;   // they must be traced
-  bool walls;     // the radiance of the walls is looked up
-  bool caustics;  // are part of its light
+  bool photons;   // true if it needs photons
+  bool walls;     // true if it looks up the radiance of the walls
+  bool caustics;  // true if its light includes caustics
 };
 
 template <int D>
@@ -42,7 +42,7 @@ Plan make_plan(const Scene<D>& scene, const BakeSettings<D>& settings);
 template <int D>
 Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_sides, bool walls);
 
-// Why a scene without texels and lit meshes has nothing to bake.
+// Returns the error of a scene without texels and lit meshes, with its reason.
 template <int D>
 Error nothing_to_bake(const Scene<D>& scene);
 

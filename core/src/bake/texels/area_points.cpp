@@ -24,7 +24,7 @@ std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLa
     const CellPoint<D> at = locate(of.field, position);
     const double h = interpolate(load_corners(of.field, at.cell), at.local);
     if (!volume.isovalue_range().contains(h)) continue;
-    // By the coarea formula isosurfaces are as dense as h is steep.
+    // By the coarea formula, the density of isosurfaces is the length of the gradient of h.
     const double area = to_index.pull_back_gradient(shading_gradient(of.field, at)).length();
     if (area > 0) points.push_back({position, at, of.common_isovalue(h), area});
   }

@@ -7,17 +7,17 @@
 
 namespace leaflight {
 
-// A random point of the isosurfaces of an isovalue range. `area`: how much of them it stands for,
-// up to a factor that all points share.
+// A random point on the isosurfaces of an isovalue range. `area`: the area that it represents, up
+// to a common factor.
 template <int D>
 struct AreaPoint {
-  Vec<D> position;  // index
+  Vec<D> position;  // index coordinates
   CellPoint<D> at;
-  double c;  // the common isovalue
+  double c;  // common isovalue
   double area;
 };
 
-// About one for each texel of a lattice, 65,536 at most.
+// Returns about one point per texel of a lattice, at most 65,536.
 template <int D>
 std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                                       std::uint64_t seed);

@@ -11,8 +11,8 @@
 
 namespace leaflight {
 
-// The state of something that is under way, to a stream or from one: what comes back has the same
-// bits. The streams throw on failure.
+// Writes a state to a stream, or restores it from one, with the same bits. The streams throw on
+// failure.
 class Archive {
  public:
   explicit Archive(std::ostream& to) : to_(&to) {}
@@ -24,7 +24,7 @@ class Archive {
       Number& number) {
     bytes(&number, sizeof number);
   }
-  // Of structs of numbers alone; `most`: how many there can be.
+  // Archives structs of numbers. `most`: upper bound on their number.
   template <class Item>
   void operator()(std::vector<Item>& items, std::size_t most) {
     static_assert(std::is_standard_layout_v<Item>);
@@ -48,16 +48,16 @@ class Archive {
   std::istream* from_ = nullptr;
 };
 
-// What a bake in passes does against being interrupted.
+// The checkpoints of a bake in passes.
 struct Checkpoints {
   using Write = std::function<void(std::ostream&)>;
   using Read = std::function<void(std::istream&)>;
 
-  // Seconds between two of them at most, as long as a block of light takes no longer.
+  // Upper bound on the seconds between two checkpoints, if no block of light takes longer.
   double seconds = 30;
-  // Is called with what writes the state; null: there are none.
+  // Receives a function that writes the state; null: no checkpoints.
   std::function<void(const Write&)> save;
-  // Is called once with what reads the state to go on from; null: from the beginning.
+  // Receives, once, a function that reads a state to continue from; null: the bake starts empty.
   std::function<void(const Read&)> restore;
 };
 

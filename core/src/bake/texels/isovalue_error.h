@@ -9,20 +9,20 @@
 
 namespace leaflight {
 
-// Mean squares, over points of isosurfaces, of what colours err by: by the noise of indirect light,
-// and by all else, such as what texels miss.
+// Mean squared errors of colors over points of isosurfaces. `noise`: of indirect light. `texture`:
+// all other errors, such as detail finer than the texels.
 struct IsovalueError {
   double noise = 0, texture = 0;
 
   double percent() const { return 100 * std::sqrt(noise + texture); }
 };
 
-// The error of the isosurfaces about a common isovalue.
+// The error of the isosurfaces near a common isovalue.
 struct WorstIsovalue {
   double c = 0, percent = 0;
 };
 
-// Isosurface errors of an isovalue range, averaged by area: over all of it and over parts of equal
+// Isosurface errors of an isovalue range, averaged by area, over the range and over parts of equal
 // height.
 class IsovalueErrors {
  public:
@@ -30,30 +30,30 @@ class IsovalueErrors {
 
   explicit IsovalueErrors(const IsovalueRange& isovalue_range) : isovalue_range_(isovalue_range) {}
 
-  // The part of the range that a common isovalue of it lies in.
+  // Returns the part of the range that contains a common isovalue.
   int part_of(double c) const {
     return std::clamp(
         static_cast<int>((c - isovalue_range_.min) / isovalue_range_.height() * parts), 0,
         parts - 1);
   }
 
-  // The square of the noise at a point that stands for so much area.
+  // Adds the squared noise of a point that represents `area`.
   void add_noise(double c, double area, double square) {
     for (Sum* sum : {&all_, &parts_[part_of(c)]}) sum->noise.add(area, square);
   }
-  // The square of the whole error, as measured: without bias, so that it may be negative.
+  // Adds a measured squared error. It is unbiased, so it may be negative.
   void add_measured(double c, double area, double square) {
     for (Sum* sum : {&all_, &parts_[part_of(c)]}) sum->measured.add(area, square);
   }
 
-  // Those of the same isovalue range.
+  // Adds the errors of another object with the same isovalue range.
   void add(const IsovalueErrors& other) {
     all_.add(other.all_);
     for (int i = 0; i < parts; ++i) parts_[i].add(other.parts_[i]);
   }
 
   IsovalueError all() const { return all_.mean(); }
-  // Of the parts that hold enough area for an estimate.
+  // Returns the worst of the parts that have enough area for an estimate.
   WorstIsovalue worst() const {
     WorstIsovalue worst;
     for (int i = 0; i < parts; ++i) {
@@ -65,7 +65,7 @@ class IsovalueErrors {
     return worst;
   }
 
-  // Parts with a smaller share of the area have no estimate of their own.
+  // Least share of the area for an estimate of a part.
   static constexpr double least_share = 0.01;
 
  private:

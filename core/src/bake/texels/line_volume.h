@@ -9,7 +9,7 @@
 
 namespace leaflight {
 
-// A volume that lines pass through.
+// A volume for line passes.
 template <int D>
 struct LineVolume {
   const SceneTracer<D>& tracer;
@@ -20,17 +20,17 @@ struct LineVolume {
   IsovalueRange isovalue_range() const { return volume().isovalues(tracer.scene().isovalue_range); }
 };
 
-// The number of the texel nearest to a position in texels.
+// Returns the number of the texel nearest to a position in texels.
 template <int D>
 std::size_t nearest_texel(const TexelLattice<D>& lattice, const Vec<D>& position) {
   return lattice.linear(lattice.nearest_texel(position));
 }
 
-// A lattice whose slots can be looked up once a sample.
+// A lattice with the slot of every texel, for fast lookups.
 template <int D>
 struct IndexedLattice {
   TexelLattice<D> lattice;
-  std::vector<std::int32_t> slots;  // of all texels
+  std::vector<std::int32_t> slots;  // one per texel
 
   IndexedLattice() = default;
   explicit IndexedLattice(TexelLattice<D> from)
@@ -39,7 +39,7 @@ struct IndexedLattice {
       slots[lattice.active[s]] = static_cast<std::int32_t>(s);
     }
   }
-  // Of the texel nearest to a position in texels.
+  // Returns the slot of the texel nearest to a position in texels.
   std::int32_t slot_near(const Vec<D>& position) const {
     return slots[nearest_texel(lattice, position)];
   }
@@ -52,14 +52,14 @@ Affine<D> texels_to_frame(const LineVolume<D>& volume, const TexelLattice<D>& la
   return m;
 }
 
-// Whether a facet of the walls may lie in the box about a volume and, if given, a point of
-// the frame.
+// True if a facet of the walls may lie in the box around a volume and, if given, a point of the
+// frame.
 template <int D>
 bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point);
 
-// Calls body(local, bundle, number) for bundles of all lines of a set, in parallel, with what
-// local() made for some of them and a number of its own for each bundle, `width` apart. Lines that
-// come to the same texel leave it to one of them, so that no two write to one place.
+// Calls body(local, bundle, number) for bundles of all lines of a set, in parallel. Each piece of
+// the work calls local() once and reuses its result. Numbers of bundles are `width` apart. Only one
+// of several lines through a texel serves it, so there are no write conflicts.
 template <int D, class Local, class Body>
 void for_each_bundle(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                      const LineSet<D>& set, const Planes<D>& planes, Progress& progress,

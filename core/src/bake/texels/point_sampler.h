@@ -7,8 +7,8 @@
 
 namespace leaflight {
 
-// Keys of the low-discrepancy sequences of one texel, scattered sample or vertex; the position key
-// is shared by all passes, so that they see the same points.
+// Keys of the low-discrepancy sequences of one texel, scattered sample or vertex. All passes share
+// the position key, so that they sample the same points.
 struct SampleKeys {
   std::uint64_t position, light, gather, paths;
 };
@@ -19,13 +19,13 @@ inline SampleKeys sample_keys(std::uint64_t seed, Purpose purpose, std::uint64_t
   return {random.bits(), random.bits(), random.bits(), random.bits()};
 }
 
-// One-sample estimates, number i of the keys, of the radiance of a point, of an isosurface or of
-// the walls. Each adds the rays it traces to `rays`.
+// One-sample estimates of the radiance of a point on an isosurface or a wall, for sample i of the
+// keys. Each adds its number of rays to `rays`.
 template <int D>
 struct PointSampler {
   const LightSampler<D>& lights;
   const std::vector<IsosurfaceRadiance<D>>& isosurfaces;
-  const SurfaceCache<D>* walls;  // null if nothing looks it up
+  const SurfaceCache<D>* walls;  // null: no lookups
   bool caustics;
 
   Rgb direct(const SurfacePoint<D>& point, const SampleKeys& keys, int i,
@@ -34,7 +34,7 @@ struct PointSampler {
     return lights.direct_radiance(point, choice, sobol_point(i, keys.light), rays);
   }
 
-  // All but direct light; the estimator may be null where there is no indirect light.
+  // Estimates all light except direct light. The estimator is null if there is no indirect light.
   Rgb indirect(const SurfacePoint<D>& point, const IndirectEstimator<D>* estimator,
                const SampleKeys& keys, int i, std::uint64_t& rays) const {
     Rgb radiance = point.emission;

@@ -8,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-// Calls visit(slot) for the texel and its active neighbours.
+// Calls visit(slot) for the texel and its active neighbors.
 template <int D, class Visit>
 void for_each_near(const TexelLattice<D>& lattice, std::size_t slot, Visit visit) {
   const Index<D> texel = lattice.texel(lattice.active[slot]);
@@ -23,7 +23,7 @@ void for_each_near(const TexelLattice<D>& lattice, std::size_t slot, Visit visit
   });
 }
 
-// Of a texel with samples.
+// Pools the variance of a texel with samples.
 template <int D>
 Average pooled(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
                std::size_t slot) {
@@ -39,7 +39,7 @@ Average pooled(const TexelLattice<D>& lattice, const std::vector<Average>& avera
   return result;
 }
 
-// Of a texel without.
+// Returns the mean of the neighbors, for a texel without samples.
 template <int D>
 Average filled(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
                std::size_t slot) {

@@ -9,21 +9,19 @@
 
 namespace leaflight {
 
-// Samples of a texel are averaged in so many blocks (see Moments).
+// Number of blocks in which a texel's samples are averaged (see Moments).
 inline constexpr int blocks_per_texel = 4;
 
-// Gives each active texel the variance that a sample has in it and in its neighbours, 3^D in all,
-// over its own number of samples. Four blocks alone would make a Student's t of three degrees of
-// freedom, and a texel none of whose few samples reached the light would have no variance;
-// neighbouring texels are lit alike.
-//
-// A texel that isosurfaces reach somewhere, but in which no sample was found, takes its neighbours'
-// mean and the variance among them.
+// Pools the variance of a sample over each active texel and its neighbors, 3^D texels in all, and
+// divides it by the texel's samples. Neighboring texels have similar light. Four blocks alone would
+// give a Student's t of three degrees of freedom. A texel whose few samples all missed the light
+// would have no variance. A texel without samples gets its neighbors' mean and the variance among
+// them.
 template <int D>
 void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averages,
                     Progress& progress);
 
-// The means of texels. One without samples has the mean of its neighbours.
+// Returns the means of texels. A texel without samples gets the mean of its neighbors.
 template <int D>
 std::vector<Rgb> filled_means(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
                               Progress& progress);

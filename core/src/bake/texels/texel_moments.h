@@ -10,7 +10,7 @@
 
 namespace leaflight {
 
-// Sums of the weighted samples of a texel's radiance.
+// Sums of weighted samples of a texel's radiance.
 struct TexelSum {
   Imath::V3f radiance{0};
   float weight = 0;
@@ -26,35 +26,34 @@ struct TexelSum {
   float mean() const { return (radiance.x + radiance.y + radiance.z) / 3; }
 };
 
-// How two halves of a texel's samples differ, which are independent of each other: the difference
-// of their means, the first one's share of the weight, and the weight of both.
+// The difference between two independent halves of a texel's samples. It holds the difference of
+// the means, the first half's share of the weight, and the total weight.
 struct HalfDifference {
   Imath::V3f first_less_second{0};
   float first_share = 0.5f, weight = 0;
 };
 
-// The samples of all texels of a lattice, on one side. They come in blocks, each of which is a net
-// of well distributed directions or sources of light; blocks are independent of each other, so that
-// the differences between them estimate the variance (replicated quasi-Monte Carlo, Owen 1997).
+// The samples of all texels of a lattice, on one side. Each block is a set of well distributed
+// directions or light sources. Blocks are independent, so their differences estimate the variance
+// (replicated quasi-Monte Carlo, Owen 1997).
 class TexelMoments {
  public:
   explicit TexelMoments(std::size_t texels = 0) : blocks_(texels) {}
 
-  std::vector<TexelSum> sums;  // of the block in progress, from open() to release()
+  std::vector<TexelSum> sums;  // the open block; empty after release()
 
   bool empty() const { return blocks_.empty(); }
-  // Blocks can be added from now on.
+  // Allows blocks to be added.
   void open() { sums.resize(blocks_.size()); }
-  // None are for a while, and the memory of their sums is free. A block that is not closed is
-  // forgotten.
+  // Frees the memory of the open block, whose samples are lost.
   void release() { leaflight::release(sums); }
-  // `number`: of the block, from 0; even and odd ones are the halves.
+  // Closes the open block. `number`: from 0; even and odd blocks form the halves.
   void close_block(int number, Progress& progress) {
     parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i], number % 2);
     });
   }
-  // Between blocks.
+  // Archives the closed blocks.
   void serialize(Archive& archive) {
     const std::size_t texels = blocks_.size();
     archive(blocks_, texels);
@@ -74,7 +73,7 @@ class TexelMoments {
   }
 
  private:
-  // Those that are closed.
+  // Sums over the closed blocks.
   struct Blocks {
     std::array<TexelSum, 2> halves;
     float weight2 = 0, mixed = 0, sum2 = 0;
@@ -92,7 +91,7 @@ class TexelMoments {
       all.add(halves[1]);
       if (!(all.weight > 0 && weight2 > 0)) return {};
       const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
-      // The residuals about the ratio of sums (Cochran 1977, 6.4), see Moments.
+      // Residuals of the ratio of sums (Cochran 1977, 6.4), see Moments.
       const float residuals = sum2 - 2 * m * mixed + m * m * weight2, left = 1 - weight2 / all2;
       const float variance = left > 1e-3f ? std::max(0.0f, residuals) / (all2 * left) : 0;
       return {Rgb(all.radiance / all.weight), variance, all2 / weight2};
@@ -103,7 +102,7 @@ class TexelMoments {
       if (a.weight > 0 && b.weight > 0) {
         return {a.radiance / a.weight - b.radiance / b.weight, a.weight / weight, weight};
       }
-      // What one half alone has found may be all noise.
+      // Light that only one half has found may be all noise.
       if (!(weight > 0)) return {};
       return {(a.radiance - b.radiance) / (0.5f * weight), 0.5f, weight};
     }
@@ -114,7 +113,7 @@ class TexelMoments {
   static constexpr std::size_t bytes_a_texel = sizeof(TexelSum) + sizeof(Blocks);
 };
 
-// Of the front and the back; the latter is empty where it is not baked.
+// Moments of the front and the back; the back is empty if it is not baked.
 using SideMoments = std::array<TexelMoments, 2>;
 
 }  // namespace leaflight

@@ -10,7 +10,7 @@
 
 namespace leaflight {
 
-// The points of a field within some texels of a texel of its lattice.
+// A box around a texel of a lattice, clamped to the field. `half_width`: in texels.
 template <int D>
 struct TexelBox {
   Vec<D> low, high;  // index coordinates
@@ -38,7 +38,7 @@ struct TexelBox {
   }
 };
 
-// A position moved along the gradient to the isosurface of an isovalue, nearly, by Newton's method.
+// Moves a position along the gradient to about the isosurface of an isovalue, by Newton's method.
 template <int D>
 Vec<D> moved_to_isosurface(const Field<D>& field, Vec<D> position, double isovalue) {
   constexpr int steps = 8;
@@ -54,20 +54,19 @@ Vec<D> moved_to_isosurface(const Field<D>& field, Vec<D> position, double isoval
 }
 
 // Calls visit(SurfacePoint, i) for up to `samples` points i = 0, 1, ... of a texel, seen from the
-// given side, uniform in the volume: a point x lies on the isosurface c = h(x), so this samples the
-// graph of h (thesis 4.5), and all isosurfaces through the texel at once. Points whose isosurface
-// is outside the isovalue range, in a masked cell, without a gradient or inside another volume's
-// isosurface are passed over. Where the texel's own box holds too few, the neighbourhood that a
-// trilinear lookup can reach is searched; where that holds none, because the isovalue range is
-// narrow, its points are moved to the isosurface in the middle of the isovalue range. Returns the
-// number of points visited.
+// given side. Points are uniform in the volume. A point x lies on the isosurface c = h(x), so they
+// sample all isosurfaces in the texel at once (thesis 4.5). Skips points outside the isovalue
+// range, in masked cells, without a gradient, or inside an isosurface of another volume. If the
+// texel's box has too few points, searches the neighborhood that trilinear lookups can reach. If
+// that has none, moves its points to the isosurface in the middle of the isovalue range. Returns
+// the number of visited points.
 template <int D, class Visit>
 int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool back,
                           const TexelLattice<D>& lattice, std::uint32_t texel, int samples,
                           std::uint64_t key, Visit visit) {
   constexpr int tries_per_sample = 16;
-  // The lookup's interpolation blurs once more, so a texel averages over less than its own box;
-  // 0.25 to 0.5 measure alike on smooth surfaces, and less is better on thin shells
+  // Interpolated lookups blur once more, so a texel averages over less than its own box. Values of
+  // 0.25 to 0.5 measure alike on smooth surfaces; less is better on thin shells
   // (docs/decisions/thesis.md).
   constexpr double own_half_width = 0.35;
   const Volume<D>& of = tracer.scene().volumes[volume];

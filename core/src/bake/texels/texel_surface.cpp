@@ -6,8 +6,8 @@
 namespace leaflight {
 namespace {
 
-// The gradient of shading about a texel's centre: isosurfaces pass a texel that is wider than a
-// voxel elsewhere, too.
+// Returns the mean shading gradient around a texel's center. A texel wider than a voxel contains
+// isosurfaces away from its center.
 template <int D>
 Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& centre) {
   Vec<D> reach;

@@ -5,11 +5,11 @@
 
 namespace leaflight {
 
-// The isosurface through the centre of a texel.
+// The isosurface through the center of a texel.
 template <int D>
 struct TexelSurface {
-  Vec<D, float> normal{0.0f};      // unit length, towards lower values; zero where there is none
-  float value = 0, steepness = 1;  // of the field; its gradient in a texel's width, above zero
+  Vec<D, float> normal{0.0f};      // unit length, towards lower values; zero if there is none
+  float value = 0, steepness = 1;  // of the field; its gradient per texel width, positive
 };
 
 template <int D>

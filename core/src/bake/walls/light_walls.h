@@ -7,13 +7,13 @@
 
 namespace leaflight {
 
-// Vertices of the walls are fewer and farther apart than texels, and take more samples: so
-// many times a texel's.
+// Ratio of the samples of a wall's vertex to those of a texel. Vertices are fewer and farther
+// apart.
 inline constexpr int walls_share = 2;
 
-// The radiance of both sides of the diffuse walls (wall_light.h) by so many samples per
-// vertex and node. The estimator may be null where there is no indirect light. `meshes` and
-// `direct`: of the same scene.
+// Computes the radiance of both sides of the diffuse walls (wall_light.h). `samples`: per vertex
+// and node. The estimator is null if there is no indirect light. `meshes` and `direct`: of the same
+// scene.
 template <int D>
 WallRadiance<D> light_walls(const SceneTracer<D>& tracer, const PointSampler<D>& sampler,
                             const IndirectEstimator<D>* estimator,

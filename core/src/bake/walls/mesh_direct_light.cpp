@@ -12,13 +12,13 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t ways_per_piece = 256;
-// A way takes as long as so many.
+// Work of a way in points of lines.
 constexpr double points_of_lines_per_way = 48;
 
-// Each vertex has the set that its neighbours and theirs have least.
+// Gives each vertex the set that its neighbors and their neighbors use least.
 std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
   constexpr std::uint8_t none = light_point_sets;
-  constexpr int near = 64;  // a neighbour counts more than all of theirs
+  constexpr int near = 64;  // weight of a neighbor against all of theirs
   std::vector<std::uint8_t> sets(vertices, none);
   for (std::size_t v = 0; v < vertices; ++v) {
     std::array<int, light_point_sets + 1> uses{};
@@ -34,8 +34,8 @@ std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t 
   return sets;
 }
 
-// By the number of a point, modulo `share`, who traces the way of a vertex to that point: the
-// nearest of its neighbours, or of theirs, whose turn it is, else the vertex itself.
+// Returns the vertex that traces the way to a point, by the point's number modulo `share`. It is
+// the nearest of the neighbors and their neighbors whose turn it is, or else the vertex itself.
 std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbours,
                                                   const std::vector<std::uint8_t>& sets,
                                                   std::size_t vertex, std::size_t share) {
@@ -56,7 +56,7 @@ std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbou
   return found;
 }
 
-// The way from a point, seen from the front of its facet, to a source.
+// The way to a source from a point, seen from the front of its facet.
 template <int D>
 struct WayTo {
   Vec<D> direction{0.0};  // unit
@@ -242,7 +242,7 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
   const std::size_t vertices = of.sets.size(), points = sets_[0].size();
   const auto own = static_cast<float>(c);
   const float side = back ? -1 : 1;
-  std::vector<Vec<3, float>> reaching(vertices);  // the share of the light that does
+  std::vector<Vec<3, float>> reaching(vertices);  // share of the light that reaches each vertex
   for (std::size_t v = 0; v < vertices; ++v) {
     Vec<3, float> all(0), lit(0);
     for (std::size_t i = 0; i < points; ++i) {

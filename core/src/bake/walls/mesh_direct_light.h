@@ -11,67 +11,69 @@
 namespace leaflight {
 
 // Direct light of a scene's light points at the vertices of its diffuse meshes. For each vertex and
-// point it keeps which isosurfaces block the way, and so the shadow of every isosurface there.
-// Neighbouring vertices use other sets of points, and the part of the light that reaches a vertex
-// is the mean over it and its neighbours (interleaved sampling, Keller and Heidrich 2001): shadows
-// are as smooth as by all sets, and their edges as wide as an edge of the mesh. The result is the
-// same for any number of threads.
+// point it stores the isosurfaces that block the way, which gives the shadow of every isosurface.
+// Neighboring vertices use different sets of points. The shadow at a vertex is the mean over it and
+// its neighbors (interleaved sampling, Keller and Heidrich 2001). Shadows are as smooth as with all
+// sets, and their edges are as wide as an edge of the mesh. The result does not depend on the
+// number of threads.
 template <int D>
 class MeshDirectLight {
  public:
-  // One way of every `share` (at most light_point_sets) is traced for the shadow, and the others
-  // are taken from neighbours, which trace them to their own points nearby: shadows are softer.
-  // `earlier`: where lights alone were others, whose ways serve for the lights that have not
-  // changed; it must not be scaled(). Throws Cancelled.
+  // Traces one of every `share` ways, at most light_point_sets. Neighbors provide the other ways,
+  // from their own nearby points, which makes shadows softer. An `earlier` light is that of the
+  // same scene under other lights, whose ways are reused for unchanged lights. It must not be
+  // scaled(). Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, std::size_t share = 1,
                   const MeshDirectLight* earlier = nullptr);
 
-  // With other strengths of the scene's lights: a factor per channel for each. Shares the ways.
+  // Returns the same light with one factor per channel for each light of the scene. Shares the
+  // ways.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
 
-  // Radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices beside the
-  // isosurface c.
+  // Returns the radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices, in the
+  // presence of isosurface c.
   std::vector<Vec<3, float>> radiance(int mesh, double c, bool back) const;
-  // The same if nothing stood in the way of the light.
+  // Returns the same radiance without shadows.
   std::vector<Vec<3, float>> unshadowed(int mesh, bool back) const;
-  // Its part by one of the scene's lights; the number behind the last one is all that is no light.
+  // Returns the part of one light of the scene. The number after the last light is that of emissive
+  // meshes and the environment.
   std::vector<Vec<3, float>> unshadowed_by(std::size_t light, int mesh, bool back) const;
   std::size_t lights() const { return scales_.size(); }
 
-  // From one vertex to one point of its set.
+  // A way from one vertex to one point of its set.
   struct Way {
-    float greatest;  // the common isovalue; infinite where a mesh stands in the way
-    // Irradiance over the point's amount if nothing did: positive on the mesh's front, negative on
-    // its back.
+    float greatest;  // common isovalue; infinite if a mesh blocks the way
+    // Unshadowed irradiance divided by the point's amount: positive on the mesh's front, negative
+    // on its back.
     float share;
   };
   struct MeshWays {
     MeshNeighbours neighbours;
-    std::vector<std::uint8_t> sets;  // of the vertices
+    std::vector<std::uint8_t> sets;  // one per vertex
     std::vector<Way> ways;           // [vertex * points + point]
-    std::vector<float> least;  // as BlockingIsovalues has it; empty where nothing has openings
-    // By side: radiance if nothing stood in the way of a light, by all sets; [light * vertices +
-    // vertex], last of all that is no light.
+    std::vector<float> least;        // as in BlockingIsovalues; empty if nothing has openings
+    // Unshadowed radiance by side, averaged over all sets; its index is light * vertices + vertex.
+    // The last light is that of emissive meshes and the environment.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
   const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
-  // An earlier mesh, whose ways serve for the lights that have not changed.
+  // An earlier mesh whose ways are reused for unchanged lights.
   struct Known {
     const MeshWays* ways = nullptr;
-    std::size_t points = 0;                 // of each set then
-    std::vector<std::vector<int>> numbers;  // by set: those of its points then, or -1
-    std::vector<int> lights;                // by place_of(): that of the light then, or -1
+    std::size_t points = 0;                 // of each earlier set
+    std::vector<std::vector<int>> numbers;  // by set: the earlier numbers of its points, or -1
+    std::vector<int> lights;                // by place_of(): the earlier number of the light, or -1
 
     bool has(std::size_t light) const { return ways && lights[light] >= 0; }
   };
   Known known_of(const MeshDirectLight& earlier) const;
-  // What is known of a vertex.
+  // Copies the reusable ways of a vertex.
   void take(const Known& known, std::size_t vertex, MeshWays& to) const;
-  // Of the light of a point; the last one is all that is no light.
+  // Returns the place of a point's light; the last is that of emissive meshes and environments.
   std::size_t place_of(const LightPoint<D>& point) const {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
@@ -80,11 +82,11 @@ class MeshDirectLight {
   void take_from_neighbours(MeshWays& ways, std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
-  std::vector<Rgb> scales_;                              // of the lights, and 1
-  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // those of mirrors and glass are empty
+  std::vector<Rgb> scales_;                              // one per light, and 1
+  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // empty for mirrors and glass
 };
 
-// What its ways are for the progress, which it is given when they are traced: in points of lines.
+// Returns the work of tracing the ways, in points of lines.
 template <int D>
 double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                     std::size_t share = 1);

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-// The vertices that share a facet with each, itself the first of them.
+// The vertices that share a facet with each vertex, which is itself the first of them.
 class MeshNeighbours {
  public:
   MeshNeighbours() = default;

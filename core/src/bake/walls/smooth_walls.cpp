@@ -10,13 +10,13 @@
 namespace leaflight {
 namespace {
 
-// In standard deviations of a difference: a vertex that differs so much has the weight 1/e.
+// Difference in standard deviations at which the weight of a vertex is 1/e.
 constexpr float tolerance = 2;
 
 float distance2(const Vec<3, float>& a, const Vec<3, float>& b) { return (a - b).length2() / 3; }
 
-// Of one half's mean at each entry of a node, from the halves' differences about it: two values
-// alone are no estimate.
+// Estimates the variance of one half's mean at each entry of a node. Pools the halves' differences
+// over neighbors, because two values are too few.
 std::vector<float> variances(const Halves& halves, const MeshNeighbours& neighbours,
                              std::size_t first, std::size_t vertices) {
   std::vector<float> variances(vertices);
@@ -30,7 +30,7 @@ std::vector<float> variances(const Halves& halves, const MeshNeighbours& neighbo
   return variances;
 }
 
-// One pass over an entry's neighbours, at its node and the same vertex at those beside it.
+// One pass over an entry's neighbors, at its node and at adjacent nodes.
 class Pass {
  public:
   Pass(const Halves& before, const MeshNeighbours& neighbours, std::size_t vertices,
@@ -73,7 +73,7 @@ class Pass {
     const std::vector<Vec<3, float>>& guide = before_[1 - half];
     const float noise = tolerance * tolerance * (variance + its_variance);
     const float difference = distance2(guide[e], guide[other]);
-    // In double, since standard libraries round a float's exponential differently.
+    // Use double precision: standard libraries round a float's exponential differently.
     const double exponent = -difference / std::max(noise, 1e-30f);
     const float weight = difference > 0 ? static_cast<float>(std::exp(exponent)) : 1;
     sum.value += before_[half][other] * weight;

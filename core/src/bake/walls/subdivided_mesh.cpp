@@ -12,9 +12,9 @@
 namespace leaflight {
 namespace {
 
-// Vertices are lit this share of a piece within the facet, where no other wall touches it.
+// Light is sampled this share of a piece inside the facet, away from adjacent walls.
 constexpr double inset = 0.05;
-// Facets that meet at less than 8 degrees are of one curved surface.
+// Facets that meet at less than 8 degrees belong to one curved surface.
 constexpr double cosine_of_one_surface = 0.9903;
 
 template <int D>
@@ -32,7 +32,7 @@ bool of_one_surface(const Vec<D>& a, const Vec<D>& b) {
   return a.dot(b) > cosine_of_one_surface;
 }
 
-// The normals at the corners of a mesh's facets: the mean over the facets of one surface there.
+// The normals at the corners of a mesh's facets, averaged over the facets of one surface.
 template <int D>
 class CornerNormals {
  public:
@@ -63,8 +63,8 @@ class CornerNormals {
   std::map<Place<D>, std::vector<std::size_t>> at_;
 };
 
-// A corner of a piece, which is part of a facet. Its coordinates in the facet are sums of few
-// powers of 1/2, and so exact.
+// A corner of a piece of a facet. Its coordinates in the facet are exact, because they are sums of
+// a few powers of 1/2.
 struct Corner {
   double u, v;
   std::uint32_t vertex;
@@ -76,20 +76,19 @@ struct Piece {
   std::array<Corner, static_cast<std::size_t>(D)> corners;
 };
 
-// A mesh in pieces, whose vertices are numbered.
+// A mesh in pieces with numbered vertices.
 template <int D>
 struct CutMesh {
   struct Vertex {
     int facet;
     double u, v;
-    std::array<std::uint32_t, 2> ends;  // of the edge that it cuts; of a mesh's vertex itself
+    std::array<std::uint32_t, 2> ends;  // of the split edge; twice the same for a mesh's own vertex
   };
   std::vector<Vertex> vertices;
   std::vector<Piece<D>> pieces;
 };
 
-// What is given at the corners of a facet, between them. Alike for both facets of an edge, to the
-// last bit.
+// Interpolates values at the corners of a facet. Both facets of an edge give the same bits.
 template <int D>
 Vec<D> between(const std::array<Vec<D>, static_cast<std::size_t>(D)>& corners, double u, double v) {
   Vec<D> sum = corners[0] * (1 - u - v) + corners[1] * u;
@@ -104,8 +103,8 @@ std::array<Vec<D>, static_cast<std::size_t>(D)> corners_of(const Mesh<D>& mesh, 
   return corners;
 }
 
-// Cuts the pieces of one mesh. What is done to an edge follows from its ends alone, so that pieces
-// on both sides of it fit.
+// Splits the pieces of one mesh. Edges are split by their ends alone, so that pieces on both sides
+// match.
 template <int D>
 class MeshCutter {
  public:
@@ -118,7 +117,7 @@ class MeshCutter {
     }
   }
 
-  // Until no edge is longer than the spacing at its middle.
+  // Splits pieces until no edge is longer than the spacing at its middle.
   void cut(const WallSpacing<D>& spacing) {
     const auto is_long = [&](const Vec<D>& a, const Vec<D>& b) {
       return (b - a).length() > spacing.at((a + b) * 0.5);
@@ -132,7 +131,7 @@ class MeshCutter {
     cut_.pieces = std::move(done);
   }
 
-  // Each edge in two. The vertices before keep their numbers.
+  // Splits each edge in two. The old vertices keep their numbers.
   void halve() {
     std::vector<Piece<D>> pieces;
     for (const Piece<D>& piece : cut_.pieces) {
@@ -158,7 +157,7 @@ class MeshCutter {
     return corner(u, v, {next, next});
   }
 
-  // Vertices that have the same place and look into nearly the same direction are one.
+  // Returns a corner. Vertices at the same position with similar normals are merged.
   Corner corner(double u, double v, const std::array<std::uint32_t, 2>& ends) {
     const Vec<D> normal = between<D>(corner_normals_, u, v).normalized();
     auto& here = at_[place_of<D>(between<D>(positions_, u, v))];
@@ -175,7 +174,7 @@ class MeshCutter {
     return corner((a.u + b.u) / 2, (a.v + b.v) / 2, {a.vertex, b.vertex});
   }
 
-  // Adds a piece's parts to others; none where no edge is to be cut.
+  // Adds the parts of a piece to `parts`; adds none and returns false if no edge is split.
   template <class IsCut>
   bool split(const Piece<D>& piece, const IsCut& is_cut, std::vector<Piece<D>>& parts) {
     enter(piece.facet);
@@ -191,7 +190,7 @@ class MeshCutter {
       parts.push_back({facet_, {corners[0], half}});
       parts.push_back({facet_, {half, corners[1]}});
     } else {
-      // Of one or two edges that are cut the first, but not the last.
+      // Start at a split edge whose predecessor is not split.
       int first = 0;
       while (count < 3 && !(cut[first] && !cut[(first + 2) % 3])) ++first;
       split_triangle(corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3], count,
@@ -200,7 +199,7 @@ class MeshCutter {
     return true;
   }
 
-  // The first so many edges are cut.
+  // Splits a triangle at its first `edges` edges.
   void split_triangle(const Corner& a, const Corner& b, const Corner& c, int edges,
                       std::vector<Piece<D>>& parts) {
     const auto add = [&](const Corner& p, const Corner& q, const Corner& r) {
@@ -232,11 +231,11 @@ class MeshCutter {
   CornerNormals<D> normals_;
   CutMesh<D> cut_;
   std::map<Place<D>, std::vector<std::pair<std::uint32_t, Vec<D>>>> at_;
-  int facet_ = -1;  // that pieces are cut of, and its corners
+  int facet_ = -1;  // current facet and its corners
   std::array<Vec<D>, static_cast<std::size_t>(D)> positions_, corner_normals_;
 };
 
-// The widest extent of the smallest piece at each vertex, in coordinates of its facet.
+// Returns the widest extent of the smallest piece at each vertex, in coordinates of its facet.
 template <int D>
 std::vector<double> extents(const CutMesh<D>& cut) {
   std::vector<double> extents(cut.vertices.size(), 1);
@@ -253,7 +252,7 @@ std::vector<double> extents(const CutMesh<D>& cut) {
   return extents;
 }
 
-// The pieces on a mesh with the same facets as the one that was cut.
+// Puts the pieces on a mesh with the same facets as the one that was split.
 template <int D>
 FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, const CornerNormals<D>& normals,
                       int number) {
@@ -263,7 +262,7 @@ FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, const CornerNo
     const auto& [facet, u, v, ends] = cut.vertices[i];
     fine.vertices.emplace_back(between<D>(corners_of(mesh, facet), u, v));
     fine.normals.push_back(between<D>(normals.of(facet), u, v).normalized());
-    // Towards the middle of the facet; an interior vertex stays all but where it is.
+    // Pull towards the middle of the facet; interior vertices hardly move.
     const double pull = std::min(1.0, inset * D * extent[i]);
     fine.places.push_back(
         {number, facet, u + (1.0 / D - u) * pull, D == 2 ? 0 : v + (1.0 / D - v) * pull, true});

@@ -9,15 +9,15 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t samples_per_piece = 64;
-// Of smooth(): with few of them indirect light has streaks that the eye sees on walls, though they
-// hardly count into the error.
+// Passes of smooth(). With few passes, indirect light has visible streaks on walls, although the
+// error hardly changes.
 constexpr int smoothing_passes = 9;
 
-// A side of the walls is tried at every so many vertices before it is lit.
+// Stride of the vertices that are tested before a side of the walls is lit.
 constexpr std::size_t probe_stride = 16;
-// A sample takes as long as so many.
+// Work of a sample in points of lines.
 constexpr double points_of_lines_per_sample = 7;
-// What so many samples of each entry, a vertex at a node, are for the progress.
+// Returns the work of `samples` samples per entry, which is a vertex at a node.
 double work_of(int samples, double entries) {
   return points_of_lines_per_sample * samples * entries;
 }
@@ -30,7 +30,7 @@ bool is_dark(const std::vector<Vec<3, float>>& radiance) {
                      [](const auto& one) { return one == Vec<3, float>(0); });
 }
 
-// A number whose bits are those of a place in a box, taken in turns.
+// Returns the Morton code of a position in a box, which interleaves the bits of its coordinates.
 template <int D>
 std::uint64_t morton_code(const Vec<D>& place, const Box<D>& box) {
   constexpr int bits = 16;
@@ -45,7 +45,7 @@ std::uint64_t morton_code(const Vec<D>& place, const Box<D>& box) {
   return code;
 }
 
-// The ranks of vertices along Morton's curve, on which those of consecutive ranks are neighbours.
+// Returns the ranks of vertices along Morton's curve, on which consecutive vertices are neighbors.
 template <int D>
 std::vector<std::uint32_t> ranks_along_curve(const std::vector<Vec<D, float>>& vertices) {
   Box<D> box;
@@ -60,7 +60,7 @@ std::vector<std::uint32_t> ranks_along_curve(const std::vector<Vec<D, float>>& v
   return ranks;
 }
 
-// The rank of a vertex at a node, for neighbours of both kinds to have near ones.
+// Returns the rank of a vertex at a node. Neighboring vertices and nodes have close ranks.
 template <int D>
 std::uint32_t rank_at_node(std::uint32_t vertex, std::size_t node) {
   std::uint32_t rank = 0;
@@ -94,16 +94,16 @@ double WallLight<D>::work(int samples) const {
   return work_of(samples, entries);
 }
 
-// Their means at every so many vertices of one side, for all nodes.
+// Returns mean radiances at every `stride`-th vertex of one side, for all nodes.
 template <int D>
 std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std::size_t stride,
                                                const PointSampler<D>& from,
                                                const IndirectEstimator<D>* estimator,
                                                const WallSamples& samples,
                                                Progress& progress) const {
-  // All take parts of one low-discrepancy sequence by their ranks, so that the samples of any
-  // neighbourhood, over which light is smoothed, are as evenly distributed as those of one vertex
-  // (Ahmed and Wonka 2020).
+  // The ranks split one low-discrepancy sequence among all entries. So the samples of any
+  // neighborhood, over which light is smoothed, are as even as those of one vertex (Ahmed and Wonka
+  // 2020).
   const SampleKeys keys = sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
                                       static_cast<std::uint32_t>(added_));
   const FineMesh<D>& lit = meshes_[mesh].coarse;
@@ -138,7 +138,7 @@ void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* 
     for (const bool back : {false, true}) {
       Halves& sums = sums_[m][back];
       if (sums[0].empty()) continue;
-      // A side that is dark at some of its points for all c is taken to be dark.
+      // A side that is dark at these vertices for all c is assumed to be dark.
       if (added_ == 0 &&
           is_dark(means(m, back, probe_stride, from, estimator, samples, progress))) {
         sums = {};
@@ -162,7 +162,7 @@ void WallLight<D>::serialize(Archive& archive) {
   }
 }
 
-// Empty where it is dark for all c.
+// Returns smoothed means; empty if the side is dark for all c.
 template <int D>
 Halves WallLight<D>::smoothed(std::size_t mesh, bool back, Progress& progress) const {
   Halves halves = sums_[mesh][back];
@@ -197,7 +197,7 @@ void WallLight<D>::add_noise(double exposure, IsovalueErrors& errors, Progress& 
       const Halves halves = smoothed(m, back, progress);
       const std::size_t vertices = meshes_[m].coarse.places.size();
       for (std::size_t e = 0; e < halves[0].size(); ++e) {
-        // Half of what the halves differ by is the mean's.
+        // The error of the mean is half the difference of the halves.
         const Vec<3, float> off = (halves[0][e] - halves[1][e]) * static_cast<float>(exposure / 2);
         errors.add_noise(nodes_.node(static_cast<int>(e / vertices)), 1, off.length2() / 3);
       }

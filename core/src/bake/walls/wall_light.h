@@ -9,36 +9,35 @@
 
 namespace leaflight {
 
-// Of each vertex at each node.
+// Samples of each vertex at each node.
 struct WallSamples {
   std::uint64_t seed;
   int count;
 };
 
-// The radiance of both sides of the diffuse walls from any number of samples: the direct
-// light of points for all c, all else at every node of c. Samples come in two halves, by which
-// noise is known and taken out.
+// The radiance of both sides of the diffuse walls from any number of samples. Direct light of
+// points holds for all c, other light at every node of c. Samples form two halves, to estimate and
+// remove noise.
 template <int D>
 class WallLight {
  public:
-  // `meshes`: the scene's. Refers to both.
+  // `meshes`: the scene's. Keeps references to both.
   WallLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes);
 
-  // For one half, in turns. `from`: of all light but that of points. The estimator may be null
-  // where there is no indirect light.
+  // Adds samples to the halves in turns. `from`: samples all light except that of points. The
+  // estimator is null if there is no indirect light.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress);
-  // What add() of so many samples is for the progress, in points of lines: less where a side is
-  // known to be dark.
+  // Returns the work of add() in points of lines; sides that are known to be dark take none.
   double work(int samples) const;
-  // How often samples were added.
+  // Returns the number of calls of add().
   int blocks() const { return added_; }
-  // Its state.
+  // Serializes the state.
   void serialize(Archive& archive);
 
-  // `direct`: of the same scene.
+  // Returns the radiance from the samples so far. `direct`: of the same scene.
   WallRadiance<D> radiance(std::shared_ptr<const MeshDirectLight<D>> direct, Progress& progress);
-  // The noise of that, each vertex alike.
+  // Adds the noise of radiance(), equally for each vertex.
   void add_noise(double exposure, IsovalueErrors& errors, Progress& progress);
 
  private:
@@ -54,13 +53,13 @@ class WallLight {
   const SceneTracer<D>& tracer_;
   const std::vector<SubdividedMesh<D>>& meshes_;
   IsovalueNodes nodes_;
-  std::vector<std::vector<std::uint32_t>> ranks_;  // of coarse vertices; neighbours have near ones
-  // Sums of means, by mesh and side; [node * vertices + vertex]. Empty where it is dark.
+  std::vector<std::vector<std::uint32_t>> ranks_;  // of coarse vertices; neighbors have close ranks
+  // Sums of means, by mesh and side; the index is node * vertices + vertex. Empty for dark sides.
   std::vector<std::array<Halves, 2>> sums_;
   int added_ = 0;
 };
 
-// The same before any is known.
+// Estimates the work before any side is known to be dark.
 template <int D>
 double work_of_samples(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                        int samples);

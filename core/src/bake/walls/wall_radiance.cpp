@@ -28,7 +28,7 @@ std::vector<Vec<3, float>> radiance_at(const WallRadiance<D>& walls, int mesh, d
 
 namespace {
 
-// All but what the mesh emits by itself, brighter by a factor.
+// Scales all light except the mesh's own emission.
 template <int D>
 void scale(std::array<std::vector<Vec<3, float>>, 2>& sides, const Mesh<D>& mesh,
            const Vec<3, float>& factor) {

@@ -11,15 +11,14 @@
 namespace leaflight {
 namespace {
 
-// Distance at which the spacing is twice that beside a volume, in longest sides of the volumes'
-// box.
+// Distance at which the spacing is twice that at a volume, in longest sides of the volumes' box.
 constexpr double doubled_at = 0.2;
 template <int D>
 constexpr double slope = D == 3 ? 0.11 : 0.01;
-// Of all walls together, about. More are farther apart.
+// Target number of pieces of all walls; the spacing grows if there are more.
 template <int D>
 constexpr double most_pieces = D == 3 ? 40000 : 8192;
-// Edges are between half the spacing and the whole: so many pieces where it is the unit of area.
+// Pieces per unit of area for a spacing of 1; edges are between half the spacing and all of it.
 template <int D>
 constexpr double pieces_per_area = D == 3 ? 4 : 1.4;
 constexpr int most_strips = 16;

@@ -6,15 +6,14 @@
 
 namespace leaflight {
 
-// How far apart vertices of the walls are at most. It grows with the distance from the volumes,
-// as the penumbrae of their shadows do: a gap of a voxel under an isosurface is seen, and a wall
-// far away has no vertices to spare.
+// Upper bound on the distance between vertices of the walls. It grows with the distance from the
+// volumes, as the penumbrae of their shadows do.
 template <int D>
 class WallSpacing {
  public:
   explicit WallSpacing(const Scene<D>& scene);
 
-  // World units.
+  // Returns the spacing in world units.
   double at(const Vec<D>& place) const { return slope_ * (distance(place) + closest_); }
 
  private:
