@@ -11,9 +11,9 @@ import numpy as np
 
 from ..arrays import Array
 
-# Along each axis; whether either is smaller than all texels as one brick is tried.
+# Candidate widths of bricks, in texels. All texels as a single brick is the third candidate.
 SIDES = (8, 16)
-# Of a texture, along one axis, that browsers take.
+# Largest side of a texture in browsers.
 LARGEST_SIDE = 2048
 
 

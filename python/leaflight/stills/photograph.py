@@ -16,7 +16,7 @@ from .still import still
 # what they are, those beyond approach white and lose their colour by degrees.
 START = 0.8
 DESATURATION = 0.15
-# Where the brightest hundredth of a picture begins, the scene's exposure stays as it is within.
+# The scene's exposure is kept if the 99th percentile of brightness is within these limits.
 DIMMEST, BRIGHTEST = 0.4, 1.25
 MOST_STOPS = 4.0
 
@@ -41,7 +41,7 @@ def photographed(picture: Array, exposure: float) -> Array:
 
 
 def metered_stops(bake: Bake, isovalue: float | None = None) -> float:
-    """How many stops brighter than the scene's exposure a Bake is shown, to a tenth.
+    """Returns the stops by which a Bake is shown brighter than the scene's exposure, to a tenth.
 
     Zero where the first view of its isovalue, None is the default one, is neither dim nor burnt.
     """
