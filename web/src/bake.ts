@@ -83,7 +83,7 @@ export interface WallsData {
   meshes: WallData[];
 }
 
-// Of one isosurface (python/leaflight/looks.py): linear colors.
+// The material preset of one isosurface (python/leaflight/looks.py), with linear colors.
 export interface NamedLook {
   name: string;
   color: Vector; // albedo

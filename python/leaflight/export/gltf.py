@@ -21,7 +21,7 @@ from ..volume.units import METERS
 # The world's z axis points up, glTF's y axis does: a quarter turn about x.
 _UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 _SECONDS = 0.1
-# Smallest size in meters. Viewers clip smaller objects, such as molecules and cells, so their unit
+# Smallest size in meters that viewers do not clip. The unit of smaller objects becomes a meter.
 _SMALLEST = 1e-4
 # Codes of the format for types of arrays, and for their use.
 _TYPES = {"float32": 5126, "uint32": 5125}

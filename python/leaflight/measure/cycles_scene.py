@@ -67,8 +67,8 @@ def main(folder: Path) -> None:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
     if settings["image_size"] is None:
-        # As many corners in a row as a mesh has would be cut into thousands of tiles, each of which
-        # goes through a file and keeps one thread busy.
+        # A row of all corners of a mesh would be cut into thousands of tiles. Each of them goes
+        # through a file and keeps one thread busy.
         scene.cycles.use_auto_tile = False
     target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
     radiance, costs = [], []
@@ -204,7 +204,7 @@ def _image(name: str, pixels: Array) -> bpy.types.Image:
 
 
 def _set_light(node: bpy.types.Node, radiance: Sequence[float]) -> None:
-    """Of an Emission or a Background node."""
+    """Sets color and strength of an Emission or a Background node."""
     strongest = max(radiance)
     node.inputs["Color"].default_value = (*(x / strongest for x in radiance), 1.0)
     node.inputs["Strength"].default_value = strongest

@@ -94,7 +94,7 @@ def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
 
 
 def _fits(nodes: Sequence[int] | None, counts: Array) -> bool:
-    """Whether a choice of nodes leaves a grid of so many as it is."""
+    """Returns True if the chosen nodes equal those of a grid with these counts."""
     return nodes is None or list(nodes) in ([*counts], [max(counts)])
 
 

@@ -4,7 +4,7 @@
 import re
 from collections.abc import Sequence
 
-# What files measure lengths in -> meters.
+# Units of length in files -> meters.
 METERS = {
     "m": 1.0,
     "cm": 1e-2,
