@@ -149,7 +149,7 @@ class JsonObject:
         if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
             point = ", ".join(axes)
             raise self.error(f'"{key}" must be a list of at least {least} points [{point}]')
-        # Those beyond become infinite, which meshes refuse by themselves.
+        # Values beyond single precision become infinite, which meshes refuse.
         with np.errstate(over="ignore"):
             return array.astype(np.float32)
 

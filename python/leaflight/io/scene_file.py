@@ -356,6 +356,6 @@ def _light_data(light: Light) -> dict[str, Any]:
     elif isinstance(light, SunLight):
         data["type"] = "sun"
     if "angle" in data:
-        # So many digits survive the way to radians and back.
+        # 14 digits are exact after conversion to radians and back.
         data["angle"] = float(f"{math.degrees(data['angle']):.14g}")
     return data

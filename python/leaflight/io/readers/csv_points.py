@@ -65,7 +65,7 @@ def _table(path: Path, progress: Progress) -> Array:
 
 
 def _columns(path: Path, names: list[str], row: list[str]) -> list[int]:
-    """Where x, y, z and the value stand; row: the first one of numbers."""
+    """Returns the columns of x, y, z and the value; row: the first row of numbers."""
     others = [name for name in names if name not in ("x", "y", "z", "")]
     numbers = [name for name in others if _is_number(row, names.index(name))]
     if not {"x", "y", "z"} <= set(names) or not (numbers or others):

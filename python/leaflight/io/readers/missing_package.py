@@ -24,7 +24,7 @@ _DEBIAN = {
     "pydicom": "python3-pydicom",
     "tifffile": "python3-tifffile",
 }
-# What pip calls packages that Python imports by another name.
+# Import name -> name for pip, if they differ.
 _OF_PIP = {"PIL": "pillow"}
 # What they import themselves, and NumPy apart nothing else that reading needs: the metadata of
 # some ask for more, even for CMake.
