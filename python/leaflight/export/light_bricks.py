@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Texels as a texture of bricks, without those that hold no light.
 
-A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbours share
+A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbors share
 a layer and a graphics card interpolates within one brick. web/src/bricks.ts makes the texture.
 """
 

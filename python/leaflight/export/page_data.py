@@ -130,8 +130,11 @@ def lights_data(bake: Bake) -> dict[str, Any]:
 
 
 def step_of(bake: Bake) -> float:
-    """By how much isovalues differ at least that the page's controls choose: a power of ten, a
-    thousandth of the isovalue range or less; half-integers are among those of integers."""
+    """Returns the step of isovalues in the page's controls.
+
+    A power of ten, at most a thousandth of the isovalue range. Data of integers have steps that
+    include half-integers.
+    """
     low, high = bake.isovalues
     step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
     is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"

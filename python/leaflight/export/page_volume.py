@@ -217,7 +217,7 @@ def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:
 
 
 def spread(light: Array) -> Array:
-    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbours that are lit."""
+    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbors that are lit."""
     lit = light.any(axis=-1)
     sums, counts = light * lit[..., None], lit.astype(np.float32)
     for axis in range(3):

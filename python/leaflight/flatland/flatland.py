@@ -108,7 +108,7 @@ class FlatBake:
 def read_image(path: str | os.PathLike[str]) -> Volume:
     """Reads an image as a height field with a longest side of 1, a Volume of two dimensions.
 
-    PNG, JPEG, TIFF or EXR; colours become their luminance (Rec. 709) in the numbers that the file
+    PNG, JPEG, TIFF or EXR; colors become their luminance (Rec. 709) in the numbers that the file
     stores, 0..255 for 8 bits. Raises LeaflightError.
     """
     values = np.ascontiguousarray(luminance(read_pixels(path))[::-1])

@@ -191,7 +191,7 @@ class JsonObject:
         return color
 
     def ramp(self, key: str, largest: float = np.inf, default: Color | None = None) -> Ramp:
-        """A colour, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
+        """A color, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
         if default is not None and key not in self:
             return default
         value = self.get(key)

@@ -236,7 +236,7 @@ def _lay_out(
     """Probes on a mesh, and the pixels into which Cycles bakes them.
 
     A facet with k of the points, by lot in proportion to its area, is cut into n x n pieces, as few
-    as have k upright ones among them; each of those has its centroid at the centre of a pixel of
+    as have k upright ones among them; each of those has its centroid at the center of a pixel of
     the square that the facet gets in the image.
     Returns (Probes, pixel numbers (n,), image size (width, height), uv float32 (m, 3, 2)).
     """

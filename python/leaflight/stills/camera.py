@@ -22,7 +22,7 @@ _LARGEST = sys.float_info.max
 
 @dataclass(frozen=True)
 class Camera:
-    """Sees in perspective. position, target: world; up: a direction that shall be upright.
+    """A perspective camera. position, target: world; up: the direction that is upright.
 
     angle: of view, across the shorter side of the picture, in degrees.
     """

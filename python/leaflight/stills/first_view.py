@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first view of a bake: isovalue, direction and distance.
 
-A room that is open on one side is looked into from there. A patient is seen from the front, and
-all else from where its silhouette is largest. The picture is framed around the isosurface.
+A room that is open on one side is looked into from there. A patient is seen from the front, and any
+other object from where its silhouette is largest. The picture is framed around the isosurface.
 """
 
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Local shading: lamps upon a surface without shadows, and no light between surfaces.
+"""Local shading: lamps on a surface without shadows, and no light between surfaces.
 
 Viewers of isosurfaces shade like this, and the thesis compares with it. Lamps with an extent become
 a few points.

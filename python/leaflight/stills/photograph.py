@@ -12,8 +12,8 @@ from ..io.images import display_colours
 from .first_view import default_isovalue_of
 from .still import still
 
-# Khronos PBR Neutral (2024) without its offset for specular reflection: colours up to START stay
-# what they are, those beyond approach white and lose their colour by degrees.
+# Khronos PBR Neutral (2024) without its offset for specular reflection: colors up to START stay
+# what they are, those beyond approach white and lose their color by degrees.
 START = 0.8
 DESATURATION = 0.15
 # The scene's exposure is kept if the 99th percentile of brightness is within these limits.
@@ -22,7 +22,7 @@ MOST_STOPS = 4.0
 
 
 def tone_mapped(linear: ArrayLike) -> Array:
-    """Exposed colours (..., 3) as they are shown, linear, below 1."""
+    """Exposed colors (..., 3) as they are shown, linear, below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
     rest = 1.0 - START

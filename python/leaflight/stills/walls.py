@@ -2,7 +2,7 @@
 """The walls of a bake, without those that stand between the viewer and the volumes.
 
 A viewer around a box of walls would see some from behind. As in a doll's house, the walls in front
-are left out. Walls without baked light are shaded locally, so that one sees where their colours on
+are left out. Walls without baked light are shaded locally, so that one sees where their colors on
 the isosurface come from.
 """
 
@@ -22,7 +22,7 @@ class RoomMesh:
     """A mesh of the scene that is shown: its number there, vertices float32 (n, 3) and triangles.
 
     is_of_room: it is flat, as a wall is, or goes around the volumes' middle; is_lit: it has baked
-    light at its vertices. albedo, emission: colours.
+    light at its vertices. albedo, emission: colors.
     """
 
     number: int

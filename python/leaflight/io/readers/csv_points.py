@@ -25,7 +25,7 @@ COLUMNS = ("x", "y", "z", "value")
 def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
     """The columns x, y, z and value of a first line that names them, else the first four.
 
-    Where none is named value it is the first other one of numbers. Between numbers stand commas,
+    If no column is named value, the first other column of numbers is used. Separators are commas,
     semicolons, tabs or spaces. dims: nodes, see interpolated().
     """
 

@@ -26,8 +26,8 @@ _DEBIAN = {
 }
 # Import name -> name for pip, if they differ.
 _OF_PIP = {"PIL": "pillow"}
-# What they import themselves, and NumPy apart nothing else that reading needs: the metadata of
-# some ask for more, even for CMake.
+# Dependencies that reading needs besides NumPy. The metadata of some packages ask for more, even
+# for CMake.
 _NEEDS = {"pylibCZIrw": "validators xmltodict"}
 _ENVIRONMENT = "~/leaflight-python"
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The headers of Zarr folders: groups and arrays of the versions 2 and 3.
 
-https://zarr-specs.readthedocs.io; the values are read by zarr_values.py, in a process of its own.
+https://zarr-specs.readthedocs.io; zarr_values.py reads the values, in a subprocess.
 """
 
 import json
