@@ -9,7 +9,7 @@ surface = bake.surface(45.5)       # vertices, triangles and their radiance
 bake.save("brain.vdb")
 """
 
-from . import self_check  # noqa: F401 - first: it refuses what cannot be right
+from . import self_check  # noqa: F401 - first: it refuses a broken installation
 from . import flatland, thesis
 from ._core import Cancelled, LeaflightError, Progress
 from .bake.bake import bake
@@ -67,7 +67,7 @@ __all__ = [
     "thesis",
 ]
 
-# What stands above bakes; Bake has its signatures for those who check types.
+# Functions of layers above bakes become methods. Bake declares their signatures for type checkers.
 setattr(Bake, "moved", moved)
 setattr(Bake, "export_page", export_page)
 setattr(Bake, "show", show)

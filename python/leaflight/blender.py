@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leaflight in Blender's Python: what the panels do, as functions.
+"""Functions for Blender's Python that do the same as the panels.
 
     from leaflight import blender
 
@@ -9,10 +9,9 @@
     blender.show(head, 45.5)
     blender.export(head, "head.glb")
 
-Needs the add-on to be enabled, and runs with a window or without (`blender --background`), where
-each function returns when its work is done. `head` is an ordinary object; all that the panels show
-is in `head.leaflight`. Every function raises LeaflightError, one sentence, where the panel would
-show it.
+Enable the add-on first. It runs with a window or without (`blender --background`): each function
+returns when its work is done. `head` is an ordinary object. The settings of the panels are in
+`head.leaflight`. Every function raises LeaflightError, one sentence, where a panel shows it.
 """
 
 import contextlib
@@ -35,9 +34,9 @@ except ImportError:
 
 
 def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Object:
-    """Imports a volume and returns its object, which shows an isosurface that suits the data.
+    """Imports a volume and returns its object, which shows a default isosurface.
 
-    path: a file of any format that File > Import takes; options: those of that operator, such as
+    path: a file of any format that File > Import takes; options: of the import operator, such as
         size (of the longest side, in Blender units), dims and value_type (of a .raw), frame.
     """
     _call(bpy.ops.leaflight.import_volume, filepath=_absolute(path), **options)
@@ -47,19 +46,19 @@ def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Obj
 def stage(obj: bpy.types.Object, preset: str = "STUDIO", **options: Any) -> None:
     """Puts walls, lights and a camera around the volumes, and hides other objects.
 
-    preset: the identifier of one of the stages of the panel; options: those of the operator, such
-        as collection (the name of your own, for the preset MY_SCENE) and hide_others.
+    preset: the identifier of a stage of the panel; options: of the operator, such as collection
+        (its name, for the preset MY_SCENE) and hide_others.
     """
     with _active(obj):
         _call(bpy.ops.leaflight.stage, preset=preset, **options)
 
 
 def bake(obj: bpy.types.Object, isovalues: Sequence[float] | None = None, **settings: Any) -> Path:
-    """Lights every isosurface of an isovalue range at once, of all volumes that render.
+    """Bakes the light of every isosurface in an isovalue range, for all volumes that render.
 
-    isovalues: (lowest, highest), in data units; None leaves what is set. settings: attributes of
-        obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),
-        both_sides, light_walls, bake_folder. They stay.
+    isovalues: (lowest, highest), in data units; None keeps the present range. settings: attributes
+        of obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),
+        both_sides, light_walls, bake_folder. They keep these values.
     Returns the path of the bake.
     """
     with _active(obj):
@@ -73,8 +72,8 @@ def bake_frames(
 ) -> None:
     """Bakes every frame of a volume that changes over time, one after the other.
 
-    Where the frames are animated, each is baked in the scene as it is when it is shown. Arguments
-    are those of bake().
+    If the frames are animated, each is baked in the scene at the time it is shown. Arguments are
+    those of bake().
     """
     with _active(obj):
         _set(obj, isovalues, settings)
@@ -82,9 +81,9 @@ def bake_frames(
 
 
 def show(obj: bpy.types.Object, isovalue: float) -> None:
-    """Shows an isosurface, lit by the bake if there is one, with all volumes that are linked.
+    """Shows an isosurface, lit by the bake if there is one, and updates all linked volumes.
 
-    obj: a volume, or what add_isosurface() returned. isovalue: in data units.
+    obj: a volume, or the object that add_isosurface() returned. isovalue: in data units.
     """
     obj.leaflight.isovalue = float(isovalue)
     bpy.context.view_layer.update()
@@ -98,8 +97,8 @@ def add_isosurface(
 ) -> bpy.types.Object:
     """Shows another isosurface of a volume beside its own, lit by the same bake; up to three.
 
-    isovalue: in data units; opacity: 0..1, how much of what lies behind it hides; color: its albedo
-        (r, g, b) where that is not to be the volume's, in the light that was baked.
+    isovalue: in data units; opacity: 0..1, 1 hides everything behind it; color: its albedo (r, g,
+        b), None takes the volume's. Baked light is not changed.
     Returns its object, a child of obj: show() and animate() move its isovalue, and
     `leaflight_look.opacity` changes the opacity.
     """
@@ -115,16 +114,16 @@ def add_isosurface(
 def clip(obj: bpy.types.Object, box: "bpy.types.Object | None", keep: str = "OUTSIDE") -> None:
     """Cuts the isosurfaces of a volume by a box that moves like any object.
 
-    box: an object, whose bounding box counts, or an Empty, whose cube does; None cuts nothing.
-    keep: "OUTSIDE" cuts away what lies in the box, "INSIDE" shows nothing else. Which isosurfaces
-    are cut is in their `leaflight_look.is_cut`.
+    box: an object with its bounding box, or an Empty with its cube; None cuts nothing.
+    keep: "OUTSIDE" removes the parts in the box, "INSIDE" keeps only these. Set
+        `leaflight_look.is_cut` of an isosurface to include it.
     """
     obj.leaflight_look.keep = keep
     obj.leaflight_look.box = box
 
 
 def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int = 1) -> None:
-    """Keyframes one isovalue a frame, for a sweep; sets the scene's range of frames to them.
+    """Keyframes one isovalue per frame, for a sweep, and sets the frame range of the scene.
 
     isovalues: in data units, one for each frame from first_frame on.
     """
@@ -132,7 +131,7 @@ def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int 
     if not isovalues:
         raise LeaflightError("There is no isovalue to animate: give one for each frame.")
     for frame, isovalue in enumerate(isovalues, start=first_frame):
-        # The isosurfaces between are not shown: that would take long.
+        # Set the stored value directly: showing each isosurface would take long.
         settings["isovalue"] = isovalue
         obj.keyframe_insert('leaflight["isovalue"]', frame=frame)
     scene = bpy.context.scene
@@ -141,10 +140,10 @@ def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int 
 
 
 def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> None:
-    """Keyframes the frames of a volume that changes over time, one for each frame of the scene.
+    """Keyframes the frames of a volume that changes over time, one per frame of the scene.
 
-    first_frame: the scene's that shows the first of them, the scene's first if None. What range of
-    frames the scene has stays.
+    first_frame: frame of the scene that shows the first one; None is the scene's first. The range
+    of frames of the scene is unchanged.
     """
     settings, scene = obj.leaflight, bpy.context.scene
     if settings.frames < 2:
@@ -157,7 +156,7 @@ def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> Non
     for curve in blender_versions.fcurves(obj):
         if curve.data_path == "leaflight.shown_frame":
             for point in curve.keyframe_points:
-                # A linear curve would be rounded down between them.
+                # Frames are whole numbers; a linear curve would be rounded down.
                 point.interpolation = "CONSTANT"
     settings["shown_frame"] = settings.frame
     scene.frame_set(scene.frame_current)
@@ -170,9 +169,9 @@ def compare(
     baked_samples: int = 64,
     share: float = 1.0,
 ) -> dict[str, Any]:
-    """Renders the present view baked, by Cycles and by local shading, and measures the difference.
+    """Renders the view from the bake, by Cycles and by local shading, and measures differences.
 
-    folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel of the
+    folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel, of the
         stills of Cycles and of the bake; share: of the scene's resolution, 0..1.
     Returns the figures, a dict: isosurface_rms_percent, isosurface_noise_percent, baked_seconds,
     ...
@@ -195,10 +194,10 @@ def compare(
 def export(
     obj: bpy.types.Object, path: str | os.PathLike[str], isovalues: Iterable[float] | None = None
 ) -> None:
-    """Writes the bake of an object for another program, by leaflight.export().
+    """Writes the bake of an object in another program's format, by leaflight.export().
 
     path: its suffix is the format (docs/export.md). isovalues: of the isosurfaces of a sequence, in
-        data units; None is the present one.
+        data units; None is the one that is shown.
     """
     chosen = {}
     if isovalues is not None:
@@ -211,7 +210,7 @@ def export(
 def _set(
     obj: bpy.types.Object, isovalues: Sequence[float] | None, settings: dict[str, Any]
 ) -> None:
-    """Gives an object the settings of a bake."""
+    """Sets the settings of a bake on an object."""
     if isovalues is not None:
         settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
     for name, value in settings.items():
@@ -222,7 +221,7 @@ def _set(
 
 @contextlib.contextmanager
 def _active(obj: "bpy.types.Object | None") -> Iterator[None]:
-    """Operators work on the active object."""
+    """Makes an object the active one, on which operators work, within a `with` block."""
     if obj is None or not obj.leaflight.is_volume:
         name = "None" if obj is None else f'"{obj.name}"'
         raise LeaflightError(f"{name} is no Leaflight volume: give what import_volume() returned.")
@@ -237,12 +236,12 @@ def _active(obj: "bpy.types.Object | None") -> Iterator[None]:
 
 
 def _call(operator: Any, **options: Any) -> None:
-    """Runs an operator to its end. Raises LeaflightError with its sentence."""
+    """Runs an operator to its end. Raises LeaflightError with the operator's message."""
     try:
         result = operator("EXEC_DEFAULT", **options)
     except RuntimeError as error:
         sentence = str(error).strip().removeprefix("Error: ")
-        # Why a button would be greyed comes behind the operator's name.
+        # Blender puts the operator's name in front of the reason why it is disabled.
         raise LeaflightError(sentence.rpartition("poll() failed, ")[2]) from None
     if "FINISHED" not in result:
         raise LeaflightError(f"{operator.idname_py()} was cancelled.")
@@ -254,5 +253,5 @@ def _absolute(path: str | os.PathLike[str]) -> str:
 
 
 def _written(folder: Path) -> dict[Path, int]:
-    """When the .json of each comparison in a folder was written."""
+    """Returns the modification time of the .json of each comparison in a folder."""
     return {path: path.stat().st_mtime_ns for path in folder.glob("*_comparison.json")}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Common color maps, for the add-on and for pages."""
 
-# By key: (name, description, nine sRGB colors, evenly spaced). Of matplotlib 3.6 and of colorcet
-# 3.2 (Kovesi 2015).
+# Color maps by key: (name, description, nine evenly spaced sRGB colors). They are from matplotlib
+# 3.6 and colorcet 3.2 (Kovesi 2015).
 MAPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     key: (name, text, tuple(colors.split()))
     for key, name, text, colors in (

@@ -8,8 +8,10 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Look:
-    """name, text: for people; color: linear albedo; gloss: 0 to 1, the weight of a clear coat, and
-    its roughness; background: a linear color or None.
+    """A preset of an isosurface's material.
+
+    name, text: label and description; color: linear albedo; gloss: 0 to 1, the weight of a clear
+    coat, and its roughness; background: a linear color or None.
     """
 
     name: str

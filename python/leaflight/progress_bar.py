@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work in a thread of its own: a bar shows how far it is, and Ctrl-C ends it."""
+"""Runs long work in its own thread, with a progress bar. Ctrl-C ends the work."""
 
 import functools
 import signal
@@ -12,7 +12,7 @@ from typing import Any, Literal, ParamSpec, Protocol, TextIO, TypeVar, overload
 
 from ._core import Cancelled, LeaflightError, Progress
 
-# Work shorter than this shows nothing.
+# Shorter work shows no bar.
 PATIENCE_SECONDS = 1.0
 POLL_SECONDS = 0.1
 BAR_CELLS = 30
@@ -24,7 +24,7 @@ P = ParamSpec("P")
 
 
 class WithProgress(Protocol[P, T_co]):
-    """A function that with_progress() has decorated: progress may also be what that says."""
+    """A function that with_progress() decorated, with the wider type of `progress`."""
 
     @overload
     def __call__(self, *arguments: P.args, **options: P.kwargs) -> T_co: ...
@@ -43,10 +43,10 @@ class _Display(Protocol):
 
 
 def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
-    """Decorates a function that takes `progress`, a Progress, with what else its callers may give:
+    """Decorates a function with a Progress parameter `progress`, so that it takes these, too.
 
-    None: a bar on stderr, if that is a terminal or a notebook; False: none; a function: called
-    with the fraction and the stage, ten times a second, in the thread of the caller.
+    None: a bar on stderr, in a terminal or a notebook; False: no bar; a function: called with the
+    fraction and the stage, ten times a second, in the thread of the caller.
     """
 
     def decorate(function: Callable[P, T]) -> WithProgress[P, T]:
@@ -62,7 +62,7 @@ def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
 
             if callable(progress):
                 return _run(work, label, _Calls(progress), KeyboardInterrupt)
-            # Threads of a program may be many, and have no Ctrl-C.
+            # Only the main thread gets Ctrl-C, and other threads would draw many bars.
             if threading.current_thread() is not threading.main_thread():
                 return work(Progress())
             display: _Display = _display(label) if progress is None else _Nothing()
@@ -82,10 +82,10 @@ def run_with_progress(
 ) -> T:
     """Returns work(progress), for a command line: see _run().
 
-    A terminal gets a bar that is redrawn, anything else one line per tenth of the work. writes:
-    whether the work ends with writing what it found, so that once it returns a cancel comes too
-    late: from then on Ctrl-C is ignored, since only the result is to be printed. cancelled: the
-    sentence of Cancelled.
+    A terminal gets a bar, any other stream one line per tenth of the work. writes: the work ends by
+    writing its result. After it returns,
+    Ctrl-C is ignored, because only the summary is left to print. cancelled: the message of
+    Cancelled.
     """
     stream = stream or sys.stderr
     # None where stderr was closed from the beginning.
@@ -100,10 +100,10 @@ def _run(
     interrupted: Callable[[], BaseException],
     writes: bool = False,
 ) -> T:
-    """Returns work(progress), run in a thread of its own while this thread shows how far it is.
+    """Runs work(progress) in another thread, shows its progress in this one, returns its result.
 
-    Ctrl-C cancels the work, waits for it and raises interrupted(); its other exceptions are raised
-    here.
+    Ctrl-C cancels the work, waits for its end and raises interrupted(). Exceptions of the work are
+    raised here.
     """
     progress = Progress()
     results: list[T] = []
@@ -151,14 +151,14 @@ def _run(
 
 
 def _display(label: str) -> _Display:
-    """Of a terminal or a notebook: tqdm's bar where that is installed, else ours."""
+    """Returns the bar of a terminal or a notebook: tqdm's if it is installed, else ours."""
     ipython = sys.modules.get("IPython")
     is_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
     if not (is_notebook or (sys.stderr is not None and sys.stderr.isatty())):
         return _Nothing()
     try:
         with warnings.catch_warnings():
-            # Of a notebook without ipywidgets, where it is text.
+            # Ignore tqdm's warning about a notebook without ipywidgets; it then prints text.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:
@@ -175,7 +175,7 @@ class _Nothing:
 
 
 class _Calls(_Nothing):
-    """Calls a function of the caller."""
+    """The display that calls the caller's function."""
 
     def __init__(self, function: Callable[[float, str], object]) -> None:
         self._function = function
@@ -203,7 +203,7 @@ class _Tqdm:
 
 
 class _Bar:
-    """redraws: one line again and again, else a line per tenth of the work."""
+    """A bar of text. redraws: redraws one line; else prints a line per tenth of the work."""
 
     def __init__(self, label: str, stream: TextIO | None, redraws: bool) -> None:
         self.label, self.stream, self.redraws = label, stream, redraws
@@ -229,7 +229,7 @@ class _Bar:
             self._draw("")
 
     def _draw(self, line: str) -> None:
-        # Padding wipes the rest of a longer line drawn before.
+        # Pad with blanks to erase a longer previous line.
         self._print("\r" + line.ljust(len(self.drawn)) + ("" if line else "\r"))
         self.drawn = line
 
@@ -238,5 +238,5 @@ class _Bar:
             if self.stream is not None:
                 print(text, end="", file=self.stream, flush=True)
         except OSError:
-            # Nobody listens any more, which is no reason to lose the work.
+            # The stream was closed. The work goes on without a bar.
             self.stream = None

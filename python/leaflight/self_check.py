@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `import leaflight` makes sure of before anything is baked, in a few milliseconds.
+"""Checks the installation during `import leaflight`, in a few milliseconds.
 
-A module that reads arrays wrongly, or a library that is not the one it was built with, would bake
-nonsense that looks like a result. Each refusal is an ImportError of one sentence. The import of
-this module is the check.
+A module that misreads arrays, or a library of another version than at build time, would bake
+wrong light that looks like a result. Each failure is an ImportError of one sentence. The import of
+this module runs the check.
 """
 
 import os
@@ -16,18 +16,18 @@ from types import ModuleType
 try:
     resource: ModuleType | None = import_module("resource")
 except ImportError:
-    resource = None  # Windows has no such limits.
+    resource = None  # Windows has no limit on address space.
 
 OLDEST_NUMPY = (1, 24)
-# Of x86-64-v2, for which the module is compiled (CMakeLists.txt), by NumPy's names.
+# Features of x86-64-v2, the target of the module (CMakeLists.txt), by NumPy's names.
 PROCESSOR_FEATURES = ("SSE42", "POPCNT")
-# Bytes of address space that the libraries and their threads take, each thread its stack. With
-# less, they fail as they please: one says that it is version 0.0, another ends the process.
+# Bytes of address space that the libraries and the stack of each thread need. With less, they fail
+# without a clear error: one reports version 0.0, another ends the process.
 LEAST_MEMORY, MEMORY_OF_A_THREAD = 1 << 30, 16 << 20
 
 
 def check() -> None:
-    """Raises ImportError where Leaflight cannot work rightly."""
+    """Raises ImportError if Leaflight cannot work correctly."""
     check_memory(*memory_limit())
     numpy = _numpy()
     check_processor(_processor_features())
@@ -37,7 +37,7 @@ def check() -> None:
         check_arrays(numpy, core)
         check_rays(numpy, core)
     except core.LeaflightError as error:
-        # Of arrays that arrive as something else.
+        # Raised for an array that arrives with another layout.
         raise ImportError(
             f"Leaflight's compiled module fails its own test ({error}) with NumPy "
             f"{numpy.__version__}; install a Leaflight that was built for it."
@@ -45,7 +45,7 @@ def check() -> None:
 
 
 def memory_limit() -> tuple[int | None, int | None]:
-    """(bytes of address space that this process may take, None for all; threads that it may run)"""
+    """Returns (bytes of address space for this process, None for all; threads that it may run)."""
     if resource is None:
         return None, os.cpu_count()
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
@@ -87,7 +87,7 @@ def check_numpy(version: str) -> None:
 
 
 def _processor_features() -> Mapping[str, bool]:
-    """What NumPy found out about an x86 processor; it loads on every one."""
+    """Returns the features of an x86 processor that NumPy detected."""
     if platform.machine().lower() not in ("x86_64", "amd64"):
         return {}
     for package in ("numpy._core", "numpy.core"):  # of NumPy 2 and 1
@@ -100,7 +100,7 @@ def _processor_features() -> Mapping[str, bool]:
 
 
 def check_processor(features: Mapping[str, bool]) -> None:
-    """The compiled module would end the process at an instruction that is missing."""
+    """Raises ImportError if the processor lacks instructions that the compiled module uses."""
     missing = [name for name in PROCESSOR_FEATURES if not features.get(name, True)]
     if missing:
         raise ImportError(
@@ -127,7 +127,7 @@ def _core() -> ModuleType:
 def check_libraries(
     libraries: Iterable[tuple[str, tuple[int, int], tuple[int, int]]],
 ) -> None:
-    """A library may be newer than the headers by its minor version, but never older."""
+    """Raises ImportError unless each library equals its headers or has a newer minor version."""
     for name, built, loaded in libraries:
         if loaded[0] != built[0] or loaded < built:
             raise ImportError(
@@ -137,11 +137,11 @@ def check_libraries(
 
 
 def check_arrays(numpy: ModuleType, core: ModuleType) -> None:
-    """An array must reach the module and come back as it was, whichever NumPy made it."""
+    """Raises ImportError unless arrays of this NumPy pass through the module unchanged."""
     values = numpy.arange(24, dtype=numpy.float32).reshape(2, 3, 4)
     matrix = numpy.array([[2, 0, 0, 1], [0, 3, 0, 2], [0, 0, 4, 3], [0, 0, 0, 1]], dtype=float)
     field = core.Field(values, matrix)
-    # The world position of the voxel [z, y, x] = [1, 2, 3], whose value is the last.
+    # World position of the last voxel, [z, y, x] = [1, 2, 3].
     sample = field.sample(numpy.array([[7.0, 8.0, 7.0]]))
     unchanged = (
         list(field.dims) == [4, 3, 2]
@@ -157,7 +157,7 @@ def check_arrays(numpy: ModuleType, core: ModuleType) -> None:
 
 
 def check_rays(numpy: ModuleType, core: ModuleType) -> None:
-    """Rays must hit an isosurface, and a mesh behind it, where they lie."""
+    """Raises ImportError unless rays hit an isosurface and a mesh behind it correctly."""
     z = numpy.arange(3, dtype=numpy.float32)
     slope = numpy.broadcast_to(z[:, None, None], (3, 3, 3)).copy()
     volume = core.Volume("slope", core.Field(slope, numpy.eye(4)), [(0.0, (0.5, 0.5, 0.5))])

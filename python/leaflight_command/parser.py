@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options of the command line.
 
-Imports nothing of the package, which takes longer to load than all else that help needs.
+Imports nothing of the package, because loading it would take most of the time of --help.
 """
 
 import argparse

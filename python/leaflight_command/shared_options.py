@@ -11,7 +11,7 @@ from .numbers import integer, memory, number
 
 # Names of the package.
 ENDIANS = ("little", "big")
-# Of a group of options.
+# Title of a group of options.
 MACHINES = "machines"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
@@ -172,7 +172,7 @@ def scene_options() -> Parser:
 
 
 def workers_options(parser: argparse._ActionsContainer, here: str) -> None:
-    """Who works beside this process; here: the help of --workers."""
+    """Adds the options of worker processes; here: the help of --workers."""
     either = parser.add_mutually_exclusive_group()
     either.add_argument("--workers", type=integer, metavar="N", help=here)
     either.add_argument(
@@ -230,7 +230,7 @@ def isosurface_options() -> Parser:
 
 
 def side_options(parser: argparse._ActionsContainer) -> None:
-    """Which of the isosurfaces of that isovalue, and seen from where."""
+    """Adds the options that choose an isosurface among several volumes, and its side."""
     parser.add_argument(
         "--volume",
         type=integer,

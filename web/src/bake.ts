@@ -63,13 +63,13 @@ export interface WallData {
 
 export interface WallLightData {
   between: number; // of each vertex, two coarser ones
-  // Of the front and the back, radiance times the exposure: indirect light of the coarser vertices
-  // at each node; and by each lamp and all that is none direct light if nothing stood in its way.
+  // Radiance times the exposure of the front and the back. indirect: of the coarser vertices at
+  // each node; unshadowed: direct light by each lamp, and by all other emitters.
   indirect: (number | null)[];
   unshadowed: (number | null)[][];
-  // Of each vertex its set of light points, and by point and vertex the least and the greatest code
-  // on the way, between which isosurfaces block it, and how much light comes by it, negative on the
-  // back. Closed isosurfaces have no least one.
+  // sets: the set of light points of each vertex. least, greatest: codes by point and vertex;
+  // isosurfaces between them block the light. weights: the light by point and vertex, negative on
+  // the back. Closed isosurfaces have no least code.
   sets: number;
   least: number | null;
   greatest: number;
@@ -83,7 +83,7 @@ export interface WallsData {
   meshes: WallData[];
 }
 
-// Of one isosurface (python/leaflight/looks.py): linear colors.
+// The material preset of one isosurface (python/leaflight/looks.py), with linear colors.
 export interface NamedLook {
   name: string;
   color: Vector; // albedo

@@ -26,7 +26,7 @@ export async function arrived(id: string): Promise<HTMLElement | null> {
   }
 }
 
-// So many bytes, of the elements of the page or of bake.bin beside it.
+// Reads so many bytes from the elements of the page, or from bake.bin beside it.
 export async function readBody(bytes: number, report: (share: number) => void): Promise<Uint8Array> {
   const body = new Uint8Array(bytes);
   let at = 0;

@@ -57,7 +57,7 @@ export async function bricksOf(bake: Bake, data: BrickData): Promise<Bricks> {
   };
 }
 
-// Of each texel: how many are active up to it, or 0 where it is not.
+// Returns for each active texel the number of active texels up to it, and 0 for the others.
 function ranks(active: Uint8Array, [nx, ny, nz]: Vector): Uint32Array {
   const numbers = new Uint32Array(nx * ny * nz);
   let count = 0;

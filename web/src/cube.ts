@@ -6,8 +6,8 @@ import * as three from 'three';
 import type { Vector } from './bake';
 import type { View } from './view';
 
-// Of a patient: right, left, anterior, posterior, superior, inferior. Readers turn a patient's
-// coordinates towards right, front and up.
+// Letters of a patient's sides: right, left, anterior, posterior, superior, inferior. Readers turn
+// a patient's coordinates towards right, front and up.
 const AXES: [Vector, string, string, string][] = [
   [[1, 0, 0], '+X', 'R', 'right'],
   [[-1, 0, 0], '-X', 'L', 'left'],

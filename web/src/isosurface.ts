@@ -40,7 +40,7 @@ export interface Rays {
   up: three.Vector3;
 }
 
-// What is drawn: as isosurface.frag.glsl numbers it.
+// Outputs of the shader, numbered as in isosurface.frag.glsl.
 export enum Result {
   Picture,
   Fetches,
@@ -167,7 +167,7 @@ export class Isosurface {
     return plane.applyMatrix4(this.indexToWorld.clone().transpose());
   }
 
-  // What another albedo makes of the light of the isosurface of an isovalue that does not glow.
+  // Returns the factor of another albedo on the light of an isosurface without emission.
   private tint(shown: Shown): Vector {
     const isovalue = this.isovalueAt(shown.isovalue);
     const [low, high] = this.header.isovalueRange;

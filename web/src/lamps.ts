@@ -16,8 +16,8 @@ export function bakedLamps(header: Header): Lamp[] {
   return header.lights.lamps.map(() => ({ strength: 1, color: null }));
 }
 
-// By how much each lamp is brighter than in the bake, by channel. A lamp has no channel that it was
-// baked without.
+// Returns the factor of each lamp on its strength in the bake, by channel. A channel that was 0 in
+// the bake stays 0.
 export function factorsOf(lamps: Lamp[], header: Header): Vector[] {
   return lamps.map(({ strength, color }, k) => {
     if (color === null) return [strength, strength, strength];
@@ -27,12 +27,12 @@ export function factorsOf(lamps: Lamp[], header: Header): Vector[] {
   });
 }
 
-// Of the number of a lamp, or of what is none.
+// Returns the factor of a lamp by its number, 1 for emitters that are no lamp.
 export function factorAt(factors: Vector[], lamp: number): Vector {
   return factors[lamp] ?? UNCHANGED;
 }
 
-// By how much indirect light is brighter.
+// Returns the factor on indirect light.
 export function indirectFactor(factors: Vector[], { lights }: Header): Vector {
   return lights.others.map((others, i) =>
     lights.lamps.reduce((sum, { share }, k) => sum + share[i] * factors[k][i], others),

@@ -25,7 +25,7 @@ export function toLink({ look, viewpoint }: State): string {
   const numbers = (...values: number[]) =>
     values.map((value) => Number(value.toPrecision(DIGITS))).join(',');
   const fields: [string, string | null][] = [
-    // Of all isosurfaces, separated by commas.
+    // Values of all isosurfaces, separated by commas.
     ['isovalue', numbers(...look.isosurfaces.map(({ isovalue }) => isovalue))],
     ['opacity', isOpaque(look) ? null : numbers(...look.isosurfaces.map(({ opacity }) => opacity))],
     ['colors', isOfBake(look) ? null : look.isosurfaces.map(({ colors }) => colors ?? '').join(',')],
@@ -41,7 +41,7 @@ export function toLink({ look, viewpoint }: State): string {
   return fields.flatMap(([name, value]) => (value === null ? [] : [`${name}=${value}`])).join('&');
 }
 
-// What a link says of the state; all else, and what makes no sense, is as given.
+// Reads the state from a link. Missing or invalid fields keep the given state.
 export function fromLink(link: string, { look, viewpoint }: State, header: Header): State {
   const fields = new URLSearchParams(link.replace(/^#/, ''));
   const numbers = (name: string, count: number): number[] | null => {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is shown, as plain data: the interface changes it, the view draws it, the link keeps it.
+// The displayed state as plain data: the interface changes it, the view draws it, the link saves
+// it.
 
 import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
@@ -61,7 +62,7 @@ export function withOneMore(isosurfaces: Shown[], header: Header): Shown[] {
   return [...isosurfaces, { isovalue, opacity: 0.35, colors: null }];
 }
 
-// What is below the distance along the normal is left out.
+// Returns the clipping plane. Points below the distance along the normal are cut away.
 export function clipPlane(clip: Clip, bounds: [Vector, Vector]): { normal: Vector; distance: number } {
   const axis = clip.from >> 1;
   const sign = clip.from % 2 === 0 ? 1 : -1;

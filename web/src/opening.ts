@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is seen while the page opens: how far it is, over the first picture.
+// The progress over the first picture while the page opens.
 
 function element(id: string): HTMLElement | null {
   return document.getElementById(id);

@@ -7,15 +7,15 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Vector } from './bake';
 import type { Viewpoint } from './link';
 
-const FARTHEST = 30; // in sizes of what is shown
+const FARTHEST = 30; // in sizes of the object
 const NEAREST = 1e-3;
 
 export class Orbit {
   readonly camera = new three.PerspectiveCamera();
   private controls: OrbitControls;
 
-  // size: of what is shown, in the world; changed: is called after each change; ahead: how far the
-  // camera may move forward.
+  // size: of the object, in the world; changed: called after each change; ahead: how far the camera
+  // may move forward.
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly size: number,
@@ -70,7 +70,7 @@ export class Orbit {
     this.changed();
   }
 
-  // What is shown turns clockwise about the horizontal line of sight; another axis is upright then.
+  // Rolls the picture clockwise about the line of sight, and so changes the upright axis.
   roll(degrees: number): void {
     const { position, target, up } = this.viewpoint;
     const upright = new three.Vector3(...up);
@@ -98,7 +98,7 @@ export class Orbit {
   }
 }
 
-// Of a unit vector, without what rounding left.
+// Removes rounding errors from a component of a unit vector.
 function clean(x: number): number {
   return Math.abs(x - Math.round(x)) < 1e-9 ? Math.round(x) : x;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lengths upon the picture: a scale bar, and the distance between two places that were clicked.
+// Lengths over the picture: a scale bar, and the distance between two clicked points.
 
 import * as three from 'three';
 

@@ -23,7 +23,7 @@ function element(id: string): HTMLInputElement {
   return document.getElementById(id) as HTMLInputElement;
 }
 
-// What is known of the bake before it is opened; returns the canvas of the view.
+// Fills the page from the header, before the bake is loaded; returns the canvas of the view.
 export function fillPage(header: Header): HTMLCanvasElement {
   element('title').textContent = header.title;
   element('walls-row').hidden = header.walls.meshes.length === 0;
@@ -122,7 +122,7 @@ export class Panel {
     this.show(onGrid(isovalue, this.header));
   }
 
-  // Of the first isosurface, which the main controls have.
+  // The isovalue of the first isosurface, which the main controls change.
   get isovalue(): number {
     return this.view.look.isosurfaces[0].isovalue;
   }
@@ -268,7 +268,7 @@ export class Panel {
     });
   }
 
-  // The link follows what is shown, and what is shown follows a link that is entered.
+  // Updates the link with the displayed state, and the state when a link is entered.
   private bindLink(): void {
     const read = () => {
       const { look, viewpoint } = fromLink(location.hash, this.first, this.header);

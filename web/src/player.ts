@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Moves the isovalue through the isovalue range, to and fro.
+// Moves the isovalue back and forth through the isovalue range.
 
 const SECONDS = 10; // from one end to the other
 

@@ -127,7 +127,7 @@ export class View {
     return { position: positionOf(camera, width, height), target: camera.target, up: camera.up };
   }
 
-  // So many pixels wide, with the view's own aspect.
+  // Returns a picture of this width in pixels, with the aspect of the view.
   async picture(pixels = this.canvas.clientWidth * window.devicePixelRatio): Promise<Blob> {
     this.drawNow(pixels / (this.canvas.clientWidth * window.devicePixelRatio));
     const blob = await new Promise<Blob | null>((resolve) => {
@@ -138,7 +138,7 @@ export class View {
     return blob;
   }
 
-  // What the isosurfaces have at a pixel of the page, in the world.
+  // Returns the world position on the isosurfaces at a pixel of the page, or null.
   placeAt(x: number, y: number): three.Vector3 | null {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     this.aim(width / height);
@@ -156,7 +156,7 @@ export class View {
       : null;
   }
 
-  // Of textures, a pixel on average: of the whole picture and of its pixels on the box.
+  // Counts texture fetches per pixel, the mean of the whole picture and of the pixels on the box.
   countFetches(): { ofPicture: number; ofBox: number } {
     this.drawNow(1);
     const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
@@ -185,7 +185,7 @@ export class View {
     return new Float32Array(pixels.buffer).map((distance) => (distance > 0 ? distance : Infinity));
   }
 
-  // What the shader of isosurfaces gives instead of a picture, four bytes a pixel.
+  // Returns another output of the isosurface shader than the picture, four bytes per pixel.
   private bytes(width: number, height: number, rays: Rays, result: Result): Uint8Array<ArrayBuffer> {
     const target = new three.WebGLRenderTarget(width, height);
     for (const wall of this.walls) wall.mesh.visible = false;
@@ -209,7 +209,7 @@ export class View {
     this.renderer.render(this.scene, this.camera);
   }
 
-  // Of a picture with so many pixels.
+  // Returns the rays of a picture with so many pixels.
   private rays(width: number, height: number): Rays {
     const [right, up, back] = [new three.Vector3(), new three.Vector3(), new three.Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, back);

@@ -25,7 +25,7 @@ export function volumeTextures(codes: Codes, dims: Vector): VolumeTextures {
   };
 }
 
-// Of each voxel and its next ones in x and y: two fetches read the corners of a cell.
+// Packs each voxel with its next ones in x and y: two fetches then read the corners of a cell.
 export function quads(codes: Codes, [nx, ny, nz]: Vector): Codes {
   const result = sameKind(codes, 4 * codes.length);
   let at = 0;

@@ -150,7 +150,7 @@ export class WallLight {
     }
   }
 
-  // Of coarser vertices, of which each vertex lies halfway between two.
+  // Adds indirect light of coarser vertices; each vertex lies halfway between two of them.
   private addIndirect(colors: Float32Array, c: number, side: number): void {
     const { between, indirect } = this.blocks;
     const words = indirect[side];
@@ -164,7 +164,7 @@ export class WallLight {
     const half = (part: number) => this.indirect.map((factor) => 0.5 * part * factor) as Vector;
     addColors(coarse, words, low * count, half(1 - share));
     addColors(coarse, words, (low + 1) * count, half(share));
-    // What the wall emits by itself is in it, and is none of the lamps'.
+    // The baked light includes the wall's emission, which no lamp scales.
     const own = this.emission.map((x, k) => x * this.header.exposure * (1 - this.indirect[k]));
     for (let v = 0; v < this.count; ++v) {
       const [a, b] = [3 * between[2 * v], 3 * between[2 * v + 1]];

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking, and the bakes it makes."""
+"""Bakes: how they are made, stored, loaded, resumed and relit."""

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class Workers(Protocol):
-    """Those of cluster.workers, as far as a bake needs them."""
+    """The interface of cluster.workers.Workers that a bake uses."""
 
     def tracing(
         self,
@@ -47,12 +47,15 @@ class Workers(Protocol):
 def placed(
     volumes: Any, scene: SceneDescription | None, isovalues: Sequence[float] | None
 ) -> tuple[list[Volume], SceneDescription, tuple[float, float]]:
-    """What is lit, from the arguments of bake(): (volumes, SceneDescription, isovalue_range)."""
+    """Returns (volumes, SceneDescription, isovalue_range) for the arguments of bake().
+
+    All volumes get one unit, and the scene is in world coordinates. Raises LeaflightError.
+    """
     volumes = as_volumes(volumes)
     for volume in volumes:
         if np.ndim(volume.values) != 3:
             raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
-    # They share one world.
+    # All volumes share one world and its unit.
     unit = next((volume.unit for volume in volumes if volume.unit), "")
     volumes = [volume.in_unit(unit) for volume in volumes]
     description = match_isosurfaces(scene or cornell_box(), volumes)
@@ -61,7 +64,7 @@ def placed(
         for volume, isosurfaces in zip(volumes, description.isosurfaces)
     ]
     description = fit_scene(faced(description, volumes), volumes)
-    # Not what the result depends on: the volumes themselves are stored.
+    # The light depends on the values, not on the name of their file.
     isosurfaces = [replace(isosurfaces, source=None) for isosurfaces in description.isosurfaces]
     return (
         volumes,
@@ -72,10 +75,10 @@ def placed(
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A bake that is asked for: volumes and a scene that fit each other, as placed() leaves them.
+    """A bake to be computed: volumes and a scene that fit each other, as placed() returns them.
 
-    settings: of the core; provenance: that of the bake before its first pass. chosen: a sentence
-    about a setting that was chosen by what the volumes hold, or "".
+    settings: the settings of the core; provenance: of the bake before its first pass. chosen: a
+    sentence about a setting that was chosen to suit the data, or "".
     """
 
     volumes: list[Volume]
@@ -102,39 +105,38 @@ def bake(
     workers: Workers | None = None,
     **settings: "Unpack[BakeOptions]",
 ) -> Bake:
-    """Computes the radiance of every isosurface of a volume or of several, within a range.
+    """Computes the radiance of every isosurface of one or several volumes, within a range.
 
-    The bake goes on in passes, each of which leaves a better result, until it reaches the error or
-    the time asked for, or progress.stop() is called; statistics of the Bake tell how far it came.
+    Each pass improves the result. The bake ends at the target error, at the time limit, or after
+    progress.stop(). The statistics of the Bake hold the error that it reached.
 
-    volumes: a Volume, or an array or image that as_volume() takes, or a list of them, which see
-        each other (see scene.py). World coordinates are in the unit of the first that has one.
-    spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
-    scene: SceneDescription, fitted around the volumes; None is the Cornell box.
-    settings: BakeSettings by their names, as follow.
-    isovalues: (lo, hi) of the common isovalue: in data units for one volume, where None takes that
-        of the scene or else default_isovalue_range(volume); within 0..1 for several, where None is
-        (0, 1).
-    error: percent, of what compare() calls rms_percent; None is 1.5. time: seconds that the
-        bake may take, None for no limit. Where they are few its texels are wider, and one coarse
-        picture is made in any case.
-    resolution: texels along the longest axis (the other axes in proportion of their nodes), or
-        (nx, ny, nz); None is as fine as the volumes need and their size allows.
-    seed: same seed, same result, whatever the threads; threads: 0 takes every core.
-    both_sides: the back of each isosurface, too; None where the back is what is seen, as of level
-        sets and of negative lobes. walls: the meshes around them, too.
-    on_pass: called with a Bake after each pass but the last, in the thread that bakes; the
-        statistics of that Bake lack estimated_rms_percent, which takes its time.
-    progress: None shows a bar in terminals and notebooks, False nothing; a function is called with
-        the fraction done and the stage; a Progress is polled, stopped or cancelled from another
-        thread. Ctrl-C ends the bake, unless it is a Progress.
-    checkpoint: Checkpoint, the file where a bake in passes leaves its state, at most half a minute
-        apart; one that was interrupted goes on from it with the bits that it would have had.
-    workers: cluster.workers.Workers, who trace the light of a bake in passes, with the same bits;
-        None is this process alone.
-    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled. Warns with
-    UnusedSetting, before the first pass, of settings that have no effect in the scene, and with
-    ChosenSetting where it takes both sides by itself.
+    volumes: a Volume, an array or image that as_volume() takes, or a list of them; those of a list
+        light each other (see scene.py). World coordinates use the first unit that a volume has.
+    spacing: the voxel size of arrays without one: a number or (x, y, z).
+    scene: a SceneDescription, fitted around the volumes; None is the Cornell box.
+    settings: the following fields of BakeSettings, by name.
+    isovalues: (lo, hi) of the common isovalue. One volume: in data units; None takes the range of
+        the scene, else default_isovalue_range(volume). Several: within 0..1; None is (0, 1).
+    error: target error in percent, as rms_percent of compare(); None is 1.5. time: limit in
+        seconds, None for no limit. A short limit makes the texels wider. At least one coarse
+        result is computed.
+    resolution: texels along the longest axis (the other axes in proportion to their nodes), or (nx,
+        ny, nz); None is as fine as the data need and the memory allows.
+    seed: equal seeds give equal results with any number of threads; threads: 0 uses every core.
+    both_sides: bakes the back of each isosurface, too; None does so where backs are visible, as in
+        level sets and negative lobes. walls: bakes the meshes around the volumes, too.
+    on_pass: called with a Bake after each pass but the last, in the thread that bakes. The
+        statistics of that Bake lack estimated_rms_percent, because it is slow to compute.
+    progress: None shows a bar in terminals and notebooks; False shows nothing. A function is called
+        with the fraction done and the stage. Another thread polls, stops or cancels a Progress.
+        Ctrl-C ends the bake, unless progress is a Progress.
+    checkpoint: a Checkpoint, the file in which a bake in passes saves its state, at most half a
+        minute apart. An interrupted bake resumes from it and gives the same bits.
+    workers: cluster.workers.Workers, which trace the light of a bake in passes, with the same bits;
+        None uses this process alone.
+    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled. Warns before
+    the first pass: UnusedSetting for settings without an effect in the scene, ChosenSetting if None
+    of both_sides bakes both sides.
     """
     task = task_of(as_volumes(volumes, spacing), scene, **settings)
     for sentence in unused_settings(task):
@@ -150,7 +152,7 @@ def bake(
 def task_of(
     volumes: Any, scene: SceneDescription | None = None, **settings: "Unpack[BakeOptions]"
 ) -> Task:
-    """The Task of the bake that bake() would make of these arguments. Raises LeaflightError."""
+    """Returns the Task that bake() would compute for these arguments. Raises LeaflightError."""
     asked, chosen = BakeSettings(**settings), ""
     volumes, description, isovalue_range = placed(volumes, scene, asked.isovalues)
     if asked.both_sides is None:
@@ -169,7 +171,7 @@ def task_of(
 
 
 def unused_settings(task: Task) -> list[str]:
-    """A sentence about each setting that has no effect in the scene of a Task."""
+    """Returns a sentence about each setting that has no effect in the scene of a Task."""
     skipped = dict(_core.skipped_passes(task.core_scene(), task.settings))
     back, walls = skipped.get("radiance of the back"), skipped.get("radiance of the walls")
     if all(isosurfaces.scattering != "diffuse" for isosurfaces in task.scene.isosurfaces):
@@ -183,7 +185,7 @@ def unused_settings(task: Task) -> list[str]:
 
 
 def worker_memory(task: Task) -> int:
-    """About how many bytes each of the workers of a bake would hold, its values included.
+    """Returns the approximate bytes that each worker of a bake needs, including the values.
 
     Raises LeaflightError.
     """
@@ -198,17 +200,17 @@ def lit(
     checkpoint: Checkpoint | None = None,
     workers: Workers | None = None,
 ) -> Bake:
-    """The Bake of a Task.
+    """Returns the Bake of a Task.
 
-    previous: the Bake in passes that this one goes on with, or None. on_pass, progress, checkpoint,
-    workers: as of bake(). Raises LeaflightError, Cancelled.
+    previous: the Bake in passes that this one resumes, or None. on_pass, progress, checkpoint,
+    workers: as for bake(). Raises LeaflightError, Cancelled.
     """
     volumes, scene, isovalues = task.volumes, task.scene, task.isovalues
 
     def whole(baked: _core.Baked) -> Bake:
         statistics = statistics_of(baked)
         grids, continued = baked.grids, ""
-        # A first picture, of other texels, is not gone on with: the bake is a new one.
+        # A previous bake with other texels, a first coarse result, is not continued.
         if previous is not None and grids[0].resolution == previous.grid.resolution:
             continued = previous.id
             statistics = replace(

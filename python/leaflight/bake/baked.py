@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake, one radiance grid for every isosurface of a volume, and what to do with it."""
+"""The class Bake: the radiance of every isosurface, and the methods that read it."""
 
 import json
 import os
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     _Watched = _core.Progress | Callable[[float, str], object] | Literal[False] | None
 
     class _Page(Protocol):
-        """What export.notebook.show() returns."""
+        """The interface of the result of export.notebook.show()."""
 
         @property
         def path(self) -> Path: ...
@@ -41,7 +41,8 @@ if TYPE_CHECKING:
         def _repr_html_(self) -> str: ...
 
 
-# How much colours at the ends of a small mesh's edge may differ: light is linear in between.
+# Largest difference of the colors at the ends of an edge of a small mesh. Light is interpolated
+# linearly between them.
 LARGEST_STEP = 0.05
 
 
@@ -50,7 +51,7 @@ class Surface:
     """One lit isosurface in world coordinates.
 
     vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time contouring and lookup took; unit: of
+    float32 (n, 3); triangles: int32 (m, 3); seconds: the time of contouring and lookup; unit: of
     the world, as of a Volume.
     """
 
@@ -67,17 +68,17 @@ class Surface:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bake:
-    """Volumes, the scene in world coordinates they were lit in, and the radiance of all
-    isosurfaces.
+    """Volumes, the scene in world coordinates that lit them, and the radiance of all isosurfaces.
 
-    `isovalue` always is the common isovalue (see scene.py): the isovalue of a single volume, and
-    0..1 with several. isovalues: (lo, hi), the baked isovalue range of it.
+    Every `isovalue` is the common isovalue (see scene.py): the isovalue of a single volume, and
+    0..1 with several.
+    isovalues: (lo, hi), the baked isovalue range.
     grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
     statistics: the cost and the estimated error, see Statistics.
-    provenance: everything the result depends on, a Provenance; equal bakes have equal ones.
-    original: of a bake that relit() or moved() made, the one that was baked; else None.
-    factors: of a bake that relit() made, (r, g, b) of each lamp of the scene: how much brighter it
-        is than it was baked; else None.
+    provenance: everything that the result depends on, a Provenance; equal bakes have equal ones.
+    original: the bake that relit() or moved() was called on; None for a bake that was computed.
+    factors: (r, g, b) of each lamp of the scene, its strength relative to the original; None unless
+        relit() made this bake.
     """
 
     volumes: list[Volume]
@@ -111,7 +112,7 @@ class Bake:
 
     @property
     def is_moved(self) -> bool:
-        """Whether it shows the light of an original in another scene; see moved()."""
+        """True if moved() made it: the light of an original in another scene."""
         return self.original is not None and self.factors is None
 
     @property
@@ -124,24 +125,24 @@ class Bake:
 
     @property
     def unit(self) -> str:
-        """The unit of world coordinates: a key of METERS, "" where it is not known."""
+        """Unit of world coordinates: a key of METERS, "" if unknown."""
         return self.volume.unit
 
     @property
     def id(self) -> str:
-        """32 hexadecimal digits: equal bakes have equal ones, on any machine."""
+        """Identifier of 32 hexadecimal digits; equal bakes have equal ones, on any machine."""
         return self.provenance.id
 
     @property
     def largest_step(self) -> float:
-        """In radiance, along an edge of a small mesh that is made to be looked at."""
+        """Largest difference of radiance along an edge of a small mesh for display."""
         return LARGEST_STEP / self.scene.exposure
 
     def save(self, path: str | os.PathLike[str], progress: _core.Progress | None = None) -> None:
-        """Writes the bake as one .vdb under its final name or not at all.
+        """Writes the bake as one .vdb. No incomplete file gets the final name.
 
-        Raises LeaflightError, and Cancelled where progress, a _core.Progress, is cancelled before
-        the file is whole. A bake that relit() or moved() made is not saved.
+        Raises LeaflightError, and Cancelled if progress, a _core.Progress, is cancelled before the
+        file is complete. A bake that relit() or moved() made cannot be saved.
         """
         if self.original is not None:
             raise LeaflightError(
@@ -159,33 +160,35 @@ class Bake:
         _core.write_bake(path, fields, self.grids, walls, metadata, progress)  # type: ignore[arg-type]
 
     def relit(self, lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
-        """The Bake with lamps of its scene at other strengths or of other colours, at once.
+        """Returns the Bake with other strengths or colors of its lamps, without a new bake.
 
-        lamps: {name: factor}, against the strengths that this bake has: a number of at least 0, or
+        lamps: {name: factor}, relative to the strengths in this bake: a number of at least 0, or
         (r, g, b), linear. Direct light is exact. Indirect light, and the direct light of wide
-        sources, are scaled by one factor per channel, the growth of what comes back to isosurfaces
-        after one reflection: this is exact where nothing else emits and one lamp, or all lamps
-        alike, are changed. What meshes and isosurfaces emit by themselves stays. Texels are shared
+        sources, are scaled by one factor per channel: the growth of the light that returns to
+        isosurfaces after one reflection. This is exact if nothing else emits and one lamp, or all
+        lamps alike, are changed. Emission of meshes and isosurfaces is unchanged. Texels are shared
         with this bake.
-        Raises LeaflightError for a name that no lamp has, and where the bake has no exact direct
-        light: those of mirrors, of glass, of backs of several volumes, or of thesis.bake().
+        Raises LeaflightError for a name that no lamp has, and if the bake has no exact direct
+        light: bakes of mirrors, of glass, of backs of several volumes, or of thesis.bake().
         """
         return relit(self, lamps)
 
     @cached_property
     def indirect_shares(self) -> _core.IndirectShares:
-        """How much indirect light comes from which lamps, a _core.IndirectShares."""
+        """Share of each lamp in the indirect light, a _core.IndirectShares."""
         return _core.IndirectShares(self.core_scene())
 
     def isovalue_of(self, volume: int, isovalue: float) -> float:
-        """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
+        """Returns the isovalue, in data units, of a volume (its number) at a common isovalue."""
         return isovalue_at(self.scene, volume, isovalue)
 
     def surface(self, isovalue: float, volume: int = 0, back: bool = False) -> Surface:
-        """The isosurface of a volume with its radiance, a Surface.
+        """Returns an isosurface of a volume with its radiance, a Surface.
 
-        It is finer where texels are narrower than voxels and, if it is small, where light steps.
-        back: its back, towards higher values. Raises LeaflightError outside the isovalue range.
+        The mesh is subdivided where texels are narrower than voxels. A small mesh is also
+        subdivided where the light changes steeply.
+        back: takes the back, towards higher values. Raises LeaflightError outside the isovalue
+            range.
         """
         self.check_isovalue(isovalue, volume)
         start = time.perf_counter()
@@ -205,9 +208,10 @@ class Bake:
         return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
 
     def radiance(self, points: ArrayLike, volume: int = 0, back: bool = False) -> Array:
-        """Baked radiance of a volume's isosurfaces, float32 (n, 3), at world points (n, 3).
+        """Returns baked radiance of a volume's isosurfaces, float32 (n, 3), at world points (n, 3).
 
-        It is zero where no isosurface passes. back: of the backs. Raises LeaflightError.
+        It is zero where no isosurface passes.
+        back: takes the backs. Raises LeaflightError.
         """
         self._check_volume(volume)
         if self._is_dark(volume, back):
@@ -215,9 +219,9 @@ class Bake:
         return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
 
     def _is_dark(self, volume: int, back: bool) -> bool:
-        """Whether the bake left the back out because no light can reach it.
+        """Returns True if the bake skipped the back because no light can reach it.
 
-        Raises SettingError where it was not baked.
+        Raises SettingError if the back was not asked for.
         """
         if not back or self.grids[volume].has_back:
             return False
@@ -226,7 +230,7 @@ class Bake:
         return True
 
     def radiance_error(self, points: ArrayLike, volume: int = 0) -> Array:
-        """The standard error of radiance(), of its mean over the channels: float32 (n,)."""
+        """Returns the standard error of the mean of radiance() over the channels: float32 (n,)."""
         self._check_volume(volume)
         return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
 
@@ -241,7 +245,7 @@ class Bake:
         volume: int = 0,
         back: bool = False,
     ) -> tuple[Array, Array]:
-        """Path-traced radiance at points (n, 3) of an isosurface, on its front or back.
+        """Computes path-traced radiance at points (n, 3) of an isosurface, on its front or back.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
@@ -253,7 +257,7 @@ class Bake:
         )
 
     def mesh_number(self, name: str) -> int:
-        """The number of the mesh of the walls of that name. Raises LeaflightError."""
+        """Returns the number of the mesh of the walls with this name. Raises LeaflightError."""
         names = [mesh.name for mesh in self.scene.meshes]
         if name not in names:
             raise LeaflightError(
@@ -262,9 +266,10 @@ class Bake:
         return names.index(name)
 
     def mesh_radiance(self, mesh: int, points: Array, isovalue: float, back: bool = False) -> Array:
-        """Baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the walls.
+        """Returns baked radiance, float64 (n, 3), at points (n, 3) of a mesh of the walls.
 
-        mesh: its number; back: seen from where its normals point away. Raises LeaflightError.
+        mesh: its number; back: takes the side that its normals point away from. Raises
+            LeaflightError.
         """
         self._check_isovalue(isovalue)
         if self.walls is None:
@@ -284,7 +289,7 @@ class Bake:
         progress: _core.Progress | None = None,
         back: bool = False,
     ) -> tuple[Array, Array]:
-        """Path-traced radiance at points of a mesh, as reference().
+        """Computes path-traced radiance at points of a mesh, as reference() does.
 
         places: facets (n,) and coordinates (n, 2), see on_mesh.py.
         """
@@ -297,7 +302,7 @@ class Bake:
         )
 
     def check_isovalue(self, isovalue: float, volume: int = 0) -> None:
-        """Raises LeaflightError unless the baked range and the volume's data hold the isovalue."""
+        """Raises LeaflightError unless the baked range and the data include the isovalue."""
         self._check_volume(volume)
         self._check_isovalue(isovalue)
         low, high = self.volumes[volume].field().range
@@ -310,7 +315,7 @@ class Bake:
             )
 
     def core_scene(self) -> _core.Scene:
-        """The scene as the core has it, a _core.Scene."""
+        """Returns the scene for the core, a _core.Scene."""
         fields = [volume.field() for volume in self.volumes]
         return core_scene(self.scene, fields, self.isovalues)
 
@@ -326,7 +331,7 @@ class Bake:
             )
 
     if TYPE_CHECKING:
-        # Of functions that build on bakes: __init__.py makes them methods.
+        # Signatures of functions that use bakes. __init__.py makes them methods.
         def moved(
             self,
             volumes: Any,

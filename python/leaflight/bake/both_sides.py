@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a bake needs the backs of isosurfaces, where nobody has said so."""
+"""Decides if a bake includes the backs of isosurfaces when the user has not."""
 
 from collections.abc import Sequence
 
@@ -8,19 +8,20 @@ from ..volume.backs import MOSTLY, back_shares
 from ..volume.first_isovalue import default_isovalue
 from ..volume.volume import Volume
 
-# Values of both signs may be lobes where they reach so far below 0, for each step above it, or the
-# other way round. Of densities and images negative values are noise.
+# Values of both signs may be lobes if the shorter of their ranges below and above 0 is at least
+# this part of the longer one. Negative values of densities and images are noise.
 _BALANCED = 0.5
-# Above this share of what is seen, backs without light spoil the picture: such as where labels fill
-# the volume up to its border.
+# Above this share of the visible area, unlit backs spoil the picture. An example is labels that
+# fill the volume up to its border.
 _MUCH = 1.0 / 3.0
 
 
 def why_both_sides(volume: Volume, isovalues: tuple[float, float]) -> str:
-    """Which isosurfaces are seen from their backs, the begin of a sentence; empty where none are.
+    """Returns the begin of a sentence on isosurfaces seen from their backs, or "".
 
-    isovalues: the isovalue range of the volume. The one that is shown first is looked at, and where
-    values have both signs one of negative values.
+    isovalues: the isovalue range of the volume.
+    Examines the isosurface that is shown first and, if values have both signs, one of negative
+    values.
     """
     lo, hi = isovalues
     first = default_isovalue(volume)
@@ -47,7 +48,9 @@ def why_both_sides_of(
     isosurfaces: Sequence[Isosurfaces],
     isovalues: tuple[float, float],
 ) -> str:
-    """The same of the volumes of a scene, but for mirrors and glass, which hold no light.
+    """Returns why_both_sides() of the volumes of a scene, skipping mirrors and glass.
+
+    Mirrors and glass store no light.
 
     isovalues: the range of the common isovalue.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an interrupted bake in passes leaves, and goes on from with the same bits."""
+"""Checkpoints: an interrupted bake in passes resumes from one and gives the same bits."""
 
 import json
 import os
@@ -12,22 +12,22 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from .provenance import Provenance, provenance_from_json
 
-# Between two checkpoints, at most, as long as a block of light takes no longer.
+# Longest time between two checkpoints, unless a block of light takes longer.
 SECONDS = 25.0
 
 
 def checkpoint_for(out: str | os.PathLike[str]) -> Path:
-    """The path of the checkpoints of a bake that is to be written to a file."""
+    """Returns the path of the checkpoint of a bake that will be written to a file."""
     return Path(f"{out}.checkpoint")
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a bake in passes leaves its state; a bake of fixed work leaves none.
+    """The file in which a bake in passes saves its state; a bake of fixed work writes none.
 
-    path: of the file; recipe: what its caller needs to bake the same again, of anything that JSON
-    holds; resume: whether to go on from the file that is there; seconds: between two of them,
-    None for SECONDS.
+    path: of the file; recipe: data in JSON's types from which the caller can start the same bake
+    again; resume: continues from the existing file; seconds: between two checkpoints, None for
+    SECONDS.
     """
 
     path: Path
@@ -36,13 +36,16 @@ class Checkpoint:
     seconds: float | None = None
 
     def arguments(self, provenance: Provenance) -> dict[str, Any]:
-        """Those of _core.bake() for the bake of this Provenance. Raises LeaflightError."""
+        """Returns the arguments of _core.bake() for the bake of this Provenance.
+
+        Raises LeaflightError.
+        """
         text = json.dumps({"provenance": provenance.to_json(), "recipe": self.recipe})
         seconds = SECONDS if self.seconds is None else self.seconds
         arguments: dict[str, Any] = {"checkpoint": (self.path, text, seconds)}
         if self.resume:
             left = _read(self.path)["provenance"]
-            # The source of a volume may have other words now, such as a whole path.
+            # The same source may be written in another way now, such as with its full path.
             if left.with_volumes(source="") != provenance.with_volumes(source=""):
                 raise LeaflightError(
                     f"{self.path}: this is the checkpoint of another bake, or the volume, the "
@@ -52,15 +55,15 @@ class Checkpoint:
         return arguments
 
     def remove(self) -> None:
-        """Once the bake is saved, or given up."""
+        """Removes the file, after the bake is saved or abandoned."""
         try:
             self.path.unlink(missing_ok=True)
         except OSError:
-            pass  # It is in nobody's way.
+            pass  # A file that is left does no harm.
 
 
 def read_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The recipe of the bake that left a checkpoint. Raises LeaflightError."""
+    """Returns the recipe of the bake that wrote a checkpoint. Raises LeaflightError."""
     recipe: dict[str, Any] = _read(path)["recipe"]
     return recipe
 

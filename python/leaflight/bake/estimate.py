@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake will cost, from its first passes."""
+"""Estimates the cost of a bake from its first passes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 # Passes of a pilot: two show how fast the error falls.
 PILOT_PASSES = 2
-# How noise falls with the work: as the square root, which is that of independent samples, or as it
-# did in the last pass, within these.
+# Exponents of noise as a power of work. Independent samples have -0.5. Otherwise it is the exponent
+# of the last pass, within these limits.
 INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
-# Passes of the same texels; each is as much work as all before it.
+# Upper bound on passes with the same texels. Each is as much work as all before it.
 MOST_PASSES = 5
 
 
 class PilotOptions(CommonOptions, total=False):
-    """Those of bake() that estimate() hands on."""
+    """The settings of bake() that estimate() passes to it."""
 
     spacing: ArrayLike | None
     workers: Workers | None
@@ -37,10 +37,10 @@ class PilotOptions(CommonOptions, total=False):
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a bake will cost here: seconds, memory_bytes of the process at its peak.
+    """The expected cost of a bake here: seconds, and memory_bytes of the process at its peak.
 
-    error: percent that it will reach, as far as it is estimated; passes: how many it will take;
-    pilot_passes: of which so many were done, in pilot_seconds.
+    error: estimated error that it will reach, in percent; passes: their expected number;
+    pilot_passes: number of them that the pilot ran, in pilot_seconds.
     """
 
     seconds: float
@@ -53,13 +53,13 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Pilot:
-    """The first passes of a bake: the Statistics of each, and of what it returned."""
+    """The first passes of a bake: the Statistics of each pass and of the returned Bake."""
 
     passes: list[Statistics]
     last: Statistics
 
     def estimate(self, error: float, time: float | None = None) -> Estimate:
-        """The Estimate of a bake to an error, no smaller than the pilot was made for."""
+        """Returns the Estimate of a bake to an error, at least the one of the pilot."""
         closing = max(self.last.seconds - self.passes[-1].seconds, 0) if self.passes else 0
         for number, one in enumerate(self.passes):
             if _error(one) <= error:
@@ -84,7 +84,7 @@ def estimate(
     progress: _core.Progress | None = None,
     **settings: "Unpack[PilotOptions]",
 ) -> Estimate:
-    """The Estimate of a bake, by a pilot: its first passes, which are thrown away.
+    """Returns the Estimate of a bake. Runs a pilot, its first passes, and discards the light.
 
     The arguments are those of bake().
     Raises LeaflightError for input that cannot be baked, Cancelled.
@@ -102,9 +102,9 @@ def pilot(
     progress: _core.Progress | None = None,
     **settings: "Unpack[PilotOptions]",
 ) -> Pilot:
-    """The Pilot of a bake, from which follow the Estimates of all errors down to the one given.
+    """Runs the Pilot of a bake. It gives the Estimates of all errors down to the one given.
 
-    The arguments and what is raised are those of estimate().
+    The arguments and the errors raised are those of estimate().
     """
     watched = progress or _core.Progress()
     passes: list[Statistics] = []
@@ -121,16 +121,16 @@ def pilot(
 def extrapolated(
     passes: Sequence[Statistics], last: Statistics, error: float, time: float | None = None
 ) -> Estimate:
-    """The Estimate of a bake from the statistics of its first passes and of what it returned.
+    """Returns the Estimate of a bake from the statistics of its first passes and of its result.
 
-    error, time: as of bake().
+    error, time: as for bake().
     """
     pilot = len(passes), float(last.seconds)
     memory, reached = int(last.peak_memory_bytes), float(_error(last))
     if not passes or not last.stopped:
         return Estimate(pilot[1], memory, reached, int(last.passes), *pilot)
     seconds, count = float(passes[-1].seconds), len(passes)
-    # What follows the last pass, such as the light on the walls.
+    # Seconds after the last pass, such as for the light on the walls.
     closing = max(pilot[1] - seconds, 0.0)
     alike = _alike(passes)
     work, pace = _work(alike)
@@ -141,7 +141,7 @@ def extrapolated(
     left = MOST_PASSES - len(alike)
     while seconds < limit and left > 0:
         target = _core.noise_to_reach(error, texture)
-        # Rounding is no pass.
+        # A difference by rounding needs no further pass.
         if noise <= (1 + 1e-9) * target:
             break
         in_time = 1.0 + (limit - seconds) / (work * pace)
@@ -164,14 +164,17 @@ def _noise(one: Statistics) -> float:
 
 
 def _alike(passes: Sequence[Statistics]) -> list[Statistics]:
-    """The passes with about as many texels as the last: a bake may begin with a coarse picture."""
+    """Returns the passes with about as many texels as the last one.
+
+    A bake may begin with a coarse result.
+    """
     return [one for one in passes if 2 * one.texels >= passes[-1].texels]
 
 
 def _work(passes: Sequence[Statistics]) -> tuple[int, float]:
-    """(rays that passes have traced for what falls with them, seconds a ray).
+    """Returns (rays traced by the work that reduces noise, seconds per ray).
 
-    The last of two passes is as much as all before it, besides what is done once.
+    The last of two passes traces as many rays as all passes before it. The rest is done once.
     """
     last = passes[-1]
     if len(passes) == 1:
@@ -181,7 +184,7 @@ def _work(passes: Sequence[Statistics]) -> tuple[int, float]:
 
 
 def _slope(passes: Sequence[Statistics]) -> float:
-    """d log noise / d log work over the last pass, which doubled the work."""
+    """Returns d log noise / d log work over the last pass, which doubled the work."""
     if len(passes) < 2:
         return INDEPENDENT
     before, after = map(_noise, passes[-2:])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The texels of a bake in passes, chosen so that its light fits into the memory."""
+"""Chooses the texels of a bake in passes so that its light fits into memory."""
 
 from collections.abc import Iterable
 from math import prod
@@ -12,10 +12,10 @@ from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
 from .statistics import SkippedPass
 
-# What is skipped where the memory is short, as in skipped_passes, and what where the time is.
+# Names in skipped_passes of work for which the memory or the time had no room.
 FINER_TEXELS = "finer texels"
 NO_ROOM = FINER_TEXELS, "finer walls"
-# Bytes that the light of a texel never exceeds.
+# Upper bound on the bytes of the light of a texel.
 _MOST_OF_A_TEXEL = 500
 _MOST_TEXELS = 2**31
 
@@ -26,9 +26,9 @@ def fit_memory(
     isovalue_range: tuple[float, float],
     settings: _core.BakeSettings,
 ) -> None:
-    """Sets the resolution of settings that leave it open, where its own would take too much.
+    """Sets the resolution of settings that have none, if the default would not fit into memory.
 
-    settings: _core.BakeSettings. Raises SettingError where the one that was asked for does.
+    settings: _core.BakeSettings. Raises SettingError if the resolution asked for does not fit.
     """
     field = volume.field()
     may_take = memory_of_light(prod(field.dims))
@@ -38,13 +38,13 @@ def fit_memory(
     if may_take is None or _MOST_OF_A_TEXEL * max(texels, prod(field.dims)) < may_take:
         return
     if asked and texels >= _MOST_TEXELS:
-        return  # The core refuses them, whatever the memory.
+        return  # The core refuses so many texels with any memory.
     scene = core_scene(description, [field], isovalue_range)
     if not asked:
         settings.resolution = _core.fitting_resolution(scene, settings, may_take)
         return
     most = may_take if is_limited() else max(may_take, _core.machine_memory())
-    # What fits no coarser texels does not fit these: so what is far too much is soon known.
+    # Try coarse texels first: they show quickly that a far too fine resolution cannot fit.
     for width in (8, 4, 2, 1):
         settings.resolution = tuple(max(2, n // width) for n in asked)
         takes = _core.light_memory(scene, settings)
@@ -61,9 +61,9 @@ def fit_memory(
 
 
 def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[SkippedPass, ...]:
-    """Why texels are coarser than they would be with more memory, as in skipped_passes; or ().
+    """Returns why memory made texels coarser, as in skipped_passes; or ().
 
-    resolution: what was asked for.
+    resolution: the resolution that the user asked for, or None.
     """
     if resolution is not None or not any(settings.resolution):
         return ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes from their files."""
+"""Loads bakes from their files."""
 
 import json
 import os
@@ -19,12 +19,12 @@ from .statistics import statistics_from_record
 
 
 def load_bake(path: str | os.PathLike[str]) -> Bake:
-    """Reads what Bake.save wrote. Raises LeaflightError for any other file."""
+    """Reads a file that Bake.save wrote. Raises LeaflightError for any other file."""
     return with_walls(*open_bake(path), _core.Progress())
 
 
 def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Progress) -> Bake:
-    """The whole of what open_bake() returns. Raises LeaflightError, Cancelled."""
+    """Returns a bake of open_bake() with its walls attached. Raises LeaflightError, Cancelled."""
     if walls is None:
         return bake
     _core.attach_walls(walls, bake.core_scene(), progress)
@@ -32,10 +32,14 @@ def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Pro
 
 
 def open_bake(path: str | os.PathLike[str]) -> tuple[Bake, _core.WallRadiance | None]:
-    """A bake without its walls, and these, whose direct light may take a minute: with_walls()."""
+    """Returns a bake without its walls, and the walls for with_walls().
+
+    The direct light of walls may take a minute.
+    """
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
-        # Of an earlier Leaflight, cut, or saved by another program: it may not be whole.
+        # The file may be incomplete: an earlier Leaflight or another program wrote it, or it was
+        # cut.
         with ReaderProcess(path, "OpenVDB file", __name__, "can_be_read") as process:
             try:
                 process.answer()
@@ -89,6 +93,6 @@ def open_bake(path: str | os.PathLike[str]) -> tuple[Bake, _core.WallRadiance | 
 
 
 def can_be_read(path: str) -> tuple[None, tuple[()]]:
-    """Within a process of its own: raises LeaflightError, or ends it, unless it is a bake."""
+    """Raises LeaflightError unless the file is a bake. Run it in a subprocess: it may crash."""
     _core.read_bake(path)
     return None, ()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake in another scene: its direct light at once, over the indirect light of the old one.
+"""A bake shown in another scene: exact direct light, plus the scaled indirect light of the bake.
 
-Lamps, walls and volumes may have moved, come or gone. The visibility maps are computed anew, so
-direct light is exact. All other light of isosurfaces and walls is that of the bake, scaled by one
-factor per channel: the growth of the light that returns to isosurfaces after one reflection.
+Lamps, walls and volumes may have moved, or be new or missing. Visibility maps are computed again,
+so direct light is exact. All other light of isosurfaces and walls is that of the bake, scaled by
+one factor per channel: the growth of the light that returns to isosurfaces after one reflection.
 """
 
 import json
@@ -27,10 +27,10 @@ from .provenance import Provenance, frozen, values_sha256
 
 @dataclass(frozen=True)
 class Detail:
-    """How finely direct light is sought.
+    """The sampling density of direct light.
 
-    wider: how much wider texels of visibility maps are than at the bake; spacing: voxels between
-    the lines that find them, at most; share: one shadow ray of the walls of every so many.
+    wider: factor on the width of texels of visibility maps; spacing: upper bound on the voxels
+    between the lines that sample them; share: keeps one of this many shadow rays of the walls.
     """
 
     wider: int = 1
@@ -39,7 +39,7 @@ class Detail:
 
 
 WHOLE = Detail()
-# Lines are as far apart as texels. Neighbours on walls have other rays, and together as many as
+# Lines are as far apart as texels. Neighbors on walls trace different rays, together as many as
 # there are light points.
 QUICK = Detail(wider=2, spacing=math.inf, share=7)
 
@@ -54,16 +54,16 @@ def moved(
     walls: bool = True,
     progress: _core.Progress | None = None,
 ) -> Bake:
-    """The Bake as direct light shows it in another scene, in the time that direct light takes.
+    """Returns the Bake in another scene: computes direct light and scales indirect light.
 
-    bake: a Bake that goes by its error. volumes, scene: as of bake(); the values must be those of
-        the bake, wherever they stand now. isovalues: as of bake(); None is the range of the bake.
-    quick: whether visibility maps have texels twice as wide, and walls fewer shadow rays: a fifth
-        of the time, with blurred shadows, from which thin parts may be missing.
-    walls: whether walls that were baked are lit anew, too; otherwise the result has none.
-    progress: a Progress, which can cancel it.
+    bake: a Bake in passes. volumes, scene: as for bake(). The values must be those of the bake;
+        their positions may differ. isovalues: as for bake(); None is the range of the bake.
+    quick: makes the texels of visibility maps twice as wide and traces fewer shadow rays. It takes
+        a fifth of the time. Shadows are blurred and may miss thin parts.
+    walls: lights baked walls again, too; without it the result has none.
+    progress: a Progress, which can cancel the work.
     Save and resume the original, because the result itself cannot be saved. Raises LeaflightError
-    where direct light is not exact or texels are of other volumes, Cancelled.
+    if direct light is not exact or the texels belong to other volumes, Cancelled.
     """
     original = bake.original or bake
     progress = progress or _core.Progress()
@@ -100,7 +100,7 @@ def moved(
 
 
 def lit_walls(bake: Bake, detail: Detail, progress: _core.Progress) -> Bake:
-    """A bake that moved() made without walls, with those of its original. Raises Cancelled."""
+    """Adds the walls of the original to a bake that moved() made without. Raises Cancelled."""
     original = bake.original
     assert original is not None
     if original.walls is None:
@@ -141,7 +141,7 @@ def _check(
 
 
 def _as_before(volume: Volume, baked: Volume) -> Volume:
-    """The baked Volume where it stands as it did, since its field is known."""
+    """Returns the baked Volume if it has not moved, because its field is in memory."""
     return baked if (volume.index_to_world == baked.index_to_world).all() else volume
 
 
@@ -156,7 +156,7 @@ def _provenance(bake: Bake, volumes: Sequence[Volume], description: SceneDescrip
 
 
 def _growth(bake: Bake) -> tuple[float, ...]:
-    """(r, g, b): how much more light than at the original returns to isosurfaces."""
+    """Returns (r, g, b): the light that returns to isosurfaces, relative to the original."""
     assert bake.original is not None
     before, after = bake.original.indirect_shares.total, bake.indirect_shares.total
     return tuple(b / a if a > 0 else 1.0 for a, b in zip(before, after))
@@ -189,7 +189,7 @@ def _grid(
 
 
 def _lights_alone_moved(bake: Bake) -> bool:
-    """Whether the scene is that of the original in all that stands in the way of light."""
+    """Returns True if the scenes differ in nothing but their lamps."""
     assert bake.original is not None
     before, now = (
         {**json.loads(each.provenance.scene), "lights": []} for each in (bake.original, bake)
@@ -198,6 +198,6 @@ def _lights_alone_moved(bake: Bake) -> bool:
 
 
 def _same_meshes(before: Sequence[Mesh], now: Sequence[Mesh]) -> list[int]:
-    """For each mesh of a scene the number of that of the same name and size in another, or -1."""
+    """Returns, for each mesh now, the number of the mesh before with its name and size, or -1."""
     known = {(mesh.name, len(mesh.triangles)): number for number, mesh in enumerate(before)}
     return [known.get((mesh.name, len(mesh.triangles)), -1) for mesh in now]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a bake in passes came, in sentences for the command line and the panel."""
+"""Describes the error that a bake in passes reached, for the command line and the panel."""
 
 from typing import Protocol
 
@@ -18,9 +18,9 @@ class _Baked(Protocol):
 
 
 def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> str:
-    """A sentence about the estimated error of a Bake or FlatBake against its target.
+    """Returns a sentence about the estimated error of a Bake or FlatBake and its target.
 
-    why: it was stopped, if it was. An empty text where the amount of work was fixed.
+    why: the reason, if it stopped early. The text is empty for a fixed amount of work.
     """
     if bake.provenance.fixed is not None:
         return ""
@@ -49,15 +49,18 @@ def _reached(bake: _Baked, why: str) -> str:
 
 
 def is_limited_by_texels(bake: _Baked) -> bool:
-    """True if most of the error is detail finer than the texels, which more passes do not add."""
+    """Returns True if most of the error is detail finer than the texels.
+
+    More passes do not add it.
+    """
     reached = bake.statistics.estimated_error_percent
     noise = bake.statistics.estimated_noise_percent
-    # As variances.
+    # Compare variances.
     return reached is not None and noise is not None and 2 * noise**2 < reached**2
 
 
 def _worst(statistics: Statistics) -> str:
-    """Where isosurfaces err clearly more than on average, in brackets."""
+    """Returns the isovalue with a clearly larger error than the mean, in brackets; or ""."""
     worst, at = statistics.worst_error_percent, statistics.worst_isovalue
     error = statistics.estimated_error_percent
     assert worst is not None and at is not None and error is not None

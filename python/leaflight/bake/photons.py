@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Photons where they hit isosurfaces, as points to look at (thesis 4.3.5)."""
+"""Photons at their hits on isosurfaces, as points for display (thesis 4.3.5)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from .settings import whole
 
 @dataclass(frozen=True, eq=False)
 class Photons:
-    """n arrivals at isosurfaces, of `count` photons that lights sent.
+    """The n hits on isosurfaces of `count` photons that lights emitted.
 
     positions: (n, 3) float64, world; flux_height: (n, 3) float32, of a photon in W, times the
     height of the range, in units of the common isovalue (thesis Eq. 4.4); common_isovalue: (n,)
@@ -29,7 +29,7 @@ class Photons:
     direct: Array
 
     def colours(self) -> Array:
-        """Their colours (n, 3): flux that shows the mean of all as grey of radiance 0.5."""
+        """Returns their colors (n, 3), the flux scaled to a mean gray of radiance 0.5."""
         colours: Array = 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
         return colours
 
@@ -43,7 +43,7 @@ def trace_photons(
     seed: int = 0,
     progress: _core.Progress | None = None,
 ) -> Photons:
-    """The Photons of a scene: those of a bake with as many photons and the same seed.
+    """Traces the Photons of a scene, those of a bake with as many photons and the same seed.
 
     volumes, scene, isovalues: see bake(). Raises LeaflightError, Cancelled.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake was made from: all that its light depends on."""
+"""Provenance: everything that the light of a bake depends on."""
 
 import hashlib
 import json
@@ -22,17 +22,17 @@ from ..volume.volume import Volume
 _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
 _Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
-# What a file is that lacks some of it.
+# Message about a file that lacks a part of its provenance.
 EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
 
 
 @dataclass(frozen=True)
 class VolumeRecord:
-    """A volume that was baked.
+    """The record of a volume that was baked.
 
-    values_sha256: of values_sha256(); index_to_world: four rows; the others as of a Volume and of
-    Isosurfaces. resolution: of the texels, () before the first pass; map_resolution: of the
-    visibility maps, () where there are none.
+    values_sha256: the result of values_sha256(); index_to_world: four rows; the others as in Volume
+    and Isosurfaces. resolution: of the texels, () before the first pass; map_resolution: of the
+    visibility maps, () if there are none.
     """
 
     name: str
@@ -52,11 +52,11 @@ class Provenance:
     """Everything that the light of a bake depends on; equal bakes have equal ones.
 
     volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the isovalue range.
-    seed, both_sides, walls, error: as of bake(); asked_resolution: zeros where none was asked for.
-    passes, blocks: of indirect light, in the averages; continued: the id of the bake that this one
-    went on with, or ""; fixed: the settings of a fixed number of samples (../thesis), or None, for
-    which error is None and there are no passes.
-    lamps: (r, g, b) of each lamp of a bake that relit() made, which no file holds; else None.
+    seed, both_sides, walls, error: as for bake(); asked_resolution: zeros if none was asked for.
+    passes, blocks: numbers of passes and blocks of indirect light in the averages; continued: the
+    id of the bake that this one resumed, or ""; fixed: the settings of a fixed number of samples
+    (../thesis), or None. With fixed settings error is None and there are no passes.
+    lamps: (r, g, b) of each lamp of a bake that relit() made, which is never saved; else None.
     """
 
     volumes: tuple[VolumeRecord, ...]
@@ -76,7 +76,7 @@ class Provenance:
 
     @cached_property
     def id(self) -> str:
-        """32 hexadecimal digits, different for different bakes."""
+        """Identifier of 32 hexadecimal digits, different for different bakes."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()[:32]
 
     def to_json(self) -> str:
@@ -89,7 +89,7 @@ class Provenance:
         blocks: int = 0,
         continued: str = "",
     ) -> "Provenance":
-        """That of the bake with these grids after so many passes and blocks."""
+        """Returns the Provenance of the bake with these grids after so many passes and blocks."""
         volumes = tuple(
             replace(
                 volume,
@@ -101,11 +101,11 @@ class Provenance:
         return replace(self, volumes=volumes, passes=passes, blocks=blocks, continued=continued)
 
     def with_volumes(self, **changes: Any) -> "Provenance":
-        """The same with these fields in the record of each volume."""
+        """Returns a copy with these fields in the record of each volume."""
         return replace(self, volumes=tuple(replace(one, **changes) for one in self.volumes))
 
     def alike(self, other: "Provenance") -> bool:
-        """Whether it is of the same bake but for how far that came and where its volumes lie."""
+        """Returns True if the bakes differ only in progress and in the sources of volumes."""
         return self._asked() == other._asked()
 
     def _asked(self) -> "Provenance":
@@ -116,7 +116,7 @@ class Provenance:
 def _map_resolution(grid: _core.RadianceGrid | _core.RadianceGrid2) -> tuple[int, ...]:
     if isinstance(grid, _core.RadianceGrid2):
         return tuple(grid.map_resolution or ())
-    # A grid that has moved has other maps than those of the bake.
+    # A moved grid has other visibility maps than its bake.
     return tuple(grid.direct.resolution) if grid.direct else ()
 
 
@@ -128,10 +128,10 @@ def provenance_of(
     settings: _Settings,
     fixed: Mapping[str, Any] | None = None,
 ) -> Provenance:
-    """The Provenance of a bake before its first pass.
+    """Returns the Provenance of a bake before its first pass.
 
-    isosurfaces: of each volume. scene: the text of a scene file. settings: of the core. fixed: what
-    depends on those of fixed samples, None where there are none.
+    isosurfaces: of each volume. scene: the text of a scene file. settings: of the core. fixed: the
+    settings of a fixed number of samples, or None.
     """
     records = tuple(
         VolumeRecord(
@@ -161,7 +161,7 @@ def provenance_of(
 
 
 def provenance_from_json(text: str) -> Provenance:
-    """The Provenance of a to_json(). Raises KeyError, TypeError, ValueError for any other text."""
+    """Reads the text of to_json(). Raises KeyError, TypeError, ValueError for any other text."""
     record = frozen(json.loads(text))
     volumes = tuple(VolumeRecord(**volume) for volume in record.pop("volumes"))
     found = Provenance(volumes=volumes, **record)
@@ -181,14 +181,14 @@ def provenance_from_json(text: str) -> Provenance:
 
 
 def frozen(value: Any) -> Any:
-    """With tuples in the place of lists, at any depth."""
+    """Returns the value with tuples in place of lists, at any depth."""
     if isinstance(value, dict):
         return {key: frozen(each) for key, each in value.items()}
     return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
 def read_bake_id(path: str | os.PathLike[str]) -> str:
-    """The id of the bake that a file holds, whatever its name; reads the first bytes alone.
+    """Returns the id of the bake in a file. Reads only its first bytes.
 
     Raises LeaflightError for any other file.
     """
@@ -207,13 +207,13 @@ def read_bake_id(path: str | os.PathLike[str]) -> str:
 
 
 def values_sha256(volume: Volume) -> str:
-    """Differs for different values of volumes, wherever they stand and whatever type holds them.
+    """Returns a hash of the values of a volume, independent of its position and its number type.
 
-    The same once they were in a file.
+    Values that were saved and loaded have the same hash.
     """
     digest = hashlib.sha256(_kind(np.dtype(np.float32), volume.values.shape))
     for plane in volume.values:
-        # A file keeps neither the sign of a zero nor which NaN marks a voxel without a value.
+        # A file does not keep the sign of a zero, nor the bits of a NaN.
         plane = plane.astype(np.float32, order="C") + np.float32(0.0)
         plane[np.isnan(plane)] = np.nan
         digest.update(plane)
@@ -221,7 +221,7 @@ def values_sha256(volume: Volume) -> str:
 
 
 def sha256(*arrays: Array) -> str:
-    """Of the types, shapes and bytes of arrays."""
+    """Returns the hash of the types, shapes and bytes of arrays."""
     digest = hashlib.sha256()
     for array in arrays:
         digest.update(_kind(array.dtype, array.shape))

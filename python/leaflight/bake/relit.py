@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake with its lamps at other strengths, without a new one.
+"""Changes the strengths of the lamps of a bake, without a new bake.
 
-Direct light is computed where it is looked up, and scales exactly, lamp by lamp. All other light
-scales by one factor per channel: as much as the light grows that comes back to isosurfaces after
-one reflection. That is exact where one lamp, or all lamps alike, are changed and nothing else
-emits; otherwise it is approximate, because indirect light then also changes its distribution.
+Direct light is computed at lookup and scales exactly, lamp by lamp. All other light scales by one
+factor per channel: the growth of the light that returns to isosurfaces after one reflection. This
+is exact if one lamp, or all lamps alike, are changed and nothing else emits. Otherwise it is
+approximate, because the distribution of indirect light changes, too.
 """
 
 import math
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def relit(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
-    """The Bake with the lamps, {name: factor or (r, g, b)}, brighter by factors; see Bake.relit."""
+    """Returns the Bake with lamps scaled by {name: factor or (r, g, b)}; see Bake.relit."""
     if bake.is_moved:
         raise LeaflightError(
             "A bake in another scene is not relit: move its original, with the lamps as they are."
@@ -62,7 +62,7 @@ def relit(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
 
 
 def can_be_relit(bake: "Bake", diffuse_alone: bool = False) -> bool:
-    """Whether lamps of the bake can be given other strengths: all direct light is exact.
+    """Returns True if the lamps can be changed: all direct light is exact.
 
     diffuse_alone: leaves out mirrors and glass, which store no light.
     """
@@ -74,9 +74,11 @@ def can_be_relit(bake: "Bake", diffuse_alone: bool = False) -> bool:
 
 
 def indirect_by_lamp(bake: "Bake") -> Array:
-    """How indirect light follows the lamps: it is multiplied, by channel, by the sum over the lamps
-    of their factors, beside the strengths that the bake has now, times the rows of this array, and
-    of its last row. float64 (lamps + 1, 3), whose rows sum to 1."""
+    """Returns the share of each lamp in indirect light, float64 (lamps + 1, 3); the rows sum to 1.
+
+    The factor of indirect light, by channel, is the last row plus a sum over the lamps. Each term
+    is the row of the lamp times the factor on its present strength.
+    """
     original, count = bake.original or bake, len(bake.scene.lights)
     now = np.array(bake.factors or _as_baked(bake), np.float64).reshape(count, 3)
 
@@ -90,13 +92,13 @@ def indirect_by_lamp(bake: "Bake") -> Array:
 
 
 def strengths_of(light: Light) -> Color:
-    """The colour (r, g, b) that says how strong a lamp of a scene is, in the unit of its kind."""
+    """Returns the strength (r, g, b) of a lamp of a scene, in the unit of its kind."""
     strengths: Color = getattr(light, _strength(light))
     return strengths
 
 
 def scales_exactly(bake: "Bake") -> bool:
-    """Whether indirect light of a relit bake is exact, too: all that emits has the same factors."""
+    """Returns True if indirect light of a relit bake is exact: one factor for all emitters."""
     if bake.factors is None:
         return True
     others: list[Mesh | Isosurfaces] = [*bake.scene.meshes, *bake.scene.isosurfaces]

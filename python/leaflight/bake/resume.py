@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Going on with a bake in passes: with one that was stopped, or that shall err less."""
+"""Resumes a bake in passes that was stopped or needs a smaller error."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class ResumeOptions(TypedDict, total=False):
-    """Those of BakeSettings that may differ from the bake that resume() goes on with."""
+    """The settings that may differ between a bake and the bake that resumes it."""
 
     error: float | None
     time: float | None
@@ -39,18 +39,17 @@ def resume(
     workers: Workers | None = None,
     **settings: "Unpack[ResumeOptions]",
 ) -> Bake:
-    """The Bake that goes on where another ended, with its volumes, its scene and its settings.
+    """Continues a bake with its volumes, its scene and its settings, and returns the new Bake.
 
-    What the other has learnt counts: its light is averaged with that of the passes to come. The
-    bake that results is a new one, whose statistics count the passes, the seconds and the rays of
-    both. A bake that was stopped at its first, coarse picture, or whose time had no room for finer
-    texels, begins anew.
+    The light of the previous bake is averaged with the light of further passes. The statistics of
+    the new bake count the passes, the seconds and the rays of both. A bake with only its first,
+    coarse result starts again. So does one whose time limit made its texels coarser.
 
-    previous: a Bake in passes, or one that load_bake() read. error: percent, as of bake(); None is
-    what was asked for then. time: seconds that are added at most, None for no limit. walls: whether
-    the meshes are lit, too, which they are anew; None is as before. threads, on_pass,
-    progress, checkpoint, workers: as of bake().
-    Raises LeaflightError where there is nothing to go on with, Cancelled.
+    previous: a Bake in passes, or one that load_bake() read. error: percent, as for bake(); None is
+    the target of the previous bake. time: limit on the added seconds, None for no limit. walls:
+    lights the meshes, too, again from the start; None is as before. threads, on_pass,
+    progress, checkpoint, workers: as for bake().
+    Raises LeaflightError if the bake cannot be resumed, Cancelled.
     """
     if previous.original is not None:
         raise LeaflightError(
@@ -80,7 +79,7 @@ def _task(
     walls: bool | None = None,
     threads: int = 0,
 ) -> Task:
-    """That of the bake, but for what resume() is given."""
+    """Returns the Task of the previous bake with the settings of resume()."""
     known, scene = previous.provenance, previous.scene
     asked = BakeSettings(
         error=known.error if error is None else error,

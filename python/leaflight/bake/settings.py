@@ -24,20 +24,20 @@ _Settings = TypeVar(
     _core.FixedSettings2,
 )
 
-# Of what compare() calls rms_percent.
+# Default target error, as rms_percent of compare().
 DEFAULT_ERROR = 1.5
 
 
 class UnusedSetting(UserWarning):
-    """A setting has no effect in the scene that is baked."""
+    """A warning: a setting has no effect in the scene that is baked."""
 
 
 class ChosenSetting(UserWarning):
-    """A setting that nobody gave is not as usual, because of what the volume holds."""
+    """A warning: a setting that was not given differs from its default, to suit the data."""
 
 
 class CommonOptions(TypedDict, total=False):
-    """CommonSettings by their names."""
+    """The fields of CommonSettings by name."""
 
     isovalues: Sequence[float] | None
     resolution: int | Sequence[int] | None
@@ -48,7 +48,7 @@ class CommonOptions(TypedDict, total=False):
 
 
 class BakeOptions(CommonOptions, total=False):
-    """BakeSettings by their names."""
+    """The fields of BakeSettings by name."""
 
     error: float | None
     time: float | None
@@ -56,7 +56,7 @@ class BakeOptions(CommonOptions, total=False):
 
 @dataclass(frozen=True, eq=False)
 class CommonSettings:
-    """Those that all bakes have; leaflight.bake explains them."""
+    """The settings of all bakes; leaflight.bake explains them."""
 
     isovalues: Sequence[float] | None = None
     resolution: int | Sequence[int] | None = None
@@ -66,7 +66,7 @@ class CommonSettings:
     walls: bool = False
 
     def set_common(self, settings: _Settings, dims: Sequence[int]) -> _Settings:
-        """The core's settings, with these for nodes dims, but for isovalues.
+        """Returns the core's settings with these set, without isovalues; dims: nodes of the volume.
 
         Raises LeaflightError.
         """
@@ -80,7 +80,7 @@ class CommonSettings:
 
 @dataclass(frozen=True, eq=False)
 class BakeSettings(CommonSettings):
-    """Those of a bake in passes."""
+    """The settings of a bake in passes."""
 
     error: float | None = None
     time: float | None = None
@@ -88,9 +88,9 @@ class BakeSettings(CommonSettings):
     def core(
         self, kind: Callable[[], _InPasses], dims: Sequence[int], exposure: float
     ) -> _InPasses:
-        """The core's settings, a kind (_core.BakeSettings or BakeSettings2), for nodes dims.
+        """Returns core settings, a kind (_core.BakeSettings or BakeSettings2), for nodes dims.
 
-        exposure: radiance times this is a displayed colour. Raises LeaflightError.
+        exposure: radiance times this is a displayed color. Raises LeaflightError.
         """
         settings = self.set_common(kind(), dims)
         error = DEFAULT_ERROR if self.error is None else self.error
@@ -105,7 +105,7 @@ def range_to_bake(
     volumes: Sequence[Volume],
     isosurfaces: Sequence[Isosurfaces],
 ) -> tuple[float, float]:
-    """The isovalue range (lo, hi) of the common isovalue to bake."""
+    """Returns the range (lo, hi) of the common isovalue to bake."""
     if len(volumes) > 1:
         return (0.0, 1.0) if isovalues is None else _checked(isovalues, (0.0, 1.0))
     if isovalues is None:
@@ -151,14 +151,14 @@ def _texels(resolution: Any, dims: Sequence[int]) -> tuple[int, ...]:
 
 
 def whole(name: str, value: float, least: int) -> int:
-    """The value as an int of at least `least`. Raises LeaflightError."""
+    """Returns the value as an int of at least `least`. Raises LeaflightError."""
     if not least <= value < 2**31 or value != int(value):
         raise LeaflightError(f"{name} must be a whole number in {least}..{2**31 - 1}, not {value}.")
     return int(value)
 
 
 def _positive(name: str, value: float, unit: str) -> float:
-    """The value as a float above 0. Raises SettingError."""
+    """Returns the value as a float above 0. Raises SettingError."""
     value = float(value)
     if not (np.isfinite(value) and value > 0):
         raise SettingError(f"The {name} must be a number of {unit} above 0, not {value:g}.", name)

@@ -9,7 +9,7 @@ import leaflight._core as _core
 
 
 class SkippedPass(NamedTuple):
-    """A part of the work that the scene does not need, and why."""
+    """A part of the work that was skipped, and the reason."""
 
     name: str
     reason: str
@@ -19,16 +19,17 @@ class SkippedPass(NamedTuple):
 class Statistics:
     """The cost of a bake in passes, or of one with a fixed number of samples (../thesis).
 
-    seconds: of the bake, without reading and writing files; rays: traced, lines included; texels:
-    that hold radiance; peak_memory_bytes: of the process.
-    skipped_passes: of each part of the work that was left out a SkippedPass.
-    passes, blocks: that the averages hold; stopped: a stop or the time ended the bake before it
-    reached its error.
-    estimated_error_percent: of what compare() calls rms_percent; estimated_noise_percent: its part
-    that more passes reduce; worst_error_percent, worst_isovalue: of the isosurface that errs most.
+    seconds: of the bake, without reading and writing files; rays: number traced, with lines;
+    texels: number that hold radiance; peak_memory_bytes: of the process.
+    skipped_passes: a SkippedPass for each part of the work that was skipped.
+    passes, blocks: numbers in the averages; stopped: True if a stop or the time limit ended the
+    bake before it reached its error.
+    estimated_error_percent: an estimate of rms_percent of compare(); estimated_noise_percent: its
+    part that more passes reduce; worst_error_percent, worst_isovalue: of the isosurface with the
+    largest error.
     estimated_rms_percent: the RMS of the noise that the texels report, in the units of compare();
-    bakes that on_pass is given have None, as it takes its time.
-    A fixed number of samples has no passes and estimates no error: 0 and None.
+    None in bakes that on_pass gets, because it is slow to compute. A fixed number of samples has no
+    passes and estimates no error: 0 and None.
     """
 
     seconds: float
@@ -50,12 +51,12 @@ class Statistics:
         return self.rays / max(self.seconds, 1e-9)
 
     def record(self) -> dict[str, Any]:
-        """As JSON has it, with rays_per_second."""
+        """Returns the fields in JSON's types, with rays_per_second."""
         return {**asdict(self), "rays_per_second": self.rays_per_second}
 
 
 def cost_of(baked: _core.Baked | _core.Baked2) -> Statistics:
-    """The Statistics of a bake that has no passes and estimates no error."""
+    """Returns the Statistics of a bake that has no passes and estimates no error."""
     known = baked.statistics
     return Statistics(
         seconds=known.seconds,
@@ -67,7 +68,7 @@ def cost_of(baked: _core.Baked | _core.Baked2) -> Statistics:
 
 
 def statistics_of(baked: _core.Baked | _core.Baked2) -> Statistics:
-    """The Statistics of a bake in passes, but for estimated_rms_percent."""
+    """Returns the Statistics of a bake in passes, without estimated_rms_percent."""
     known = baked.statistics
     return replace(
         cost_of(baked),
@@ -82,7 +83,10 @@ def statistics_of(baked: _core.Baked | _core.Baked2) -> Statistics:
 
 
 def statistics_from_record(record: Mapping[str, Any]) -> Statistics:
-    """The Statistics of a record(). Raises KeyError, TypeError, ValueError for any other."""
+    """Returns the Statistics of a record().
+
+    Raises KeyError, TypeError, ValueError for any other.
+    """
     known = {name: value for name, value in record.items() if name != "rays_per_second"}
     skipped = tuple(SkippedPass(str(a), str(b)) for a, b in known.pop("skipped_passes"))
     return Statistics(skipped_passes=skipped, **known)

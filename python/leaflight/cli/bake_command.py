@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command bake: volumes lit anew, a bake that is continued, and what a bake would cost."""
+"""The command bake: new bakes, resumed bakes, and estimates of their cost."""
 
 import os
 from argparse import Namespace
@@ -26,10 +26,10 @@ from ..progress_bar import run_with_progress
 from .output import Output
 from .workers import workers_of
 
-# Those that any bake may be given: they change nothing of what it ends with.
+# Options allowed for any bake, because they do not change its result.
 _WHO_WORKS = {"threads", "workers", "scheduler"}
 _AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
-# The options that a continued bake has of its own; all others it has from the bake before.
+# Options of a resumed bake; it takes all others from the previous bake.
 _OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
 # The options that a bake depends on, by which it is baked again.
 _RECIPE = {
@@ -66,7 +66,7 @@ def run_bake(options: Namespace) -> Output:
 
 
 def bake_settings(options: Namespace) -> dict[str, Any]:
-    """Those that bake() is given."""
+    """Returns the settings for bake()."""
     return {
         **bake_options(options),
         "both_sides": options.both_sides,
@@ -134,7 +134,7 @@ def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
 
 
 def path_anywhere(volume: str) -> str:
-    """What names the same volume in any folder."""
+    """Returns a name of the volume that is valid in any folder."""
     return volume if is_generated(volume) else os.path.abspath(volume)
 
 
@@ -200,7 +200,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         f"noise about {result['estimated_rms_percent']:.2f} %",
         *([end] if end else []),
         *_isosurface_map(baked),
-        # What memory or time had no room for stands in the outcome.
+        # The outcome already reports work skipped for lack of memory or time.
         *(
             f"skipped: {name} ({reason})"
             for name, reason in result["skipped_passes"]
@@ -234,7 +234,7 @@ def _worker_estimate(
 
 
 def _isosurface_map(baked: Bake) -> list[str]:
-    """What the volumes show at the common isovalues 0..1, where there are several."""
+    """Returns the isovalues of several volumes at the common isovalues 0..1, as sentences."""
     if len(baked.volumes) == 1:
         return []
     return [

@@ -112,7 +112,7 @@ def _outcome(future: "Future") -> dict[str, Any]:
 
 
 def _is_baked(path: str, asked: Provenance) -> bool:
-    """Whether a file is a whole bake of this Provenance before its passes."""
+    """Returns True if a file is a complete bake of this Provenance."""
     try:
         return load_bake(path).provenance.alike(asked)
     except LeaflightError:

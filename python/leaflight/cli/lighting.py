@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the commands that light volumes make of their options."""
+"""Reads the options of commands that light volumes."""
 
 import os
 from argparse import Namespace
@@ -32,7 +32,7 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
         )
     if options.out is not None:
         check_writable(options.out, suffix, *sources)
-    # Of each bake of a batch anew.
+    # Set the limit again for each bake of a batch.
     folder = None if options.out is None else os.path.dirname(os.path.abspath(options.out))
     limit_memory(getattr(options, "memory", None), folder)
     volumes = [
@@ -62,6 +62,6 @@ def given_options(options: Namespace, **names: str) -> dict[str, Any]:
 
 
 def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None = None) -> Volume:
-    """The volume; reading: what a scene file says of it, where no option says otherwise."""
+    """Opens a volume; reading: options from a scene file, which given options override."""
     given = given_options(options, **{name: name for name in OPTIONS})
     return open_volume(source, **{**(reading or {}), **given})

@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
-# What a command returns: its result, for --json, and sentences about it.
+# Return value of a command: its result, for --json, and sentences about it.
 Output = tuple[dict[str, Any], Sequence[str]]
 Command = Callable[[Namespace], Output]
 

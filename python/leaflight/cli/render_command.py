@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command render: the frames of a .blend by workers, and a video of them.
 
-What moves is keyframed in the .blend: isovalue, camera, anything. The machines of a scheduler see
+Animation is keyframed in the .blend: isovalue, camera, anything. The machines of a scheduler see
 the same files and have a Blender with the add-on.
 """
 
@@ -75,7 +75,7 @@ def run_render(options: Namespace) -> Output:
 
 
 def _is_rendered(path: Path, blend: Path) -> bool:
-    """Whether a frame is there that the .blend has not changed since."""
+    """Returns True if a frame exists and is newer than the .blend."""
     try:
         return path.stat().st_mtime > blend.stat().st_mtime
     except OSError:

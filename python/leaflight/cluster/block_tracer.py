@@ -21,7 +21,7 @@ from ..volume.volume import Volume
 
 @dataclass(frozen=True, eq=False)
 class Recipe:
-    """A bake as a worker needs it.
+    """The data of a bake that a worker needs.
 
     key: different for each bake; arrays: of each volume, its values, or the file (.npy) on this
     machine that holds them; smooth_normals: of each volume; settings: of the core, by their names;
@@ -66,7 +66,7 @@ def load(array: Array | str) -> Array:
 
 
 class _Tracer:
-    """Of one bake."""
+    """The tracer of one bake."""
 
     def __init__(self, recipe: Recipe) -> None:
         if recipe.version != __version__:
@@ -100,7 +100,7 @@ def trace(recipe: Recipe, looked_up: LookedUp, number: int) -> bytes:
     looked_up: LookedUp. Raises LeaflightError, Cancelled after cancel().
     """
     global _tracer
-    # What one block needs is shared by all, and each uses all threads that it may.
+    # All blocks share one tracer, and each block uses all allowed threads.
     with _lock:
         if _tracer is None or _tracer.key != recipe.key:
             _tracer = None

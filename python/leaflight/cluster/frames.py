@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
 
-# Of what Blender said before it failed, characters.
+# Characters of Blender's output in front of its failure that a message quotes.
 _LAST_WORDS = 300
 
 _RENDER = """
@@ -125,7 +125,10 @@ def cancel(key: str) -> None:
 
 
 def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> str:
-    """What Blender says. Raises LeaflightError where it fails, Cancelled after cancel()."""
+    """Returns the output of Blender.
+
+    Raises LeaflightError if it fails, Cancelled after cancel().
+    """
     command = [
         *map(str, command[:1]),
         "-noaudio",

@@ -23,9 +23,9 @@ from .block_tracer import LookedUp, Recipe
 POLL_SECONDS = 0.1
 # A block that is lost with its worker is traced again by others so many times.
 RETRIES = 3
-# What Dask raises where scheduler or workers have gone.
+# Errors of Dask if the scheduler or the workers are gone.
 _GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
-# Of the core's settings, what a block depends on; threads are the worker's own.
+# Settings of the core that a block depends on; each worker chooses its threads.
 SETTINGS = ("resolution", "seed", "exposure", "both_sides", "walls")
 
 
@@ -112,7 +112,7 @@ class Workers:
         return Tracing(self, volumes, scene, isovalues, settings, progress)
 
     def shared(self, values: Array) -> Array | str:
-        """What Recipe.arrays holds of a volume's values."""
+        """Returns the entry of Recipe.arrays for a volume's values."""
         if self._cluster is None:
             return np.ascontiguousarray(values)
         path = Path(self._folder.name) / f"{uuid.uuid4().hex}.npy"
@@ -199,7 +199,7 @@ class Tracing:
         """
         future = self._futures.pop(number, None)
         if future is not None:
-            # In a thread: a transfer that is given up to look at the progress begins anew.
+            # Fetch in a thread: an interrupted transfer would start again after each poll.
             fetched = self._fetching.submit(future.result)
             while not wait([fetched], timeout=POLL_SECONDS).done:
                 if self._progress.cancelled:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The light of all isosurfaces as an RGBA volume for amira (AmiraMesh, .am): thesis 5.3.
 
-There it is the Color Field of an isosurface of the same data.
+In amira it is the Color Field of an isosurface of the same data.
 """
 
 import os
@@ -51,7 +51,10 @@ def write_amira(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> No
 
 
 def _place(index_to_world: Array, count: Sequence[int]) -> list[str]:
-    """The lines that say where the points are: amira's box goes from the first to the last."""
+    """Returns the header lines with the position of the points.
+
+    The box of amira spans the first to the last point.
+    """
     axes, origin = index_to_world[:3, :3], index_to_world[:3, 3]
     step = np.diag(axes)
     if np.array_equal(axes, np.diag(step)) and (step > 0).all():

@@ -33,14 +33,14 @@ OF_SEQUENCE = {
 _WRITERS = {**OF_VOLUME, **OF_SURFACE, **OF_SEQUENCE}
 SUFFIXES = (*_WRITERS, PAGE)
 
-# Suffix -> the library that writes it, and what PyPI calls its package.
+# Suffix -> the library that writes it, and its package on PyPI.
 _LIBRARIES = {
     ".vti": ("vtkmodules", "vtk"),
     ".vtp": ("vtkmodules", "vtk"),
     ".ply": ("meshio", "meshio"),
     **{suffix: ("pxr", "usd-core") for suffix in (".usda", ".usdc", ".usd")},
 }
-# Module -> what brings it: a package of Debian or, where that has none, one of PyPI.
+# Module -> its package: of Debian or, if Debian has none, of PyPI.
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
     "meshio": "python3-meshio, or pip install meshio",
@@ -59,7 +59,7 @@ def export(
     progress: _core.Progress | None = None,
     **page: "Unpack[PageOptions]",
 ) -> dict[float, Surface]:
-    """Writes a Bake for another program, as a whole or not at all; docs/export.md has the formats.
+    """Writes a Bake in another program's format (docs/export.md); leaves no incomplete file.
 
     path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
         isosurface, .glb, .usda, .usdc and .usd one or a sequence; an .html shows all of all
@@ -68,7 +68,7 @@ def export(
         default one.
     volume: the number of one of several; back: the back.
     page: coarser, embed and lengths of an .html, see write_page() in page.py.
-    Returns {isovalue: Surface} of what was written, empty for a volume. Raises LeaflightError,
+    Returns {isovalue: Surface} of the written surfaces, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
     path, suffix = Path(path), Path(path).suffix.lower()
@@ -123,7 +123,7 @@ def export_page(
 
 
 def absent_package(suffix: str) -> str | None:
-    """Returns what PyPI calls the package that a format needs and that is absent, or None."""
+    """Returns the package on PyPI that a format needs and that is absent, or None."""
     module, package = _LIBRARIES.get(suffix, ("", ""))
     return package if module and find_spec(module) is None else None
 
@@ -155,7 +155,7 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
 
 
 def _writer(path: Path, suffix: str) -> Callable[..., None]:
-    """The function that writes the format. Raises LeaflightError where its library is absent."""
+    """Returns the function that writes the format. Raises LeaflightError if a library is absent."""
     module, function = _WRITERS[suffix]
     relative = module if module.startswith(".") else f".{module}"
     try:

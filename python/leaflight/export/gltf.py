@@ -21,15 +21,15 @@ from ..volume.units import METERS
 # The world's z axis points up, glTF's y axis does: a quarter turn about x.
 _UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 _SECONDS = 0.1
-# In meters: views clip smaller ones, so that molecules and cells are as large as their numbers.
+# Smallest size in meters that viewers do not clip. The unit of smaller objects becomes a meter.
 _SMALLEST = 1e-4
-# The numbers that the format has for types of arrays, and for their use.
+# Codes of the format for types of arrays, and for their use.
 _TYPES = {"float32": 5126, "uint32": 5125}
 _SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 _VERTICES, _INDICES = {"target": 34962}, {"target": 34963}
 _MATERIAL = {
     "name": "lit by the bake",
-    # For a viewer without the extension: the least that it can add.
+    # A viewer without the extension then adds as little light as possible.
     "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0},
     "extensions": {"KHR_materials_unlit": {}},
     "doubleSided": True,
@@ -65,7 +65,7 @@ def write_glb(
 
 
 class _File:
-    """Arrays, one behind the other in `body`, and what refers to them by their numbers."""
+    """The arrays, one after the other in `body`, and the objects that refer to their numbers."""
 
     def __init__(self) -> None:
         self.body = bytearray()
@@ -88,7 +88,7 @@ class _File:
         return len(self.accessors) - 1
 
     def content(self, animations: Sequence[dict[str, Any]]) -> bytes:
-        """The whole file: a header, the JSON and the arrays, each of a multiple of four bytes."""
+        """Returns the file: a header, the JSON and the arrays, each padded to four bytes."""
         document = {
             "asset": {"version": "2.0", "generator": f"Leaflight {__version__}"},
             "scene": 0,
@@ -140,7 +140,7 @@ def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, A
             times, shown = [0.0, ends[frame]], [0.0, 1.0]
         times, shown = [*times, ends[frame + 1]], [*shown, 0.0]
         if frame == len(nodes) - 1:
-            # The last one stays until the animation begins anew.
+            # The last one stays until the animation starts again.
             shown[-1] = 1.0
         scales = np.repeat(np.array(shown, np.float32)[:, None], 3, axis=1)
         given, found = file.add(np.array(times, np.float32), bounds=True), file.add(scales)
@@ -150,14 +150,14 @@ def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, A
 
 
 def _meters(surfaces: Collection[Surface]) -> float:
-    """How many meters a unit of the world measures; 1 where it is not known or too small."""
+    """Returns the meters per unit of the world; 1 if unknown or if the object is too small."""
     points = np.concatenate([surface.vertices for surface in surfaces])
     scale = METERS.get(next(iter(surfaces)).unit, 1.0)
     return scale if scale * float(np.ptp(points, axis=0).max()) >= _SMALLEST else 1.0
 
 
 def _unit(normals: Array) -> Array:
-    """glTF demands unit length; where a field is flat there is no direction."""
+    """Normalizes normals, as glTF demands; +z where a field is flat and has no direction."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.maximum(length, 1e-30), [0.0, 0.0, 1.0]).astype(
         np.float32

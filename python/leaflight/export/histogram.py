@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How many voxels have which value, in bins that suit the data."""
+"""The histogram of values, in bins that suit the data."""
 
 from typing import Any
 
@@ -10,13 +10,15 @@ from ..bake.baked import Bake
 
 MOST_BINS, LEAST_BINS = 256, 16
 _SAMPLES = 200_000
-# Of the span of the values: what differs by less is the same number, rounded.
+# Values that differ by less than this share of their span are equal after rounding.
 _ROUNDING = 1e-5
 
 
 def histogram(bake: Bake) -> dict[str, Any]:
-    """Of the first volume, from its range's lower end: {"counts": of bins, "width": of a bin as a
-    share of the isovalue range}; the last bin may end beyond it."""
+    """Returns the histogram of the first volume, from the lower end of the isovalue range.
+
+    {"counts": of bins, "width": of a bin as a share of the range}; the last bin may end beyond it.
+    """
     low, high = (bake.isovalue_of(0, c) for c in bake.isovalues)
     values = bake.volume.data()
     values = values[np.isfinite(values)]
@@ -28,10 +30,10 @@ def histogram(bake: Bake) -> dict[str, Any]:
 
 
 def bin_width(values: Array, low: float, high: float) -> float:
-    """The width of bins over the isovalue range, low..high, of values (n,) without NaN.
+    """Returns the bin width over the isovalue range, low..high, for values (n,) without NaN.
 
-    Of values with steps in between, whatever their type, a multiple of the step: others would hold
-    one step more by turns. Else as Freedman and Diaconis (1981) choose.
+    For values with regular steps, of any type, it is a multiple of the step. Other bins would hold
+    varying numbers of steps. Otherwise it is the width of Freedman and Diaconis (1981).
     """
     sample = values[:: max(1, len(values) // _SAMPLES)].astype(np.float64)
     sample = np.sort(sample[(sample >= low) & (sample <= high)])

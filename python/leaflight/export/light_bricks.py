@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Texels as a texture of bricks, without those that hold no light.
 
-A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbours share
+A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbors share
 a layer and a graphics card interpolates within one brick. web/src/bricks.ts makes the texture.
 """
 
@@ -11,9 +11,9 @@ import numpy as np
 
 from ..arrays import Array
 
-# Along each axis; whether either is smaller than all texels as one brick is tried.
+# Candidate widths of bricks, in texels. All texels as a single brick is the third candidate.
 SIDES = (8, 16)
-# Of a texture, along one axis, that browsers take.
+# Largest side of a texture in browsers.
 LARGEST_SIDE = 2048
 
 

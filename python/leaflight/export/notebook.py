@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake to look at: as a picture, and as its web page in a cell of a notebook or in a browser."""
+"""Displays a bake: as a picture, or as its web page in a notebook or a browser."""
 
 import html
 import sys
@@ -22,12 +22,12 @@ from .page_size import estimated_bytes
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-# Of a page within a notebook, which holds it as text: as small a page as reaches this.
+# Upper bound on the bytes of a page in a notebook, which stores it as text.
 LARGEST_IN_A_NOTEBOOK = 20e6
 
 
 def picture(bake: Bake, isovalue: float | None = None, **options: Any) -> "Image":
-    """still() as an image of Pillow, RGBA, exposed as the command and the page expose it.
+    """Returns still() as an image of Pillow, RGBA, with the exposure of the command and the page.
 
     isovalue: None is the default one; options: those of still().
     """
@@ -47,7 +47,7 @@ def show(
     coarser: int | None = None,
     progress: Progress | None = None,
 ) -> "Page":
-    """The web page of a Bake: in a notebook its cell shows it, else a browser opens it.
+    """Shows the web page of a Bake in the cell of a notebook, else in a browser.
 
     height: of the cell, in pixels; coarser: as of export_page(), None is the finest that a notebook
     holds well. Returns a Page.
@@ -71,7 +71,7 @@ class Page:
     height: int
 
     def _repr_html_(self) -> str:
-        # The page itself, since a notebook that is sent to others brings no files.
+        # Embed the page, because a notebook that is sent to others brings no files.
         text = html.escape(self.path.read_text(encoding="utf-8"))
         return (
             f'<iframe srcdoc="{text}" width="100%" height="{self.height}" frameborder="0" '

@@ -25,12 +25,12 @@ from .page_volume import dims_of, texels_of
 # Where the page's data, its first picture and its permissions go.
 _DATA, _POSTER = "<!--leaflight:data-->", "leaflight-poster"
 _POLICY = "leaflight-connect-src"
-# Of the picture that is shown while the data are opened.
+# Size of the picture that is shown while the data load.
 POSTER_SIZE = (480, 320)
 # A browser reads the data in elements of so many bytes, one after the other.
 PART_BYTES = 3 << 19
 
-# What a browser still takes well.
+# Largest page that browsers open reliably.
 LARGEST_BYTES = 200e6
 MOST_COARSER = 3
 
@@ -110,7 +110,7 @@ def _check_size(path: Path, bake: Bake, coarser: int) -> None:
 
 
 def _too_large(bake: Bake, coarser: int) -> str | None:
-    """What a browser would not take, as the end of a sentence, or None."""
+    """Returns the limit of browsers that the page exceeds, as the end of a sentence, or None."""
     for number in range(len(bake.volumes)):
         side = max(*dims_of(bake, number, coarser), *texels_of(bake, number, coarser))
         if side > LARGEST_SIDE:
@@ -120,7 +120,7 @@ def _too_large(bake: Bake, coarser: int) -> str | None:
 
 
 def _poster(path: Path, bake: Bake, isovalue: float, stops: float) -> str:
-    """The first view, as an address that holds the picture itself."""
+    """Returns the first view as a data URL."""
     picture = still(bake, isovalue, size=POSTER_SIZE)
     pixels = photographed(picture, bake.scene.exposure * 2.0**stops)
     return "data:image/png;base64," + base64.b64encode(png_bytes(path, pixels)).decode("ascii")
@@ -134,7 +134,7 @@ def _script(kind: str, text: str, name: str | None = None) -> str:
 
 
 def _write_folder(folder: Path, page: str, body: bytearray) -> Path:
-    """Both files change together, or neither does."""
+    """Writes both files of the folder, or neither."""
     index, data = folder / "index.html", folder / "bake.bin"
     new = not folder.exists()
     try:
@@ -142,7 +142,7 @@ def _write_folder(folder: Path, page: str, body: bytearray) -> Path:
         others = {item.name for item in folder.iterdir()} - {index.name, data.name}
     except OSError as error:
         raise LeaflightError(f"{folder}: cannot write it: {error.strerror}.") from None
-    # Hidden ones are what a killed run left, which goes now.
+    # Hidden parts are left from a killed run and are removed.
     if any(not name.startswith(".leaflight-part-") for name in others):
         raise LeaflightError(f"{folder}: this folder holds something else; choose another name.")
     try:

@@ -29,11 +29,11 @@ from .page_volume import shown_volume, volume_data
 from .page_walls import walls_data
 from .shared_exponent import planes
 
-# Of the header and the blocks; the page refuses another one.
+# Version of the header and the blocks; the page refuses any other.
 FORMAT = 6
-# How a coarser page is called, by how many times it was halved.
+# Names of coarser pages, by the number of halvings.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
-# That are deflated before somebody may cancel.
+# Bytes to deflate between two checks for a cancel.
 STEP_BYTES = 1 << 22
 
 
@@ -64,17 +64,20 @@ class PageData:
         return len(blocks) - 1
 
     def add_colors(self, words: Array) -> int:
-        """The same of packed() colors."""
+        """Appends packed() colors, deflated; returns the number of their block.
+
+        Raises Cancelled.
+        """
         return self.add(planes(words))
 
 
 def by_significance(raw: Array) -> Array:
-    """Bytes uint8 (itemsize, n): those of like significance deflate better side by side."""
+    """Returns bytes uint8 (itemsize, n), sorted by significance, which deflate better."""
     return np.ascontiguousarray(raw.reshape(-1).view(np.uint8).reshape(-1, raw.itemsize).T)
 
 
 def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> PageData:
-    """The PageData of a Bake; isovalue: the common isovalue that is shown at first.
+    """Returns the PageData of a Bake; isovalue: the common isovalue that is shown at first.
 
     coarser: how many times voxels and texels are halved along each axis. progress:
     _core.Progress. Raises Cancelled.
@@ -115,7 +118,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
 
 
 def lights_data(bake: Bake) -> dict[str, Any]:
-    """The lamps of a bake whose strengths the page can change, which are all or none."""
+    """Returns the lamps of a bake whose strengths the page can change: all or none."""
     if bake.is_moved or not can_be_relit(bake.original or bake):
         return {"lamps": [], "others": [1.0, 1.0, 1.0]}
     *shares, others = indirect_by_lamp(bake).tolist()
@@ -127,8 +130,11 @@ def lights_data(bake: Bake) -> dict[str, Any]:
 
 
 def step_of(bake: Bake) -> float:
-    """By how much isovalues differ at least that the page's controls choose: a power of ten, a
-    thousandth of the isovalue range or less; half-integers are among those of integers."""
+    """Returns the step of isovalues in the page's controls.
+
+    A power of ten, at most a thousandth of the isovalue range. Data of integers have steps that
+    include half-integers.
+    """
     low, high = bake.isovalues
     step = 10.0 ** math.floor(math.log10((high - low) / 1000.0))
     is_integer = len(bake.volumes) == 1 and bake.volume.values.dtype.kind in "iu"
@@ -136,7 +142,7 @@ def step_of(bake: Bake) -> float:
 
 
 def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
-    """[(what, its value as text)] of a bake."""
+    """Returns [(label, value as text)] of a bake."""
     known = bake.statistics
     rows = []
     for volume in bake.volumes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large a web page will be, from parts of its data that are deflated in advance."""
+"""Estimates the size of a web page by deflating samples of its data."""
 
 import math
 import zlib
@@ -18,7 +18,7 @@ from .page_walls import walls_data
 from .shared_exponent import packed, planes
 from .visibility_levels import code_of, pairs_in, ranges_in_plane
 
-# Of an array, in bytes, and of the planes of a volume.
+# Sample sizes: bytes of an array, and planes of a volume.
 _SAMPLE, _PLANES = 1 << 18, 4
 # Bytes of the first picture of a page.
 _POSTER = 75_000
@@ -43,7 +43,7 @@ def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
 
 
 def _lit_texels(lit: Array, texels: Sequence[int]) -> float:
-    """How many of fewer texels (x, y, z) have light, which spreads by one then."""
+    """Returns the number of coarser texels (x, y, z) with light, which spreads by one texel."""
     if lit.shape == tuple(texels[::-1]):
         return float(lit.sum())
     for axis, count in enumerate(texels[::-1]):
@@ -66,7 +66,7 @@ def _lit_maps(direct: DirectLight | None, lit: float, coarser: int) -> float:
 
 
 class _Sampled(PageData):
-    """Counts about how many bytes there will be, by deflating a part of each array."""
+    """The data of a page whose size is estimated by deflating a part of each array."""
 
     bytes = 0.0
 
@@ -85,7 +85,7 @@ def _bytes_of_walls(bake: Bake) -> float:
 
 
 def _deflated_share(samples: list[Array]) -> float:
-    """The part of the bytes of arrays that is left once they are deflated."""
+    """Returns the deflated size of arrays as a share of their bytes."""
     parts = [by_significance(np.ascontiguousarray(each)).tobytes() for each in samples]
     size = sum(map(len, parts))
     return sum(len(zlib.compress(part, 6)) for part in parts) / size if size else 0.0
@@ -101,7 +101,7 @@ def _share_of_values(bake: Bake, number: int) -> float:
     low, high = bake.volumes[number].field().range
     samples = []
     for z in _planes_of(len(values)):
-        # With the ends of the range, so that the codes are those of the whole.
+        # Include the ends of the range, so that the codes equal those of the whole volume.
         plane = values[z : z + 2].copy()
         plane.flat[:2] = low, high
         samples.append(coded(plane)[0])
@@ -121,7 +121,7 @@ def _share_of_light(bake: Bake, number: int) -> float:
 
 
 def _share_of_maps(bake: Bake, number: int) -> float:
-    """Of levels of the first light points, in planes of texels."""
+    """Returns the deflated share of the levels of the first light points, in planes of texels."""
     direct = bake.grids[number].direct
     if direct is None or len(direct.light_points) == 0:
         return 0.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The web page without a bake, which web/bundle.mjs makes as a part of the package."""
+"""The web page without a bake, built by web/bundle.mjs as a part of the package."""
 
 import os
 from pathlib import Path
@@ -21,5 +21,5 @@ def read_template(path: str | os.PathLike[str]) -> str:
 
 
 def template_bytes() -> int:
-    """The size of the page without a bake, 0 where it was left out."""
+    """Returns the size of the page without a bake, 0 if the package has none."""
     return TEMPLATE.stat().st_size if TEMPLATE.exists() else 0

@@ -21,7 +21,7 @@ from .visibility_levels import POINTS_A_TEXEL, code_of, pairs, ranges
 if TYPE_CHECKING:
     from .page_data import PageData
 
-# Of 16 bits, where there are no data.
+# Code of 16 bits for a voxel without data.
 NO_DATA = 65535
 
 
@@ -42,16 +42,16 @@ class ShownVolume:
 
     @property
     def sides(self) -> tuple[bool, ...]:
-        """Of isosurfaces, False for the front, that the page has light for."""
+        """Sides of isosurfaces with light in the page; False is the front."""
         return (False, True) if back_side(self.bake, self.number) == "baked" else (False,)
 
     def has_maps(self, back: bool) -> bool:
-        """Whether direct light is added to the texels of a side; or they hold all light."""
+        """Returns True if direct light is added to the texels of a side; else they hold it."""
         return self.direct is not None and (not back or self.direct.has_back)
 
     @property
     def raw_bytes(self) -> float:
-        """About how many there are to deflate."""
+        """Approximate number of bytes to deflate."""
         light, maps, values = bytes_each(self.bake, self.number)
         map_texels = self.direct.resolution if self.direct is not None else (0,)
         return (
@@ -67,7 +67,7 @@ def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress
     for _ in range(coarser):
         volume = volume.coarser()
     if coarser and direct is not None:
-        # Other isosurfaces have other shadows.
+        # Coarser values have other isosurfaces and therefore other shadows.
         dims = volume.field().dims
         progress.begin("Direct light")
         progress.expect(float(math.prod(dims) * len(direct.light_points)))
@@ -202,7 +202,7 @@ def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
         points = texel_places(shown.volume, shown.texels, z)
         planes.append(grid.lookup(field, points, back, is_indirect))
     light = np.stack(planes).reshape(*shown.texels[::-1], 3)
-    # A coarser isosurface is not quite where the one that was lit is.
+    # A coarser isosurface lies slightly beside the one that was lit.
     return spread(light)
 
 
@@ -217,7 +217,7 @@ def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:
 
 
 def spread(light: Array) -> Array:
-    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbours that are lit."""
+    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbors that are lit."""
     lit = light.any(axis=-1)
     sums, counts = light * lit[..., None], lit.astype(np.float32)
     for axis in range(3):
@@ -237,7 +237,7 @@ def _of_three(array: Array, axis: int) -> Array:
 
 
 def _stops(ramp: Ramp) -> list[list[Any]]:
-    """A ramp as [[isovalue, [r, g, b]], ...]."""
+    """Returns a ramp as [[isovalue, [r, g, b]], ...]."""
     if is_color(ramp):
         return [[0.0, list(ramp)]]
     return [[float(isovalue), list(map(float, color))] for isovalue, color in ramp]

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls of a web page. Those with baked light have indirect light at nodes of the isosurface
-coordinate, and ways to light points, from which the page has direct light at any
-(web/src/wall_light.ts); others are shaded by the page."""
+"""The walls of a web page.
+
+Walls with baked light have indirect light at nodes of the isosurface coordinate. Their paths to
+light points give direct light at any coordinate (web/src/wall_light.ts). The page shades the other
+walls.
+"""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any

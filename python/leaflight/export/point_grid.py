@@ -66,7 +66,7 @@ def _between_voxels(values: Array, texels: Array) -> Array:
 
 
 def _looked_up(field: Field, lookup: Callable[..., Array], *options: bool) -> Array:
-    """A lookup at all voxels; plane by plane, since their coordinates take memory."""
+    """Looks up all voxels plane by plane, which bounds the memory of their coordinates."""
     nx, ny, nz = field.dims
     y, x = np.mgrid[:ny, :nx]
     planes = []

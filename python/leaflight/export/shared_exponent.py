@@ -17,12 +17,12 @@ LEAST = 2.0**-13
 
 
 def packed(colors: ArrayLike) -> Array:
-    """uint32 (...) of colors (..., 3); what is below zero becomes zero."""
+    """Returns uint32 (...) of colors (..., 3); negative values become zero."""
     colors = np.clip(np.asarray(colors, np.float32), 0.0, _LARGEST)
     largest = colors.max(axis=-1)
     _, power = np.frexp(largest)  # largest < 2^power
     exponent = np.clip(power + _BIAS, int(np.log2(LEAST)) + _BIAS + _BITS, 31)
-    # Where the largest mantissa would be rounded up to ten bits.
+    # Increase the exponent if the largest mantissa would be rounded up to ten bits.
     scale = np.ldexp(np.float32(1), _BIAS + _BITS - exponent)
     exponent = exponent + (np.floor(largest * scale + 0.5) >= 1 << _BITS)
     scale = np.ldexp(np.float32(1), _BIAS + _BITS - exponent)

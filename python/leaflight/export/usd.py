@@ -26,8 +26,8 @@ def write_usd(
     metersPerUnit is that of the world; 1 where it is not known.
     One mesh /Leaflight/isosurface: points, normals, primvars displayColor (linear RGB: radiance
     times the exposure, not clamped) and radiance (W/(m^2 sr), linear RGB), and the attribute
-    isovalue. Its material emits displayColor and reflects nothing. Of several isovalues each is a
-    time sample, from frame 1 on, 24 a second.
+    isovalue. Its material emits displayColor and reflects nothing. Several isovalues become time
+    samples, from frame 1 on, 24 per second.
     """
     path = Path(path)
     check_writable(path, path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0])

@@ -13,10 +13,10 @@ import numpy as np
 from .._core import DirectLight
 from ..arrays import Array
 
-# A way that no isosurface about the texel blocks; one that all of them do; one that a mesh does.
-# Levels between are even parts of the range of codes, the first and the last of which are cut.
+# Light paths blocked by no isosurface about the texel, by all of them, and by a mesh. Levels
+# between are equal parts of the range of codes; the first and the last part are cut.
 LIT, HIDDEN, DARK = 0, 14, 15
-# Of which the card reads the levels at once.
+# Light points whose levels the graphics card reads at once.
 POINTS_A_TEXEL = 8
 _PARTS = HIDDEN - 2
 # The light points of a lamp have nearly the same codes. Each begins its parts at another place, so
@@ -25,7 +25,7 @@ _SHIFT = 0.6180339887
 
 
 def code_of(value: Array, isovalue_range: Sequence[float]) -> Array:
-    """The code of a value, within a range (low, high) or beyond: 1 to 253 over the range."""
+    """Returns the code of a value, 1 to 253 over the range (low, high); values may lie beyond."""
     low, high = isovalue_range
     return 1.0 + (value - low) * (252.0 / (high - low))
 

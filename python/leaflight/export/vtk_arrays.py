@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the writers of VTK's files share."""
+"""Functions shared by the writers of VTK's files."""
 
 import errno
 import os
@@ -35,14 +35,14 @@ def write(writer: "vtkXMLWriter", data: "vtkDataObject", path: Path) -> None:
     # Raw bytes behind the XML: smaller and faster than base64, and what ParaView itself writes.
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
-    # What VTK prints of a full disk we say ourselves.
+    # Suppress VTK's text about a full disk; the error below replaces it.
     shown = vtkObject.GetGlobalWarningDisplay()
     vtkObject.SetGlobalWarningDisplay(False)
     try:
         written = writer.Write()
     finally:
         vtkObject.SetGlobalWarningDisplay(shown)
-    # Of the last bytes VTK does not notice that they found no place.
+    # VTK does not notice if the disk is full at the last bytes.
     if not written or not _end(path).endswith(b"</VTKFile>"):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 

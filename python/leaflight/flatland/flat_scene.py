@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What surrounds the isolines of flatland: walls and lamps, as plain data and as scene files.
+"""Scenes of flatland: walls and lamps around isolines, as plain data and as scene files.
 
 A scene file of flatland is a JSON object with the keys "name", "coordinates", "isosurface_albedo",
 "exposure" and "comment" of scene_file.py, and, with points [x, y],
@@ -26,7 +26,7 @@ from ..volume.volume import Volume
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """Segments of one colour: vertices float32 (n, 2), segments uint32 (m, 2), albedo in 0..1."""
+    """Segments of one color: vertices float32 (n, 2), segments uint32 (m, 2), albedo in 0..1."""
 
     name: str
     vertices: Array
@@ -36,7 +36,7 @@ class Wall:
 
 @dataclass(frozen=True, eq=False)
 class Lamp:
-    """A segment that shines to the left of its edge with a radiance in W/(m rad), linear RGB."""
+    """A segment that emits to the left of its edge, with a radiance in W/(m rad), linear RGB."""
 
     name: str
     corner: tuple[float, float]
@@ -46,7 +46,7 @@ class Lamp:
 
 @dataclass(frozen=True, eq=False)
 class FlatScene:
-    """How isolines look and what surrounds them; coordinates as of a SceneDescription."""
+    """The material of isolines, and the scene around them; coordinates as in SceneDescription."""
 
     name: str
     isosurfaces: Isosurfaces
@@ -71,7 +71,7 @@ def load_flat_scene(path: str | os.PathLike[str]) -> FlatScene:
 
 
 def flat_scene_to_json(scene: FlatScene) -> str:
-    """The text of the scene file of a FlatScene."""
+    """Returns the text of the scene file of a FlatScene."""
     return json.dumps(
         {
             "name": scene.name,
@@ -93,7 +93,7 @@ def flat_scene_to_json(scene: FlatScene) -> str:
 
 
 def flat_box() -> FlatScene:
-    """The box of thesis chapter 3, its lamp at the bottom: scenes/flatland_bump_box.json."""
+    """Returns the box of thesis chapter 3, its lamp at the bottom (flatland_bump_box.json)."""
     folder = Path(__file__).parent.parent / "scenes"
     return load_flat_scene(folder / "flatland_bump_box.json")
 
@@ -119,7 +119,7 @@ def _lamp(item: JsonObject) -> Lamp:
 
 
 def fit_flat_scene(scene: FlatScene, volume: Volume) -> FlatScene:
-    """The scene in world coordinates; one in box coordinates is fitted around the height field."""
+    """Returns the scene in world coordinates; box coordinates are fitted to the height field."""
     if scene.coordinates == "world":
         return scene
     fit = Fit.around([volume])
@@ -137,7 +137,7 @@ def fit_flat_scene(scene: FlatScene, volume: Volume) -> FlatScene:
 def core_flat_scene(
     scene: FlatScene, field: _core.Field2, isovalue_range: tuple[float, float]
 ) -> _core.Scene2:
-    """The core's scene of one in world coordinates. Raises LeaflightError."""
+    """Returns the core's scene of a scene in world coordinates. Raises LeaflightError."""
     walls = [
         _core.Mesh2(wall.name, wall.vertices, wall.segments, wall.albedo) for wall in scene.walls
     ]

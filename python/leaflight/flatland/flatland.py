@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from PIL.Image import Image
     from typing_extensions import Unpack
 
-# What makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
+# Factor that makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
-# Of a picture: how thick isolines are, in longer sides; how bright the image behind them is; how
-# bright they are, and the share of their points that is at most so bright.
+# Constants of a picture: thickness of isolines, in longer sides; brightness of the image behind;
+# brightness of isolines, and the share of their points that does not exceed it.
 LINE_SHARE = 0.007
 DIM = 0.5
 BRIGHT, BRIGHT_SHARE = 0.8, 0.95
@@ -75,13 +75,16 @@ class FlatBake:
         return self.grid.dense("radiance")
 
     def isolines(self, isovalue: float) -> Isolines:
-        """The Isolines of one isovalue. Raises LeaflightError outside the isovalue range."""
+        """Returns the Isolines of one isovalue.
+
+        Raises LeaflightError outside the isovalue range.
+        """
         check_is_baked(isovalue, self.isovalues)
         vertices, _, segments = _core.contour2(self.volume.flat_field(), isovalue)
         return Isolines(vertices, segments, self.radiance(vertices))
 
     def radiance(self, points: ArrayLike) -> Array:
-        """Baked radiance, float32 (n, 3), at world points (n, 2); zero where there is none."""
+        """Returns baked radiance, float32 (n, 3), at world points (n, 2); zero if there is none."""
         return self.grid.lookup(self.volume.flat_field(), points)
 
     def reference(
@@ -93,7 +96,7 @@ class FlatBake:
         threads: int = 0,
         progress: _core.Progress | None = None,
     ) -> tuple[Array, Array]:
-        """Path-traced radiance at points (n, 2) of an isoline, on its front.
+        """Computes path-traced radiance at points (n, 2) of an isoline, on its front.
 
         Returns (radiance, standard_error), float32 (n, 3) each. Raises LeaflightError, Cancelled.
         """
@@ -103,9 +106,9 @@ class FlatBake:
 
 
 def read_image(path: str | os.PathLike[str]) -> Volume:
-    """An image as a height field whose longest side measures 1, a Volume of two dimensions.
+    """Reads an image as a height field with a longest side of 1, a Volume of two dimensions.
 
-    PNG, JPEG, TIFF or EXR; colours become their luminance (Rec. 709) in the numbers that the file
+    PNG, JPEG, TIFF or EXR; colors become their luminance (Rec. 709) in the numbers that the file
     stores, 0..255 for 8 bits. Raises LeaflightError.
     """
     values = np.ascontiguousarray(luminance(read_pixels(path))[::-1])
@@ -116,7 +119,7 @@ def read_image(path: str | os.PathLike[str]) -> Volume:
 
 
 def bump_box_2d(n: int = 200) -> Volume:
-    """The 2D bump box (thesis Eq. 2.1 without z): n^2 nodes on the unit square, values 0..255."""
+    """Returns the 2D bump box (thesis Eq. 2.1 without z): n^2 nodes, unit square, values 0..255."""
     return on_unit_cube(n, _core.bump_box2, "bump_box", "bump_box")
 
 
@@ -162,7 +165,7 @@ def flat_provenance(
     settings: _core.BakeSettings2 | _core.FixedSettings2,
     fixed: Mapping[str, Any] | None = None,
 ) -> Provenance:
-    """That of a FlatBake before its first pass; settings, fixed: as of provenance_of()."""
+    """Returns the Provenance of a FlatBake before its first pass, as provenance_of()."""
     text = flat_scene_to_json(scene)
     return provenance_of([volume], [scene.isosurfaces], text, isovalue_range, settings, fixed)
 
@@ -179,7 +182,7 @@ def refuse_sides(asked: CommonSettings) -> None:
 def flat_placed(
     volume: Volume, scene: FlatScene | None, isovalues: Sequence[float] | None
 ) -> tuple[FlatScene, tuple[float, float], _core.Scene2]:
-    """What is lit, from the arguments of bake_flatland(): (FlatScene, range, _core.Scene2)."""
+    """Returns (FlatScene, range, _core.Scene2) for the arguments of bake_flatland()."""
     if np.ndim(volume.values) != 2:
         raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
     scene = fit_flat_scene(scene or flat_box(), volume)
@@ -188,15 +191,15 @@ def flat_placed(
 
 
 def picture(bake: FlatBake, isovalues: Sequence[float], width: int = 1000) -> Array:
-    """Lit isolines over their image in dim gray: uint8 [row, column, RGB], top row first.
+    """Draws lit isolines over their image in dim gray: uint8 [row, column, RGB], top row first.
 
-    The exposure is such that nearly all of their light is seen, and little of it clipped.
+    The exposure shows nearly all of their light and clips little of it.
     width: pixels of the longer side. Raises LeaflightError for an isovalue outside the range.
     """
     from PIL import ImageDraw
 
     low, high = np.asarray(bake.volume.field().bounds)
-    # Drawn larger, because lines of Pillow are not smoothed.
+    # Draw larger, because Pillow does not smooth lines.
     scale = OVERSAMPLING * width / (high - low).max()
     size = np.maximum(1, np.rint(scale * (high - low))).astype(int)
     thickness = max(OVERSAMPLING, LINE_SHARE * max(size))
@@ -210,7 +213,7 @@ def picture(bake: FlatBake, isovalues: Sequence[float], width: int = 1000) -> Ar
         colours = display_colours(lines.radiance[lines.segments].mean(axis=1), exposure)
         for (start, end), colour in zip(ends.tolist(), map(tuple, colours.tolist())):
             draw.line([*start, *end], fill=colour, width=round(thickness))
-            # Else there would be gaps where an isoline bends.
+            # Fill the gaps where an isoline bends.
             for x, y in (start, end):
                 box = np.add([x, y, x, y], 0.5 * thickness * np.array([-1, -1, 1, 1]))
                 draw.ellipse(box.tolist(), fill=colour)

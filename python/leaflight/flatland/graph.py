@@ -15,7 +15,7 @@ from ..scene.scene import is_color
 from ..volume.volume import Volume
 from .flatland import BRIGHTNESS_CORRECTION, FlatBake
 
-# Of the graph, in lengths of the height field's longest side.
+# Height of the graph, in longest sides of the height field.
 GRAPH_HEIGHT = 1.0
 
 
@@ -27,10 +27,10 @@ def graph_radiance(
     threads: int = 0,
     progress: _core.Progress | None = None,
 ) -> tuple[Array, Array]:
-    """Radiance of the graph under ordinary light, path-traced, as the flattened texture's opposite.
+    """Computes path-traced radiance of the graph under ordinary light.
 
-    bake: a FlatBake, whose height field and scene are taken; height: of the graph, which rises from
-    its lowest value by that many longest sides; spp: paths per point.
+    bake: a FlatBake with the height field and the scene; height: of the graph, which rises from its
+    lowest value by that many longest sides; spp: paths per point.
     Returns (radiance, standard_error), float32 (ny - 1, nx - 1, 3) each, at the middles of the
     cells. Raises LeaflightError, Cancelled.
     """
@@ -47,7 +47,7 @@ def graph_radiance(
 
 
 def graph_mesh(volume: Volume, height: float = GRAPH_HEIGHT) -> tuple[Array, Array]:
-    """The graph over an image: vertices float32 (ny nx, 3), triangles uint32 (m, 3), facing up."""
+    """Returns the graph over an image: vertices float32 (ny nx, 3), triangles uint32 (m, 3)."""
     values = volume.values
     ny, nx = values.shape
     low, high = volume.field().bounds
@@ -65,7 +65,7 @@ def graph_mesh(volume: Volume, height: float = GRAPH_HEIGHT) -> tuple[Array, Arr
 
 
 def _scene_in_space(bake: FlatBake, vertices: Array, triangles: Array) -> _core.Scene:
-    """The graph, and the walls and lamps of the plane raised to its height; open above."""
+    """Returns the graph with the plane's walls and lamps raised to its height; open above."""
     top = float(vertices[:, 2].max())
     albedo = bake.scene.isosurfaces.albedo
     if not is_color(albedo):

@@ -61,8 +61,8 @@ def read_texture(path: str | os.PathLike[str]) -> Array:
 
 
 def luminance(pixels: Array) -> Array:
-    """Grey of RGB by the weights of Rec. 709, float32 [row, column]; grey stays what it is."""
-    # What is beyond single precision becomes infinite, which volumes refuse by themselves.
+    """Gray of RGB by the weights of Rec. 709, float32 [row, column]; gray stays what it is."""
+    # Values beyond single precision become infinite, which volumes refuse.
     with np.errstate(over="ignore", invalid="ignore"):
         grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
         return grey.astype(np.float32)

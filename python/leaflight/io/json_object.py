@@ -149,7 +149,7 @@ class JsonObject:
         if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
             point = ", ".join(axes)
             raise self.error(f'"{key}" must be a list of at least {least} points [{point}]')
-        # Those beyond become infinite, which meshes refuse by themselves.
+        # Values beyond single precision become infinite, which meshes refuse.
         with np.errstate(over="ignore"):
             return array.astype(np.float32)
 
@@ -191,7 +191,7 @@ class JsonObject:
         return color
 
     def ramp(self, key: str, largest: float = np.inf, default: Color | None = None) -> Ramp:
-        """A colour, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
+        """A color, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
         if default is not None and key not in self:
             return default
         value = self.get(key)

@@ -48,7 +48,7 @@ PACKAGES = [
 
 
 def has_package(name: str) -> bool:
-    """Whether the processes find a package."""
+    """Returns True if reader processes find a package."""
     return PathFinder.find_spec(name, [*PACKAGES, *sys.path]) is not None
 
 
@@ -110,7 +110,7 @@ class ReaderProcess:
         self._process.wait()
 
     def ask(self, path: str | os.PathLike[str], most: int, *request: object) -> Array:
-        """What answers a request about a file, an array of at most so many bytes."""
+        """Returns the answer to a request about a file, an array of at most so many bytes."""
         self.path, self.seconds = path, _seconds(most)
         self._timer.cancel()
         self._timer = self._started_timer()
@@ -125,7 +125,7 @@ class ReaderProcess:
             self._timer.cancel()
 
     def answer(self) -> Any:
-        """What the function answers.
+        """Returns the answer of the function.
 
         Raises LeaflightError and ModuleNotFoundError as it does, and ValueError where it raises
         anything else; so do fill() and array().
@@ -193,7 +193,7 @@ class ReaderProcess:
 
 
 def _seconds(size: int) -> int:
-    """Of a processor that may be taken for so many bytes."""
+    """Returns the limit of processor seconds for so many bytes."""
     return math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
 
 
@@ -240,5 +240,5 @@ def child() -> NoReturn:
         # On damaged files libraries fail with whatever comes first.
         tell({"failure": type(error).__name__})
     out.flush()
-    # What libraries do at the end of a process does not matter any more.
+    # Skip the exit handlers of libraries.
     os._exit(0)

@@ -4,7 +4,7 @@
     name          text
     coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
                   volumes, the longest side of whose common box runs from -1 to 1 around its
-                  centre, so that the scene fits any volume
+                  center, so that the scene fits any volume
     isosurface_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
                   [[isovalue, [r, g, b]], ...] in ascending isovalues
     isosurface_emission, isosurface_scattering, isosurface_ior, capped
@@ -16,7 +16,7 @@
                   "capped": true closes the isosurfaces at the border of the volume,
                   "source": file, relative to the scene file, or generated volume,
                   "reading": {"frame": 1, ...}, options of read_volume() for it}
-    exposure      positive factor from radiance to the colour on the screen
+    exposure      positive factor from radiance to the color on the screen
     meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
                   "faces": [[i, j, k] or [i, j, k, l], ...], and optionally "scattering", "ior",
                   "emission": [r, g, b], "texture": image file, relative to the scene file, that
@@ -33,7 +33,7 @@
                   "rotation" of the image about +z in degrees, or "world_to_image": 3 x 3}
     comment       optional text
 
-Colours are linear RGB. Images may be embedded: {"width", "height", "pixels"}, the pixels being
+Colors are linear RGB. Images may be embedded: {"width", "height", "pixels"}, the pixels being
 little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 """
 
@@ -330,7 +330,7 @@ def _plain(item: Any) -> dict[str, Any]:
 
 def _json(value: object) -> object:
     if isinstance(value, np.ndarray):
-        # The floating-point arrays of three dimensions whose last is colour are images; uv has two.
+        # The floating-point arrays of three dimensions whose last is color are images; uv has two.
         return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
     if isinstance(value, (list, tuple)):
         return [_json(item) for item in value]
@@ -356,6 +356,6 @@ def _light_data(light: Light) -> dict[str, Any]:
     elif isinstance(light, SunLight):
         data["type"] = "sun"
     if "angle" in data:
-        # So many digits survive the way to radians and back.
+        # 14 digits are exact after conversion to radians and back.
         data["angle"] = float(f"{math.degrees(data['angle']):.14g}")
     return data

@@ -24,7 +24,7 @@ GENERATED = tuple(_GENERATED)
 
 
 def is_generated(source: str | os.PathLike[str]) -> bool:
-    """Whether the text names a generated volume rather than a file."""
+    """Returns True if the text names a generated volume, not a file."""
     return source in _GENERATED
 
 

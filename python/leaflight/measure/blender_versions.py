@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What differs between the versions of Blender wherever a scene is built, read or animated.
+"""Differences between versions of Blender in building, reading and animating scenes.
 
 It serves the add-on and cycles_scene.py, which runs in a Blender without either of our packages: so
 it imports neither these nor Blender itself.
@@ -16,19 +16,19 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class LightUnits:
-    """What Cycles makes of the power of a light.
+    """The radiometric units of lights in Cycles.
 
     A point or spot light has the radiant intensity power / 4 pi and a radius that no scale changes.
     """
 
     # Radiance of an AREA light per watt and unit area, its object's scale counted.
     area: float
-    # Whether a spot also fades with the cosine to its axis.
+    # True if a spot also fades with the cosine to its axis.
     spot_cosine: bool
-    # Whether E = I / (d^2 + r^2) at the distance d from a point light of radius r, always, or None
-    # where the light itself says so; E = I / d^2 otherwise, as in the bake.
+    # True if always E = I / (d^2 + r^2) at the distance d from a point light of radius r; None
+    # if a setting of the light decides. Otherwise E = I / d^2, as in the bake.
     soft_points: bool | None
-    # Whether the sun is sampled on a disc of directions, a little dimmer than its strength.
+    # True if the sun is sampled on a disc of directions, a little dimmer than its strength.
     sun_disc: bool
 
     def sun(self, angle: float) -> float:
@@ -37,13 +37,13 @@ class LightUnits:
         return 2.0 * cosine / (1.0 + cosine) if self.sun_disc else 1.0
 
 
-# From a version on. Where between 3.4 and 4.2 it changed is not known: PyPI keeps no such Blender.
+# Units from a version on. They changed between 3.4 and 4.2; PyPI has no Blender in between to test.
 _LIGHT_UNITS = (
     ((3, 4), LightUnits(area=1 / 4, spot_cosine=True, soft_points=True, sun_disc=True)),
     ((4, 2), LightUnits(area=1 / math.pi, spot_cosine=False, soft_points=None, sun_disc=False)),
 )
 
-# Those whose lights the tests have compared with Cycles (docs/reliability.md).
+# Versions whose lights were compared with Cycles in tests (docs/reliability.md).
 CHECKED = ((3, 4), (4, 2), (4, 3), (4, 5), (5, 0), (5, 1), (5, 2))
 
 

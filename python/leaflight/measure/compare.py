@@ -40,12 +40,12 @@ def compare(
     where the mesh is, the core's reference is traced from the isosurface itself. Points inside
     another volume's isosurface do not count. Returns a dict with
 
-    rms_percent              RMS error of the colours in percent (thesis Eq. 4.11, corrected: a
-                             colour is radiance times exposure, clamped to 0..1)
+    rms_percent              RMS error of the colors in percent (thesis Eq. 4.11, corrected: a
+                             color is radiance times exposure, clamped to 0..1)
     relative_rms             RMS error of the radiance over the mean radiance, nothing clamped;
                              None where all is dark
     reference_noise_percent  what the reference's own noise adds to rms_percent (RMS standard error)
-    mean_radiance            mean of the reference colours before clamping
+    mean_radiance            mean of the reference colors before clamping
     mean_ratio               mean of the baked radiance over that of the reference; None where all
                              is dark
     mean_ratio_error         its standard error from the noise of the reference

@@ -103,7 +103,7 @@ def measure(
 
 @dataclass(frozen=True, eq=False)
 class VertexBakes:
-    """What Cycles baked into the vertices of one isosurface, pass by pass.
+    """The light that Cycles baked into the vertices of one isosurface, pass by pass.
 
     radiance: float32 [pass, vertex, RGB] in W/(m^2 sr); of each pass, [pass]: seconds by the clock,
     processor_seconds of all threads together, and peaks, the most bytes that Blender held so far.
@@ -124,7 +124,7 @@ def bake_vertices(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> VertexBakes:
-    """What Blender's users do instead: Cycles bakes one isosurface into its mesh's vertices.
+    """Bakes one isosurface into its mesh's vertices by Cycles, the alternative in plain Blender.
 
     description: in world coordinates, with one Isosurfaces; isovalue: which; mesh: (vertices,
     normals, triangles) of it; passes: (samples, seed) of each, samples being paths at each corner
@@ -236,7 +236,7 @@ def _lay_out(
     """Probes on a mesh, and the pixels into which Cycles bakes them.
 
     A facet with k of the points, by lot in proportion to its area, is cut into n x n pieces, as few
-    as have k upright ones among them; each of those has its centroid at the centre of a pixel of
+    as have k upright ones among them; each of those has its centroid at the center of a pixel of
     the square that the facet gets in the image.
     Returns (Probes, pixel numbers (n,), image size (width, height), uv float32 (m, 3, 2)).
     """

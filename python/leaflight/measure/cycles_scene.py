@@ -6,7 +6,7 @@ FOLDER`. It reads FOLDER/scene.npz, where "settings" is JSON (see cycles.py), an
 FOLDER/radiance.npy, float32 [pass, probe, RGB] in W/(m^2 sr), and FOLDER/costs.npy, float64
 [pass, 3]: seconds by the clock and of a processor, and the most bytes held so far.
 
-Cycles bakes COMBINED into an image, one pixel a probe. Baking into a colour attribute measures the
+Cycles bakes COMBINED into an image, one pixel a probe. Baking into a color attribute measures the
 same, at every corner of every triangle: six times a vertex, and where triangles meet. It is what
 users do, and what the report compares with; the probes are then the vertices.
 """
@@ -67,8 +67,8 @@ def main(folder: Path) -> None:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
     if settings["image_size"] is None:
-        # As many corners in a row as a mesh has would be cut into thousands of tiles, each of which
-        # goes through a file and keeps one thread busy.
+        # A row of all corners of a mesh would be cut into thousands of tiles. Each of them goes
+        # through a file and keeps one thread busy.
         scene.cycles.use_auto_tile = False
     target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
     radiance, costs = [], []
@@ -192,7 +192,7 @@ def _texture(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket, pixels: Arr
 
 
 def _image(name: str, pixels: Array) -> bpy.types.Image:
-    """Linear colours, float32 [row, column, RGB], bottom row first."""
+    """Linear colors, float32 [row, column, RGB], bottom row first."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
     image.use_half_precision = False
@@ -204,7 +204,7 @@ def _image(name: str, pixels: Array) -> bpy.types.Image:
 
 
 def _set_light(node: bpy.types.Node, radiance: Sequence[float]) -> None:
-    """Of an Emission or a Background node."""
+    """Sets color and strength of an Emission or a Background node."""
     strongest = max(radiance)
     node.inputs["Color"].default_value = (*(x / strongest for x in radiance), 1.0)
     node.inputs["Strength"].default_value = strongest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where light is measured, and with how many paths."""
+"""The sampling of a measurement: its points and its paths."""
 
 from dataclasses import dataclass
 from typing import TypedDict

@@ -98,7 +98,7 @@ class IsosurfaceSide:
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
     def exposed(self, points: Array, seed: int) -> Array | None:
-        """Which points can be seen from outside, a mask (n,); None of the back."""
+        """Returns a mask (n,) of points that can be seen from outside; None on the back."""
         if self.back:
             return None
         on_isosurface = self._projected(points)

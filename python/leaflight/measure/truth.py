@@ -36,7 +36,7 @@ class Truth:
 
     @classmethod
     def traced(cls, points: Array, radiance: Array, standard_error: Array) -> "Truth":
-        """Of the core's path tracer, whose points are independent."""
+        """Returns the Truth by the core's path tracer, whose points are independent."""
         error = standard_error.astype(np.float64)
 
         def mean_error(mask: Array) -> float:
@@ -66,14 +66,14 @@ class Truth:
 
     @classmethod
     def measured(cls, measured: Measured) -> "Truth":
-        """Of Cycles (cycles.py)."""
+        """Returns the Truth by Cycles (cycles.py)."""
         return cls.of_passes(measured.probes.points, measured.probes.weights, measured.passes)
 
 
 def parts_of(
     radiance: Array, error: Array, path: Truth, truth: Truth, exposure: float
 ) -> dict[str, float | None]:
-    """What the error of radiance (n, 3) against the truth consists of: a dict of percents.
+    """Splits the error of radiance (n, 3) against the truth into parts: a dict of percents.
 
     error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
     tracer at the same points of the isosurface, which may be the truth itself. Squares add up:
@@ -101,7 +101,7 @@ def parts_of(
 
 
 def without(whole: float, *parts: float) -> float:
-    """What remains of a whole whose squares are those of the parts and the remainder's; or 0."""
+    """Returns the root of whole^2 minus the squares of the parts, at least 0."""
     return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
 
 

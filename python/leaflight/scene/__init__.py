@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is lit: isosurfaces, walls and lamps, in plain data."""
+"""Scenes as plain data: isosurfaces, walls and lamps."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes that fit any volume, turned so that their open side is before the volume's front."""
+"""Turns scenes in box coordinates so that their open side faces the volume's front."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,15 +11,15 @@ from ..volume.first_isovalue import default_isovalue
 from ..volume.volume import Volume
 from .scene import IDENTITY, Light, PointLight, SceneDescription, Vector
 
-# How much wider a volume is from one side than from the other, for a scene to turn to that.
+# Ratio of the visible widths from two sides above which a scene turns to the wider one.
 CLEARLY_WIDER = 1.3
 _MOST_VOXELS = 1 << 24
 
 
 def faced(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDescription:
-    """A scene in box coordinates, open towards -y, turned about z; any other as it is.
+    """Returns a scene in box coordinates, open towards -y, turned about z; any other unchanged.
 
-    Patients face +y (Volume.patient). What else is clearly wider as seen along x, is seen so.
+    Patients face +y (Volume.patient). A volume that is clearly wider seen along x is seen along x.
     """
     if description.coordinates == "world":
         return description
@@ -27,14 +27,14 @@ def faced(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDesc
 
 
 def quarter_turns(volumes: Sequence[Volume]) -> int:
-    """How often to turn by 90 degrees, counterclockwise: 0 to 3."""
+    """Returns the number of turns by 90 degrees, counterclockwise: 0 to 3."""
     if any(volume.patient for volume in volumes):
         return 2
     return 1 if len(volumes) == 1 and _is_wider_along_x(volumes[0]) else 0
 
 
 def turned(description: SceneDescription, turns: int) -> SceneDescription:
-    """The SceneDescription turned so often about the z axis."""
+    """Returns the SceneDescription after so many quarter turns about the z axis."""
     if turns % 4 == 0:
         return description
     x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4]
@@ -66,9 +66,9 @@ def turned(description: SceneDescription, turns: int) -> SceneDescription:
 
 
 def _is_wider_along_x(volume: Volume) -> bool:
-    """Whether the default isosurface covers clearly more, as seen along the x axis of the world."""
+    """Returns True if the default isosurface covers clearly more seen along the world's x axis."""
     matrix = np.asarray(volume.index_to_world, np.float64)[:3, :3]
-    axes = np.abs(matrix).argmax(axis=0)  # of the world, for each of the index
+    axes = np.abs(matrix).argmax(axis=0)  # World axis of each index axis.
     if sorted(axes) != [0, 1, 2]:
         return False
     step = max(1, round((volume.values.size / _MOST_VOXELS) ** (1 / 3)))

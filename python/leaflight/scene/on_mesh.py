@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points on meshes of triangles, and values of vertices between the vertices.
+"""Points on triangle meshes, and interpolation of values at vertices.
 
 A point is a facet, a triangle's number, with barycentric coordinates (u, v) of its second and third
 vertex.
@@ -11,12 +11,12 @@ import numpy as np
 
 from ..arrays import Array
 
-# Points whose distances to all triangles are held in memory together.
+# Points per batch: the distances of a batch to all triangles are in memory together.
 POINTS_AT_ONCE = 64
 
 
 def random_facets(vertices: Array, triangles: Array, count: int, rng: np.random.Generator) -> Array:
-    """Numbers (count,) of triangles, drawn in proportion to their area."""
+    """Draws numbers (count,) of triangles in proportion to their area."""
     a, b, c = corners(vertices, triangles)
     cumulative = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1))
     chosen = np.searchsorted(cumulative, rng.random(count) * cumulative[-1], side="right")
@@ -25,7 +25,7 @@ def random_facets(vertices: Array, triangles: Array, count: int, rng: np.random.
 
 
 def random_places(vertices: Array, triangles: Array, count: int, seed: int) -> tuple[Array, Array]:
-    """Facets (count,) and coordinates (count, 2) of points uniform over the area."""
+    """Draws facets (count,) and coordinates (count, 2) of points uniform over the area."""
     rng = np.random.default_rng(seed)
     facets = random_facets(vertices, triangles, count, rng)
     root, v = np.sqrt(rng.random(count)), rng.random(count)
@@ -33,19 +33,19 @@ def random_places(vertices: Array, triangles: Array, count: int, seed: int) -> t
 
 
 def positions(vertices: Array, triangles: Array, facets: Array, coordinates: Array) -> Array:
-    """World positions float64 (n, 3) of facets (n,) and coordinates (n, 2)."""
+    """Returns world positions float64 (n, 3) of facets (n,) and coordinates (n, 2)."""
     a, b, c = corners(vertices, triangles[facets])
     places: Array = a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
     return places
 
 
 def random_points(vertices: Array, triangles: Array, count: int, seed: int) -> Array:
-    """Points (count, 3), float64, uniformly distributed over the area of the triangles."""
+    """Draws points (count, 3), float64, uniformly over the area of the triangles."""
     return positions(vertices, triangles, *random_places(vertices, triangles, count, seed))
 
 
 def interpolated(vertices: Array, triangles: Array, values: Array, points: Array) -> Array:
-    """Values (n, k) of the vertices at points (p, 3) of the mesh, (p, k)."""
+    """Interpolates values (n, k) of the vertices at points (p, 3) of the mesh; returns (p, k)."""
     near = _TrianglesByBlock(vertices, triangles)
     result = np.empty((len(points), values.shape[1]))
     for members, candidates in near.candidates(points):
@@ -56,9 +56,9 @@ def interpolated(vertices: Array, triangles: Array, values: Array, points: Array
 
 
 class _TrianglesByBlock:
-    """Triangles by the block of space that holds their middle, as wide as the longest edge.
+    """Triangles by the block of space of their centroid; blocks are as wide as the longest edge.
 
-    So a triangle at a point has its middle in the point's block or one beside it.
+    The centroid of a triangle at a point is therefore in the point's block or in an adjacent one.
     """
 
     def __init__(self, vertices: Array, triangles: Array) -> None:
@@ -74,7 +74,7 @@ class _TrianglesByBlock:
         self._beside = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), -1).reshape(-1, 3)
 
     def candidates(self, points: Array) -> Iterator[tuple[Array, Array]]:
-        """(numbers of points, numbers of the triangles near them), together all of the points."""
+        """Yields (numbers of points, numbers of triangles near them) until all points are done."""
         blocks, block_of = np.unique(
             np.clip(self._blocks(points), -1, self._shape - 2), axis=0, return_inverse=True
         )
@@ -99,14 +99,14 @@ class _TrianglesByBlock:
 
 
 def _nearest(vertices: Array, triangles: Array, values: Array, points: Array) -> Array:
-    """The same, of the nearest of few triangles."""
+    """Returns interpolated values in the nearest of a few triangles."""
     a, b, c = corners(vertices, triangles)
     across = np.stack([b - a, c - a], axis=1)
     normals = np.cross(across[:, 0], across[:, 1])
     areas = np.linalg.norm(normals, axis=1)
     usable = areas > 0
     a, across, normals, areas = a[usable], across[usable], normals[usable], areas[usable]
-    # Rows that turn a way from the first corner into (u, v, distance in sizes of the triangle).
+    # Matrix from an offset to the first corner to (u, v, distance in sizes of the triangle).
     edges = np.stack([across[:, 0], across[:, 1], normals / np.sqrt(areas)[:, None]], axis=2)
     to_local = np.linalg.inv(edges)
     local = np.einsum("fij,pfj->pfi", to_local, points[:, None] - a)
@@ -121,6 +121,6 @@ def _nearest(vertices: Array, triangles: Array, values: Array, points: Array) ->
 
 
 def corners(vertices: Array, triangles: Array) -> tuple[Array, Array, Array]:
-    """The three vertices of the triangles, float64 (m, 3) each."""
+    """Returns the three vertices of the triangles, float64 (m, 3) each."""
     a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
     return a, b, c

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is lit and what surrounds it, as plain data: isosurfaces, meshes, lights, environment.
+"""Scenes as plain data: isosurfaces, meshes, lights and environment.
 
-A colour is (r, g, b), linear. A ramp is one colour for all isovalues, or a list of stops
-(isovalue, colour) in ascending isovalue of that volume, in data units: linear between them,
-constant beyond. Scene files hold the same (scene_file.py).
+A color is (r, g, b), linear. A ramp is one color for all isovalues, or a list of stops (isovalue,
+color) in ascending isovalue of that volume, in data units. It is linear between stops and constant
+beyond. Scene files hold the same data (scene_file.py).
 
-The common isovalue c numbers the isosurfaces that are seen together. With one volume it is the
-isovalue; with several it runs over 0..1, and a volume with the isovalues (lo, hi) shows
-lo + c (hi - lo).
+The common isovalue c selects the isosurfaces that are seen together. With one volume it is the
+isovalue. With several it runs over 0..1, and a volume with the isovalues (lo, hi) shows lo + c (hi
+- lo).
 """
 
 from collections.abc import Callable, Sequence
@@ -35,15 +35,15 @@ IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class Isosurfaces:
-    """How all isosurfaces of one volume look.
+    """The material of all isosurfaces of one volume.
 
-    albedo: a ramp in 0..1, the colour of a mirror or of glass; emission: a ramp of radiance in
+    albedo: a ramp in 0..1, also the color of a mirror or of glass; emission: a ramp of radiance in
     W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
-    isovalues: (lo, hi) in data units that the common isovalues 0 and 1 of several volumes show; of
-    a single volume, the isovalue range to bake; None is default_isovalue_range(volume).
-    capped: close the isosurfaces at the border of the volume (Volume.capped).
-    source: where the volume comes from, as the command line names volumes; None if it is given.
-    reading: options of read_volume() for the source, by name; None for none.
+    isovalues: (lo, hi) in data units at the common isovalues 0 and 1 of several volumes; of a
+    single volume, the isovalue range to bake; None is default_isovalue_range(volume).
+    capped: closes the isosurfaces at the border of the volume (Volume.capped).
+    source: path of the volume, as on the command line; None if the caller gives the volume.
+    reading: options of read_volume() for the source, by name; or None.
     """
 
     name: str
@@ -59,12 +59,13 @@ class Isosurfaces:
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A mesh of the walls, alike on both sides.
+    """A mesh of the walls, with the same material on both sides.
 
-    vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a colour in 0..1, of a mirror or of
+    vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a color in 0..1, of a mirror or of
     glass too; scattering: "diffuse", "mirror" or "glass"; ior: of glass; emission: radiance in
     W/(m^2 sr), from both sides; texture: float32 [row, column, 3] in 0..1, linear, bottom row
-    first, multiplies the albedo; uv: float32 (m, 3, 2), where each corner of a triangle is in it.
+    first, multiplies the albedo; uv: float32 (m, 3, 2), texture coordinates of each triangle's
+    corners.
     """
 
     name: str
@@ -80,9 +81,9 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class AreaLight:
-    """A rectangle, or the ellipse inscribed in it, that shines towards cross(edge_u, edge_v).
+    """A rectangle, or the ellipse inscribed in it, that emits towards cross(edge_u, edge_v).
 
-    radiance: a colour in W/(m^2 sr). It neither blocks nor reflects light.
+    radiance: a color in W/(m^2 sr). The light neither blocks nor reflects light.
     """
 
     name: str
@@ -95,7 +96,7 @@ class AreaLight:
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """Where a spot shines: about a unit axis, angle radians from edge to edge, at most pi.
+    """The cone of a spot: about a unit axis, angle radians from edge to edge, at most pi.
 
     blend: 0..1, the part of the cone over which its edge is soft; cosine_falloff: the intensity
     also falls with the cosine to the axis.
@@ -109,9 +110,9 @@ class Cone:
 
 @dataclass(frozen=True, eq=False)
 class PointLight:
-    """A sphere that shines alike in all directions, or within a cone.
+    """A sphere that emits equally in all directions, or within a cone.
 
-    intensity: a colour in W/sr, on a spot's axis. It neither blocks nor reflects light.
+    intensity: a color in W/sr, on a spot's axis. The light neither blocks nor reflects light.
     """
 
     name: str
@@ -123,7 +124,7 @@ class PointLight:
 
 @dataclass(frozen=True, eq=False)
 class SunLight:
-    """Parallel light: direction (unit) in which it travels, irradiance in W/m^2 facing it.
+    """Parallel light: direction (unit) of travel, irradiance in W/m^2 on a surface facing it.
 
     angle: diameter of the sun's disc in radians, below pi.
     """
@@ -139,10 +140,10 @@ Light = AreaLight | PointLight | SunLight
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """Light from all around: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
+    """Light from infinity: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
 
-    image: float32 [row, column, 3], latitude-longitude, bottom row first; its centre column is seen
-    along +x, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) turned the
+    image: float32 [row, column, 3], latitude-longitude, bottom row first. Its center column is seen
+    along +x, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) rotates the
     direction.
     """
 
@@ -154,13 +155,13 @@ class Environment:
 
 @dataclass(frozen=True, eq=False)
 class SceneDescription:
-    """Everything of a scene but the volumes.
+    """A scene without its volumes.
 
     isosurfaces: one Isosurfaces for each volume, or a single one for all. exposure: positive factor
-    from radiance to the colour on the screen. meshes: list of Mesh. lights: list of AreaLight,
+    from radiance to the displayed color. meshes: list of Mesh. lights: list of AreaLight,
     PointLight and SunLight. environment: Environment or None.
-    coordinates: "world"; or "box", where the longest side of all volumes' common box runs from -1
-    to 1 around its centre, and intensities are those at this scale (see fit_scene).
+    coordinates: "world" or "box". In "box" the longest side of the box around all volumes runs from
+    -1 to 1 around its center, and intensities are at this scale (see fit_scene).
     """
 
     name: str
@@ -173,10 +174,10 @@ class SceneDescription:
 
 
 def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDescription:
-    """The description with one Isosurfaces for each volume; those of several volumes get isovalues.
+    """Returns the description with one Isosurfaces per volume; several volumes get isovalues.
 
-    A single Isosurfaces serves any number of volumes and then takes their names. Raises
-    LeaflightError when the numbers differ.
+    A single Isosurfaces is copied to any number of volumes and takes their names. Raises
+    LeaflightError if the numbers differ.
     """
     isosurfaces = list(description.isosurfaces)
     if len(isosurfaces) == 1 and len(volumes) > 1:
@@ -197,10 +198,10 @@ def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) 
 def fit_scene(
     description: SceneDescription, volumes: Volume | list[Volume] | tuple[Volume, ...]
 ) -> SceneDescription:
-    """The description in world coordinates; one in box coordinates is fitted around the volumes.
+    """Returns the description in world coordinates; box coordinates are fitted to the volumes.
 
-    volumes: a Volume or a list of them. Radiances stay what they are; a point light's intensity
-    grows with the square of the scale, so that scenes of any size are equally bright.
+    volumes: a Volume or a list of them. Radiances do not change; a point light's intensity grows
+        with the square of the scale. Scenes of any size are then equally bright.
     """
     if description.coordinates == "world":
         return description
@@ -209,7 +210,7 @@ def fit_scene(
 
 
 def fitted(description: SceneDescription, fit: "Fit") -> SceneDescription:
-    """A description in box coordinates in world coordinates, by a Fit."""
+    """Converts a description from box to world coordinates by a Fit."""
     return replace(
         description,
         meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
@@ -218,13 +219,13 @@ def fitted(description: SceneDescription, fit: "Fit") -> SceneDescription:
     )
 
 
-# In the plane or in space.
+# A point in the plane or in space.
 _Place = TypeVar("_Place", tuple[float, float], Vector)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """From box to world coordinates, in space or in the plane."""
+    """The transformation from box to world coordinates, in space or in the plane."""
 
     centre: Array
     scale: float
@@ -236,7 +237,7 @@ class Fit:
 
     @classmethod
     def of_box(cls, low: Array, high: Array) -> "Fit":
-        """Around the box between two corners, each (3,)."""
+        """Returns the Fit to the box between two corners, each (3,)."""
         return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
 
     def vertices(self, vertices: Array) -> Array:
@@ -267,12 +268,12 @@ def _fit_light(light: Light, fit: Fit) -> Light:
 
 
 def is_color(ramp: Ramp) -> "TypeIs[Color]":
-    """Whether a ramp is one colour rather than a list of stops."""
+    """Returns True if a ramp is one color, not a list of stops."""
     return len(ramp) == 3 and all(isinstance(x, Real) for x in ramp)
 
 
 def ramp_at(ramp: Ramp, isovalue: float) -> Array:
-    """The colour (3,) of a ramp at an isovalue in data units."""
+    """Returns the color (3,) of a ramp at an isovalue in data units."""
     if is_color(ramp):
         return np.array(ramp, dtype=np.float64)
     isovalues, colors = [stop[0] for stop in ramp], np.array([stop[1] for stop in ramp])
@@ -280,7 +281,7 @@ def ramp_at(ramp: Ramp, isovalue: float) -> Array:
 
 
 def isovalue_at(description: SceneDescription, volume: int, c: float) -> float:
-    """The isovalue, in data units, that a volume (its number) shows at a common isovalue."""
+    """Returns the isovalue, in data units, of a volume (its number) at a common isovalue."""
     if len(description.isosurfaces) == 1:
         return c
     isovalues = description.isosurfaces[volume].isovalues
@@ -296,7 +297,7 @@ def covered(
     c: float,
     points: Array,
 ) -> Array:
-    """A mask (n,) of points (n, 3), world, hidden by other volumes' isosurfaces; not by glass."""
+    """Returns a mask (n,) of world points (n, 3) inside other isosurfaces, except glass."""
     hidden = np.zeros(len(points), bool)
     for other, (field, look) in enumerate(zip(fields, description.isosurfaces, strict=True)):
         if other != volume and look.scattering != "glass":
@@ -309,7 +310,7 @@ def core_scene(
     fields: Sequence[_core.Field],
     isovalue_range: tuple[float, float],
 ) -> _core.Scene:
-    """The core's scene of a description in world coordinates with one Isosurfaces for each field.
+    """Returns the core's scene of a description in world coordinates, one Isosurfaces per field.
 
     fields: list of _core.Field. isovalue_range: (lo, hi) of the common isovalue.
 
@@ -328,7 +329,7 @@ def core_scene(
     return _core.Scene(volumes, meshes, lights, isovalue_range, _core_environment(description))
 
 
-# Of the core, in space or in the plane.
+# Types of the core, in space or in the plane.
 _Field = TypeVar("_Field")
 _Volume = TypeVar("_Volume")
 _Stops = list[tuple[float, Sequence[float]]]
@@ -340,9 +341,10 @@ def core_isosurfaces(
     field: _Field,
     isovalues: tuple[float, float] | None = None,
 ) -> _Volume:
-    """The core's volume, a kind (_core.Volume or Volume2), of a field.
+    """Returns the core's volume, a kind (_core.Volume or Volume2), of a field.
 
-    isovalues: (lo, hi) that the common isovalues 0 and 1 show; None where it is the isovalue.
+    isovalues: (lo, hi) at the common isovalues 0 and 1; None if the common isovalue is the
+        isovalue.
     """
     lo, hi = isovalues or (0.0, 1.0)
 

@@ -15,14 +15,14 @@ from ..bake.baked import Bake
 from ..io.json_object import read_text
 from ..scene.scene import Vector
 
-# Of view, across the picture's shorter side: a portrait's lens, as of the add-on's stages.
+# Angle of view across the picture's shorter side: a portrait lens, as in the add-on's stages.
 ANGLE = 26.0
 _LARGEST = sys.float_info.max
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Sees in perspective. position, target: world; up: a direction that shall be upright.
+    """A perspective camera. position, target: world; up: the direction that is upright.
 
     angle: of view, across the shorter side of the picture, in degrees.
     """
@@ -42,7 +42,8 @@ class Camera:
         return np.array([right, np.cross(right, forward), forward])
 
     def directions(self, width: int, height: int, rows: range, samples: int = 1) -> Array:
-        """Of rays through pixels: float64 (len(rows) samples, width samples, 3), unit.
+        """Returns unit directions of rays through pixels, float64 (len(rows) samples, width
+        samples, 3).
 
         rows: a range, from the top. samples: along each side of a pixel, evenly spread.
         """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake is shown at first: its isovalue, from which side, from how far, and how bright.
+"""The first view of a bake: isovalue, direction and distance.
 
-A room that is open on one side is looked into from there. A patient is seen from the front, and
-all else from where its silhouette is largest. The picture is framed around the isosurface.
+A room that is open on one side is looked into from there. A patient is seen from the front, and any
+other object from where its silhouette is largest. The picture is framed around the isosurface.
 """
 
 import math
@@ -19,25 +19,25 @@ from ..scene.scene import Vector
 from ..volume.first_isovalue import default_isovalue
 from .camera import ANGLE, Camera, bounds_of
 
-# How far above the horizon, in degrees; of what lies flat.
+# Elevation of the camera in degrees, and that for flat objects.
 ELEVATION, ELEVATION_OF_FLAT = 10.0, 50.0
-# Of the picture's height or width, filled by the side of the isosurface's box towards the viewer.
+# Share of the picture's height or width that the front of the isosurface's box fills.
 FILLED = 0.8
-# Of the vertices on each side, which may be dust and which the frame may leave out.
+# Share of the vertices on each side that may be dust; the frame ignores them.
 DUST = 0.002
-# How much larger another silhouette must be.
+# Ratios by which another silhouette must be larger.
 CLEARLY_LARGER, FLAT = 1.2, 2.5
 
 _MOST_POINTS = 200_000
 _CELLS = 64
 _AZIMUTHS = (0.0, 90.0, 180.0, 270.0)
-# Of a patient, whom readers turn towards right, front and up.
+# Azimuth of a patient's front; readers orient patients to right, front and up.
 _FRONT = 180.0
 
 
 @dataclass(frozen=True)
 class Framing:
-    """Where an isosurface is in a picture, whatever the picture's size.
+    """The position of an isosurface in a picture of any size.
 
     target: its middle, in the world; back: the unit direction from there to the viewer; up: a
     direction that is upright; half: half its extents to the right, up and towards the viewer;
@@ -135,7 +135,7 @@ def _back(azimuth: float, elevation: float) -> Array:
 
 
 def _free_azimuths(bake: Bake, middle: Array) -> list[float]:
-    """From which no mesh of the scene hides the middle, before a wall where there is one."""
+    """Returns azimuths from which no mesh hides the middle, only those facing a wall if any do."""
     origins = np.repeat(middle[None], len(_AZIMUTHS), axis=0)
     directions = np.array([_back(azimuth, 0.0) for azimuth in _AZIMUTHS])
     is_free = np.ones(len(_AZIMUTHS), bool)
@@ -150,7 +150,7 @@ def _free_azimuths(bake: Bake, middle: Array) -> list[float]:
 
 
 def _largest(candidates: Sequence[tuple[float, float]]) -> float:
-    """Of (area, what): the first, unless another one is clearly larger."""
+    """Returns the first item of (area, item), unless another area is clearly larger."""
     area, what = candidates[0]
     for other, of_other in candidates[1:]:
         if other > CLEARLY_LARGER * area:

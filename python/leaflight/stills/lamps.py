@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Local shading: lamps upon a surface without shadows, and no light between surfaces.
+"""Local shading: lamps on a surface without shadows, and no light between surfaces.
 
-What viewers of isosurfaces show, and what the thesis compares with. Lamps with an extent become a
-few points.
+Viewers of isosurfaces shade like this, and the thesis compares with it. Lamps with an extent become
+a few points.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..scene.scene import AreaLight, Light, Mesh, PointLight, SceneDescription, SunLight
 
-# What the shader of a web page has room for.
+# Upper bound on the lamps in the shader of a web page.
 MOST_LAMPS = 16
 _SUN, _POINT, _ONE_SIDED, _TWO_SIDED = range(4)
 
@@ -34,7 +34,7 @@ class Lamps:
     headlight: bool
 
     def irradiance(self, points: Array, normals: Array, eye: Array) -> Array:
-        """Over pi: what a white surface reflects, float64 (n, 3), at points with unit normals."""
+        """Returns irradiance over pi, float64 (n, 3), at points with unit normals."""
         if self.headlight:
             return headlight(points, normals, eye)
         total = np.zeros((len(points), 3))
@@ -56,7 +56,7 @@ class Lamps:
 
 
 def headlight(points: Array, normals: Array, eye: Array) -> Array:
-    """What a white surface reflects of a light at the camera, float64 (n, 3)."""
+    """Returns light of a lamp at the camera that a white surface reflects, float64 (n, 3)."""
     way = eye - points
     cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
     return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
@@ -117,7 +117,7 @@ def _facets(mesh: Mesh) -> list[tuple[float, ...]]:
 
 
 def _mean_of_sky(image: Array) -> Array:
-    """Over the sphere, of a latitude-longitude image."""
+    """Returns the mean over the sphere of a latitude-longitude image."""
     latitude = (np.arange(len(image)) + 0.5) / len(image) * math.pi
     weight = np.sin(latitude)
     mean: Array = (image.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()

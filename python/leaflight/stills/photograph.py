@@ -12,17 +12,17 @@ from ..io.images import display_colours
 from .first_view import default_isovalue_of
 from .still import still
 
-# Khronos PBR Neutral (2024) without its offset for specular reflection: colours up to START stay
-# what they are, those beyond approach white and lose their colour by degrees.
+# Khronos PBR Neutral (2024) without its offset for specular reflection: colors up to START stay
+# what they are, those beyond approach white and lose their color by degrees.
 START = 0.8
 DESATURATION = 0.15
-# Where the brightest hundredth of a picture begins, the scene's exposure stays as it is within.
+# The scene's exposure is kept if the 99th percentile of brightness is within these limits.
 DIMMEST, BRIGHTEST = 0.4, 1.25
 MOST_STOPS = 4.0
 
 
 def tone_mapped(linear: ArrayLike) -> Array:
-    """Exposed colours (..., 3) as they are shown, linear, below 1."""
+    """Exposed colors (..., 3) as they are shown, linear, below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
     rest = 1.0 - START
@@ -41,7 +41,7 @@ def photographed(picture: Array, exposure: float) -> Array:
 
 
 def metered_stops(bake: Bake, isovalue: float | None = None) -> float:
-    """How many stops brighter than the scene's exposure a Bake is shown, to a tenth.
+    """Returns the stops by which a Bake is shown brighter than the scene's exposure, to a tenth.
 
     Zero where the first view of its isovalue, None is the default one, is neither dim nor burnt.
     """

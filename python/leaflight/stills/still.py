@@ -17,10 +17,10 @@ from .first_view import camera_around_bake
 from .lamps import headlight, lamps_of
 from .walls import SeenWalls
 
-# Rays at a time, so that memory is bounded and a cancel is soon heard.
+# Rays per batch, which bounds the memory and the delay of a cancel.
 _RAYS = 1 << 18
 _LARGEST = 16384
-# How bright a white back is shown that faces the viewer, where its light was not baked.
+# Brightness of a white back that faces the viewer, if its light was not baked.
 UNBAKED = 0.3
 
 
@@ -36,7 +36,7 @@ def still(
     *,
     progress: _core.Progress | None = None,
 ) -> Array:
-    """A picture of a Bake, float32 [row, column, RGBA], top row first.
+    """Renders a picture of a Bake, float32 [row, column, RGBA], top row first.
 
     RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
     Rays hit the isosurface itself, not a mesh of it, and look up the light there. A back
@@ -79,7 +79,7 @@ def still(
 
 
 def check_diffuse(bake: Bake) -> None:
-    """Raises LeaflightError where isosurfaces are mirrors or glass, which hold no light."""
+    """Raises LeaflightError if isosurfaces are mirrors or glass, which store no light."""
     for isosurfaces in bake.scene.isosurfaces:
         if isosurfaces.scattering != "diffuse":
             raise LeaflightError(
@@ -89,7 +89,7 @@ def check_diffuse(bake: Bake) -> None:
 
 
 def back_side(bake: Bake, volume: int) -> str:
-    """What is known of a volume's back: "baked", "dark" or "local", to be shaded locally."""
+    """Returns the state of a volume's back: "baked", "dark" or "local" (shaded locally)."""
     if bake.grids[volume].has_back:
         return "baked"
     return "dark" if bake.provenance.both_sides else "local"
@@ -145,7 +145,7 @@ def _seen(
     eye: Sequence[float],
     directions: Array,
 ) -> Array:
-    """RGBA (n, 4): what is nearest on each ray."""
+    """Returns RGBA (n, 4) of the nearest hit on each ray."""
     origins = np.broadcast_to(np.asarray(eye, np.float64), directions.shape)
     origins = np.ascontiguousarray(origins)
     nearest, radiance = np.full(len(directions), np.inf), np.zeros((len(directions), 3))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The walls of a bake, without those that stand between the viewer and the volumes.
 
-Who goes around a box of walls would see them from behind; as of a doll's house, the walls in front
-are left out. Walls without baked light are shaded locally, so that one sees where their colours on
+A viewer around a box of walls would see some from behind. As in a doll's house, the walls in front
+are left out. Walls without baked light are shaded locally, so that one sees where their colors on
 the isosurface come from.
 """
 
@@ -22,7 +22,7 @@ class RoomMesh:
     """A mesh of the scene that is shown: its number there, vertices float32 (n, 3) and triangles.
 
     is_of_room: it is flat, as a wall is, or goes around the volumes' middle; is_lit: it has baked
-    light at its vertices. albedo, emission: colours.
+    light at its vertices. albedo, emission: colors.
     """
 
     number: int
@@ -127,7 +127,7 @@ def _transposed(hits: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
 
 
 def _is_between(vertices: Array, triangles: Array, eye: Array, middle: Array) -> Array:
-    """Whether the plane of each triangle parts the eye from the middle of the volumes."""
+    """Returns a mask of triangles whose plane separates the eye from the middle of the volumes."""
     a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
     normals = np.cross(b - a, c - a)
     sides = ((eye - a) * normals).sum(axis=1), ((middle - a) * normals).sum(axis=1)

@@ -28,7 +28,7 @@ def bake(
     progress: _core.Progress | None = None,
     **settings: "Unpack[SampleOptions]",
 ) -> Bake:
-    """The Bake of volumes by a fixed number of samples, whatever its error.
+    """Computes the Bake of volumes by a fixed number of samples.
 
     volumes, scene, isovalues, seed, threads, both_sides, walls, progress: as of
         leaflight.bake. resolution: texels as there; None is one texel a node.

@@ -24,7 +24,7 @@ def bake_flatland(
     progress: _core.Progress | None = None,
     **settings: "Unpack[SampleOptions]",
 ) -> FlatBake:
-    """The FlatBake of a height field by a fixed number of samples, whatever its error.
+    """Computes the FlatBake of a height field by a fixed number of samples.
 
     volume, scene, progress: as of leaflight.flatland.bake_flatland. settings: those of
     FixedSamples by their names, as of leaflight.thesis.bake, but for both_sides and walls.

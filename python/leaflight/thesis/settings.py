@@ -18,10 +18,10 @@ _Settings = TypeVar("_Settings", _core.FixedSettings, _core.FixedSettings2)
 
 @dataclass(frozen=True)
 class PhotonMap:
-    """How the estimator "thesis" counts photons (thesis 4.3.5).
+    """The settings of the photon map of the estimator "thesis" (thesis 4.3.5).
 
-    k: photons of an estimate; radius: how far it reaches at most, in longest sides of the volumes,
-    0 for no limit; g: how much longer a unit of the range counts than one of the domain;
+    k: photons per estimate; radius: its upper bound, in longest sides of the volumes, 0 for no
+        limit; g: length of a unit of the range, in units of the domain;
     region: "sphere", "clipped_sphere", "box", "cylinder" or "graph".
     """
 
@@ -49,7 +49,7 @@ class Scattered:
 
 
 class SampleOptions(CommonOptions, total=False):
-    """FixedSamples by their names."""
+    """The fields of FixedSamples by name."""
 
     samples: int
     photons: int
@@ -73,7 +73,7 @@ class FixedSamples(CommonSettings):
     only_at: ArrayLike | None = None
 
     def core(self, kind: Callable[[], _Settings], dims: Sequence[int]) -> _Settings:
-        """The core's settings, a kind (_core.FixedSettings or FixedSettings2), for nodes dims.
+        """Returns core settings, a kind (_core.FixedSettings or FixedSettings2), for nodes dims.
 
         Raises LeaflightError.
         """
@@ -104,7 +104,7 @@ class FixedSamples(CommonSettings):
         return settings
 
     def record(self) -> dict[str, Any]:
-        """What a bake depends on, as JSON has it."""
+        """Returns the settings that a bake depends on, in JSON's types."""
         photon_map = self.photon_map or (PhotonMap() if self.estimator == "thesis" else None)
         return {
             "samples": self.samples,

@@ -18,7 +18,7 @@ from .volume import Volume
 MOSTLY = 0.6
 # Parallel rays along each side of a square around the volume, from 14 directions.
 _ACROSS = 32
-# Of more voxels a part is kept, and at least so many along each axis: few show which side is seen.
+# Larger volumes are thinned to this many voxels, and at least so many along each axis.
 _MOST_VOXELS, _LEAST = 1 << 20, 8
 
 
@@ -34,7 +34,7 @@ def back_shares(values: Array, index_to_world: Array, isovalues: Sequence[float]
     try:
         field = Volume(some, matrix).field()
     except LeaflightError:
-        # What is kept is all alike.
+        # All kept voxels have one value.
         return [0.0] * len(isovalues)
     origins, directions = _rays_around(np.asarray(field.bounds, np.float64))
     shares = []

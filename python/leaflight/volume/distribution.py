@@ -18,13 +18,13 @@ _STEPS = 1 << 16
 
 
 class Distribution:
-    """Of the values in an array [z, y, x] that are not NaN.
+    """The distribution of the values in an array [z, y, x] that are not NaN.
 
-    data_range: its lowest and highest. count: how many there are.
+    data_range: the lowest and the highest. count: their number.
     """
 
     def __init__(self, values: Array, data_range: tuple[float, float]) -> None:
-        # Of this type, edges of bins are the same with any NumPy.
+        # float32 gives the same edges of bins with any NumPy.
         self._range: Any = tuple(np.float32(end) for end in data_range)
         low, high = self._range
         # Steps of which edges of bins would be the same; 0 where they are not.
@@ -98,11 +98,11 @@ class Distribution:
 
     @cached_property
     def are_labels(self) -> bool:
-        """Whether the values look like those of a mask or a label map."""
+        """Returns True if the values look like those of a mask or a label map."""
         return self.levels is not None and are_labels(self._data, self.levels[0])
 
     def are_whole(self, without: Sequence[float] = ()) -> bool:
-        """Whether all values, but those left out, are whole numbers."""
+        """Returns True if all values except `without` are whole numbers."""
         if self._counted is not None:
             return True
         left = [np.float32(value) for value in without]

@@ -29,5 +29,5 @@ def common_offset(low: Number, high: Number, dtype: np.dtype[Any]) -> Number:
     if isinstance(low, int):
         unit = int(10**digits)
         return low // unit * unit
-    # What is nearly a multiple of the unit is one.
+    # Round to a multiple of the unit if the value is nearly one.
     return round(math.floor(low / 10.0**digits + 1e-6) * 10.0**digits, -digits)

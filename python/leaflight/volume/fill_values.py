@@ -22,9 +22,9 @@ _ENDS = (
     *(-32768, -32767, 32767, 65535, 65504, -(2**31), 1 - 2**31, 2**31 - 1, 2**32 - 1),
     *(-(2**63), 1 - 2**63, 2**63 - 1, 2**64 - 1),
 )
-# Of NetCDF; the largest numbers of float32 and float64 and what is written for them.
+# Fill value of NetCDF; the largest numbers of float32 and float64, and rounded forms of them.
 _FAR = (9.969209968386869e36, 3.4028234663852886e38, 3.4e38, 1.70141e38, 1.7976931348623157e308)
-# Of well logs.
+# Fill value of well logs.
 _OTHERS = (-999.25,)
 # Voxels that must hold the end of a type: so many, and such a share. A few are saturated, or hot.
 _LEAST, _LEAST_SHARE = 16, 1e-3
@@ -100,7 +100,7 @@ def _is_named(value: Number, named: Sequence[float]) -> bool:
 
 
 def _may_be_fill(value: Number, named: Sequence[float]) -> bool:
-    """Whether the number is known as a fill value."""
+    """Returns True if the number is a known fill value."""
     text = _text(value)
     if text in _IS_END or text in _IS_OTHER or _is_named(value, named):
         return True

@@ -14,14 +14,14 @@ from .volume import Volume
 BACKGROUND_SHARE = 0.1
 # A level set is at least so deep, for each step that values reach above 0. Less is noise about 0.
 LEVEL_SET = 0.1
-# Between the lobes of both signs, at less than this part of the range above 0, is nothing to see.
+# Share of the range above 0 below which isosurfaces between lobes of both signs show nothing.
 AT_ZERO = 0.02
 
 
 def default_isovalue_range(volume: Volume) -> tuple[float, float]:
-    """Isovalues (lo, hi) worth baking: the middle 99 % of the values that are not background.
+    """Returns the default range (lo, hi): the middle 99 % of the values except the background.
 
-    Of few values, and of labels, all of them.
+    Few values, and labels, are all included.
     """
     low, high = volume.data_range()
     if _levels_to_part(volume) is not None:
@@ -59,9 +59,10 @@ def default_isovalue(volume: Volume) -> float:
 
 
 def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
-    """The one that best parts what is inside an isosurface (Otsu 1979), None where that is alike.
+    """Returns the isovalue that best separates the values inside an isosurface (Otsu 1979).
 
-    Of a head it is the skull within the skin. Half way between two values where there are few.
+    In a head it finds the skull within the skin. Few values give the middle of two of them. None if
+    all values inside are alike.
     """
     found = _levels_to_part(volume)
     if found is not None:
@@ -80,7 +81,7 @@ def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
 
 
 def _is_mostly_zero(volume: Volume) -> bool:
-    """Whether most values lie about 0, between lobes of both signs."""
+    """Returns True if most values are near 0, between lobes of both signs."""
     counts, edges = volume.distribution.histogram(256)
     middles = 0.5 * (edges[1:] + edges[:-1])
     is_near = np.abs(middles) < 0.1 * np.abs(middles).max()
@@ -88,7 +89,7 @@ def _is_mostly_zero(volume: Volume) -> bool:
 
 
 def _seen_from_front(volume: Volume, isovalue: float, lo: float, hi: float) -> float:
-    """Where values have both signs, another isovalue if this one shows the back of its isosurface.
+    """Returns another isovalue if values have both signs and this one shows a back.
 
     That of a negative lobe shows its back: the opposite one shows a positive lobe, where there is
     one. Within a level set values are negative: its surface is at 0.

@@ -7,14 +7,14 @@ from ..arrays import Array
 from .voxels import as_voxels
 
 # The share of the voxels of a label whose next neighbors along all axes have it, too, and the share
-# of the labels of which this is so. Of a mask with soft edges only the inside is.
+# of the labels of which this is so. In a mask with soft edges, only the inside passes.
 ALIKE, LABELS = 0.2, 0.6
 # Slices that are looked at.
 _PLANES = 64
 
 
 def are_labels(values: Array, levels: Array) -> bool:
-    """Whether values [z, y, x], all among the levels, look like labels rather than measurements.
+    """Returns True if values [z, y, x], all among the levels, look like labels.
 
     levels: in ascending order, of which the first is the background. Any two may be a mask; of
     more each must be a whole number.

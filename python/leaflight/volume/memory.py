@@ -10,11 +10,11 @@ from .._core import LeaflightError
 
 # The least that a process can be limited to; of that Python, libraries and threads take.
 LEAST_LIMIT, _PROGRAM = 192 << 20, 96 << 20
-# Of a limit: what volumes may take before they lie in a file.
+# Share of a limit that volumes may take; larger volumes are stored in a file.
 _SHARE_OF_VOLUMES = 0.25
-# Of the machine's memory: what a process may take that was not limited.
+# Share of the machine's memory for a process without a limit.
 _SHARE_OF_MACHINE = 0.75
-# What the bounds for rays take besides the values, bytes a voxel.
+# Bytes per voxel of the bounds for rays, in addition to the values.
 _BOUNDS = 2.6
 
 _limit: int | None = None
@@ -48,10 +48,10 @@ def memory_of_light(voxels: int) -> int | None:
         return None
     in_memory, _ = _core.large_memory()
     left = _SHARE_OF_MACHINE * machine - in_memory - _BOUNDS * voxels - _PROGRAM
-    # What the others take is not all in use at once.
+    # Other allocations are not all in use at once.
     return int(max(left, 0.2 * machine))
 
 
 def is_limited() -> bool:
-    """Whether limit_memory() is in force."""
+    """Returns True if limit_memory() set a limit."""
     return _limit is not None

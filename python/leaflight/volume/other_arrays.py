@@ -152,7 +152,7 @@ def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
     return places[0], step
 
 
-# What an object has -> its reader, the first that fits.
+# Attributes of an object -> its reader; the first match is used.
 _READERS = {
     ("dims", "coords", "name", "transpose"): _of_xarray,
     ("GetIndexToPhysicalMatrix", "GetPointData"): _of_vtk,

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from .volume import Volume, on_unit_cube
 
-# Where a Gaussian is cut off, in standard deviations.
+# Cutoff radius of a Gaussian, in standard deviations.
 KERNEL_REACH = 4.0
 # Molecules that a droplet of radius 1 would hold.
 DROPLET_DENSITY = 1_500_000
@@ -163,7 +163,7 @@ def _convolved(particles: Array, sigma: float, n: int) -> Array:
 
 
 def _scattered(candidates: Array, distance: float) -> Array:
-    """Those points (n, 3) that are not nearer than the distance to an earlier one."""
+    """Returns the points (n, 3) that keep the distance to all earlier ones."""
     points = np.empty_like(candidates)
     count = 0
     for candidate in candidates[((candidates > 0.06) & (candidates < 0.94)).all(axis=1)]:

@@ -35,7 +35,7 @@ def interpolated(
 
     The values of points that are the nodes of a grid, in any order, are kept as they are. Else each
     node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
-    reaches takes the mean of its neighbours that have a value, so that there are no holes. Points
+    reaches takes the mean of its neighbors that have a value, so that there are no holes. Points
     that are not finite, or whose value is not, are left out.
     nodes: along the longest side, or along x, y and z; by default about one for each point.
     Raises LeaflightError when the points do not fill a box.
@@ -94,7 +94,7 @@ def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
 
 
 def _fits(nodes: Sequence[int] | None, counts: Array) -> bool:
-    """Whether a choice of nodes leaves a grid of so many as it is."""
+    """Returns True if the chosen nodes equal those of a grid with these counts."""
     return nodes is None or list(nodes) in ([*counts], [max(counts)])
 
 
@@ -155,7 +155,7 @@ def _averages(places: Array, values: Array, counts: Array) -> tuple[Array, Array
 
 
 def _filled(sums: Array, weights: Array) -> Array:
-    """The means; where no point reached, layer by layer, those of the neighbours that have one."""
+    """The means; where no point reached, layer by layer, those of the neighbors that have one."""
     known = weights > 0
     means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
     while not known.all():
@@ -168,7 +168,7 @@ def _filled(sums: Array, weights: Array) -> Array:
 
 
 def _neighbours(padded: Array) -> Array:
-    """The sum over the six neighbours of each inner voxel."""
+    """The sum over the six neighbors of each inner voxel."""
     inner = slice(1, -1)
     total = np.zeros(tuple(n - 2 for n in padded.shape))
     for axis in range(3):

@@ -4,7 +4,7 @@
 import re
 from collections.abc import Sequence
 
-# What files measure lengths in -> meters.
+# Units of length in files -> meters.
 METERS = {
     "m": 1.0,
     "cm": 1e-2,
@@ -37,8 +37,9 @@ def common_unit(texts: Sequence[object]) -> tuple[str, tuple[float, ...]] | None
     """(unit, factors): one key of METERS for axes x, y, z, and what takes theirs to it.
 
     texts: the file's own words, "" where it has none, which stand for the unit of the others. The
-    unit is that of the first axis with a known one, or the next smaller. Where no axis has one
-    it is "", if all have the same word. None: lengths cannot be compared with what the others are.
+    unit is that of the first axis with a known one, or the next smaller. If no axis has a known
+    unit it is "", provided that all have the same word. None: lengths cannot be compared with what
+    the others are.
     """
     words = [str(text or "").strip() for text in texts]
     lengths = [meters_of(word) for word in words]

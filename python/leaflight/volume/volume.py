@@ -107,7 +107,7 @@ class Volume:
         smooth = smoothed(self.data(), self.smooth_normals, _core.Progress())
         if not self.layers:
             return smooth
-        # What capped() adds is no part of what is smoothed.
+        # The layer that capped() added is not smoothed.
         values = new_voxels(self.values.shape, np.float32)
         values[...] = self._unsmoothed_field.range[0]
         values[(slice(1, -1),) * values.ndim] = smooth
@@ -215,7 +215,7 @@ class Volume:
         )
 
     def in_unit(self, unit: str) -> "Volume":
-        """The volume in world coordinates of another unit; without a unit of its own, it has that.
+        """Returns the volume in world coordinates of another unit; a volume without one gets it.
 
         unit: a key of METERS, or "", which changes nothing.
         """

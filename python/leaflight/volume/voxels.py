@@ -10,7 +10,7 @@ from numpy.typing import DTypeLike
 
 from ..arrays import Array
 
-# What the core reads voxels in, from the narrowest on: files of other types are converted.
+# Voxel types of the core, narrowest first. Files of other types are converted.
 VOXEL_TYPES = (np.uint8, np.int16, np.uint16, np.float32)
 
 

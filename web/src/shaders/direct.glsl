@@ -18,7 +18,7 @@ struct DirectLight {
 const float PARTS = 12.0, SHIFT = 0.6180339887;
 const uint DARK = 15u;
 
-// What a light point would bring to a surface if nothing stood in the way.
+// Returns the unshadowed light of a light point at a surface.
 DirectLight unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal, Coat coat) {
   DirectLight none = DirectLight(vec3(0.0), vec3(0.0));
   ++fetches;
@@ -40,7 +40,8 @@ DirectLight unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal,
   return DirectLight(irradiance, coat.weight == 0.0 ? vec3(0.0) : irradiance * reflectance(coat, normal, -way));
 }
 
-// Of an isosurface at index coordinates; gloss: of its coat, gloss and roughness.
+// Returns direct light of an isosurface at index coordinates; gloss: gloss and roughness of its
+// coat.
 DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, vec2 gloss) {
   DirectLight total = DirectLight(vec3(0.0), vec3(0.0));
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
@@ -71,7 +72,7 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
   vec3 framed = (indexToFrame * vec4(place, 1.0)).xyz;
   Coat coat = coatAt((indexToWorld * vec4(place, 1.0)).xyz, normal, gloss);
   for (int group = 0; group < groups; ++group) {
-    // Of even and odd points: the greatest code on the way, and whether a mesh stands there.
+    // Greatest code on the light path, and if a mesh blocks it, for even and odd points.
     vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
     vec4 evenPoints = 8.0 * float(group) + vec4(0.0, 2.0, 4.0, 6.0);
     vec4 shift[2] = vec4[2](fract(evenPoints * SHIFT), fract((evenPoints + 1.0) * SHIFT));

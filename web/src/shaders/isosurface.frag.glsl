@@ -27,8 +27,8 @@ vec3 colorOf(float value) {
   return mix(colors[low], colors[low + 1], at - float(low));
 }
 
-// Where the ray first hits data on a slice, FAR_AWAY for nowhere, and their value. Those below the
-// isovalues that are lit, such as air, are left out.
+// Where the ray first hits data on a slice, FAR_AWAY for nowhere, and their value. Data below the
+// lit isovalues, such as air, are skipped.
 float sliceAt(Ray ray, out float value) {
   float nearest = FAR_AWAY;
   value = -1.0;

@@ -1,4 +1,4 @@
-// Lamps upon a surface without shadows (python/leaflight/stills/lamps.py).
+// Local shading: light of lamps on a surface, without shadows (python/leaflight/stills/lamps.py).
 
 uniform vec3 worldEye, ambient;
 uniform int lampCount;  // -1: a headlight

@@ -10,7 +10,8 @@ uniform int backIs;         // 0: baked, 1: dark, 2: to be shaded by a light at 
 uniform float unbaked;  // how bright such a side is that is white and faces the viewer
 uniform bool isLocal;
 uniform bool backHasMaps;  // or its texels hold all light
-// Of each isosurface; the tint is that of another albedo, coats are gloss and roughness.
+// Materials of each isosurface: tint is the factor of another albedo, coats are gloss and
+// roughness.
 uniform vec3 albedo[MOST], emission[MOST], tint[MOST];
 uniform vec2 coats[MOST];
 uniform vec3 indirectFactor;          // of lamps that are brighter than in the bake
@@ -51,7 +52,7 @@ vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
 }
 #endif
 
-// Of an isosurface by its number.
+// Returns the light of an isosurface by its number.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && backIs != 0)) {
 #ifdef DIRECT

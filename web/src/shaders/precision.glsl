@@ -1,4 +1,4 @@
-// What is not said is less than single precision, on phones.
+// Single precision for all types: the default is lower on phones.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

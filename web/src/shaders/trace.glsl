@@ -1,4 +1,4 @@
-// Where a ray first hits an isosurface of the trilinear field, by the rules of the core
+// Finds the first hit of a ray on an isosurface of the trilinear field, by the rules of the core
 // (core/src/trace/isosurface_ray.cpp, core/src/trace/cell_crossing.h).
 
 uniform usampler3D values;        // codes of four voxels: at (x, y), (x + 1, y), (x, y + 1), both
@@ -59,7 +59,7 @@ float valueOf(usampler3D of, vec3 place) {
 
 float valueAt(vec3 place) { return valueOf(values, place); }
 
-// Of a region without a crossing the side on which it is, or that it is mixed.
+// Returns the side of a region without a crossing, UNKNOWN without data, or MIXED.
 int sideOf(usampler3D of, ivec3 brick, float isovalue) {
   ++fetches;
   vec2 range = vec2(texelFetch(of, brick, 0).xy);

@@ -28,7 +28,7 @@ def open_volume(path: Path) -> StoredVolume:
         dtype, affine = header.get_data_dtype(), header.get_affine()
         factors = header.get_data_scaling()
     except AFNIImageError as error:
-        # Of values of several types, or of one that nibabel does not know.
+        # Raised for values of several types, or of a type unknown to nibabel.
         raise LeaflightError(
             f"{path}: nibabel cannot read it ({str(error)[:80]}); convert it to NIfTI first."
         ) from None

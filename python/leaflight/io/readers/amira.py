@@ -39,7 +39,7 @@ _ARRAY = re.compile(
 )
 _MARK, _LINE_MARK = (re.compile(begin + rb"@(\d{1,4})[^\n]*\n") for begin in (rb"\s*", rb"\n"))
 _ENCODINGS = {"HxZip": "gzip", "HxByteRLE": "byte-rle"}
-# Where a header ends, at the latest, with the materials of all its labels.
+# Upper bound on the bytes of a header, with the materials of all its labels.
 _MOST, _MARK_MOST = 1 << 22, 200
 
 

@@ -27,7 +27,7 @@ _NAMES = {
     "c": "c channel channels band bands component components wavelength member ensemble",
 }
 _LETTERS = {name: letter for letter, names in _NAMES.items() for name in names.split()}
-# Of a reciprocal lattice, where they stand together: alone k may be any axis.
+# Axes of a reciprocal lattice, only if all are present: k alone may be any axis.
 _MILLER = {"h": "x", "k": "y", "l": "z"}
 
 
@@ -51,7 +51,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Grid:
-    """Where an array's samples lie.
+    """The positions of an array's samples.
 
     letters: one of "xyztc" for each axis of the array, "-" for those of one sample; matrix: index
     to world, in `unit`, a key of METERS or ""; notes: see StoredVolume.
@@ -104,7 +104,7 @@ def axis_at(size: int, name: str, places: Array, attributes: Mapping[str, str]) 
 
 
 def _cf_letter(name: str, attributes: Mapping[str, str]) -> str:
-    """Of an axis, as its attributes or names tell; "" where they do not."""
+    """Returns the letter of an axis from its attributes or name, or ""."""
     letter = attributes.get("axis", "").strip().lower()
     if letter in tuple("xyzt"):
         return letter
@@ -142,7 +142,7 @@ def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
         (axis.letter or known.get(name) or _letter_of(name)) if axis.size > 1 else ""
         for axis, name in zip(axes, names)
     ]
-    # Of two axes with one letter neither has it.
+    # A letter of two axes is ambiguous, so neither gets it.
     found = [letter if found.count(letter) == 1 else "" for letter in found]
     long = [i for i, axis in enumerate(axes) if axis.size > 1]
     unknown = [i for i in long if not found[i]]

@@ -56,7 +56,9 @@ def check_scalar(path: Path, dtype: DTypeLike) -> None:
 
 
 def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
-    """Which of `count` frames or channels to read; several demand a choice. Raises LeaflightError.
+    """Returns the frame or channel to read of `count`; several need a choice.
+
+    Raises LeaflightError.
 
     what: "frame" or "channel", the name of the option.
     """
@@ -78,7 +80,7 @@ def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
 
 
 def choose_level(path: Path, level: int, count: int) -> int:
-    """Which of `count` resolutions to read, 0 the finest. Raises LeaflightError."""
+    """Returns the resolution to read of `count`, 0 the finest. Raises LeaflightError."""
     if not 0 <= level < count:
         levels = f"choose one of 0..{count - 1}, 0 is the finest" if count > 1 else "it has only 0"
         raise SettingError(f"{path}: there is no level {level}; {levels}.", "level")

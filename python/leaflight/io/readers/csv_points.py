@@ -25,7 +25,7 @@ COLUMNS = ("x", "y", "z", "value")
 def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
     """The columns x, y, z and value of a first line that names them, else the first four.
 
-    Where none is named value it is the first other one of numbers. Between numbers stand commas,
+    If no column is named value, the first other column of numbers is used. Separators are commas,
     semicolons, tabs or spaces. dims: nodes, see interpolated().
     """
 
@@ -65,7 +65,7 @@ def _table(path: Path, progress: Progress) -> Array:
 
 
 def _columns(path: Path, names: list[str], row: list[str]) -> list[int]:
-    """Where x, y, z and the value stand; row: the first one of numbers."""
+    """Returns the columns of x, y, z and the value; row: the first row of numbers."""
     others = [name for name in names if name not in ("x", "y", "z", "")]
     numbers = [name for name in others if _is_number(row, names.index(name))]
     if not {"x", "y", "z"} <= set(names) or not (numbers or others):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Zeiss' CZI through their own library, pylibCZIrw, in a process of its own."""
+"""Zeiss' CZI through their own library, pylibCZIrw, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which files are DICOM by their first bytes; without pydicom, for scanners give them any name."""
+"""Recognizes DICOM files by their first bytes, without pydicom. Their names may be any."""
 
 import os
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ _LAST_OF_FIRST, _LONGEST = 0x18, 512
 
 
 def is_dicom(path: str | os.PathLike[str]) -> bool:
-    """Whether a file begins as DICOM files do, with or without the standard's preamble."""
+    """Returns True if a file begins like DICOM, with or without the standard's preamble."""
     try:
         with open(path, "rb") as file:
             start = file.read(132)
@@ -29,7 +29,7 @@ def is_dicom(path: str | os.PathLike[str]) -> bool:
 
 
 def holds_dicom(folder: Path) -> bool:
-    """Whether a folder holds DICOM files itself, or is a disc or a tree of folders that does."""
+    """Returns True if a folder holds DICOM files, or is a disc or a tree of such folders."""
     entries = [entry for entry in folder.iterdir() if entry.is_file()]
     if any(entry.name.lower() == DIRECTORY for entry in entries):
         return True
@@ -63,7 +63,7 @@ def _is_first_element(start: bytes) -> bool:
 
 
 def _is_value(element: int, start: bytes) -> bool:
-    """Whether these are the length and the first bytes of a value without its type."""
+    """Returns True if these are the length and the first bytes of a value without its type."""
     (length,) = unpack("<I", start[:4])
     if element == 0:
         return bool(length == 4)

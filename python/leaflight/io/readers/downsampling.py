@@ -16,7 +16,7 @@ def downsampled(path: Path, values: Array, step: int, progress: Progress) -> Arr
     """The means of step^3 voxels each; rounded where the values are integers.
 
     values: [z, y, x], an array or what can be sliced like one, of which only `step` planes are in
-    memory at once. What is left over at the far ends is dropped. A mean of which a voxel has no
+    memory at once. Incomplete blocks at the far ends are dropped. A mean of which a voxel has no
     data has none. Raises LeaflightError where fewer than 2 voxels along an axis would be left.
     """
     shape = tuple(n // step for n in values.shape)

@@ -114,7 +114,7 @@ def _unpacked(
                 more = not packed
             else:
                 packed = getattr(inflate, "unconsumed_tail", b"")
-                # As much as it may give: there may be more without any input.
+                # A full piece: there may be more output without further input.
                 more = not packed and len(piece) < most
             if more and not (packed := file.read(_PIECE)):
                 return

@@ -75,7 +75,7 @@ FORMATS = (
 SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
 # Files of a folder that are opened to find out whether it is a series.
 _LOOKED_AT = 100
-# As many more files than of another kind are slices, and the others are pictures beside them.
+# Factor by which slices must outnumber the pictures beside them.
 _MANY_TIMES = 3
 # No more pictures than this are no volume where there are DICOM files below them.
 _FEW = 2

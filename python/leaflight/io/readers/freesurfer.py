@@ -11,7 +11,8 @@ from .scans import Scan, stored_scan
 from .stored import StoredVolume
 from .watched import open_head
 
-# Of the header; nibabel fills what follows the values with defaults, of which none is used.
+# Size and version of the header. nibabel sets the fields behind the values to defaults, which are
+# not used.
 _HEADER, _VERSION = 284, b"\0\0\0\1"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which volumes an HDF5 file holds, and what its arrays say of their own axes.
+"""Finds the volumes of an HDF5 file and the axes of its arrays.
 
 By axistags of vigra and ilastik, dimension scales as of netCDF-4, and sizes of voxels.
 """

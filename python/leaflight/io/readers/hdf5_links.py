@@ -37,7 +37,7 @@ def resolved(group: h5py.Group, path: str, most: int = _MOST_LINKS) -> h5py.HLOb
 
 
 def walked(file: h5py.File) -> Iterator[tuple[str, h5py.HLObject]]:
-    """(path, group or array) of all that is in the file, each once, also behind external links.
+    """Yields (path, group or array) of each object in the file once, also behind external links.
 
     Raises LeaflightError at the end where there was nothing but links to absent files.
     """

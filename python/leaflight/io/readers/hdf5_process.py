@@ -107,7 +107,7 @@ def _plugins_have(code: int) -> bool:
     try:
         import_module("hdf5plugin")
     except Exception:
-        # Of other versions of HDF5 it may fail by any error.
+        # A filter of another version of HDF5 may raise any error.
         return False
     return bool(h5py.h5z.filter_avail(code))
 
@@ -124,7 +124,7 @@ def _check_other_files(data: h5py.Dataset) -> None:
     for source in data.virtual_sources() if data.is_virtual else ():
         if source.file_name == ".":
             continue
-        # Where it counts its files the first is there.
+        # Test the first file if the name has a counter.
         other = data_file(path, source.file_name.replace("%b", "0"))
         with h5py.File(other, "r") as file:
             if source.dset_name.replace("%b", "0") not in file:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leica's LIF through liffile, in a process of its own."""
+"""Leica's LIF through liffile, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -37,7 +37,7 @@ _WIDE = (
     "The values of type MET_LONG are read with eight bytes each, because the file has the size "
     "for these."
 )
-# Where a header ends, at the latest, with the names of its files.
+# Upper bound on the bytes of a header, with the names of its files.
 _MOST = 1 << 20
 # ITK's world is left-posterior-superior, ours right-anterior-superior.
 _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])

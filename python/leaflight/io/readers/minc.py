@@ -92,6 +92,6 @@ def _image(path: Path) -> tuple[Any, list[str]]:
 
 
 def _is_minc1(path: Path) -> bool:
-    """Whether it is netCDF rather than HDF5."""
+    """Returns True if the file is netCDF, not HDF5."""
     with open_head(path) as file:
         return file.read(3) == b"CDF"

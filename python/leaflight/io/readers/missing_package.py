@@ -24,10 +24,10 @@ _DEBIAN = {
     "pydicom": "python3-pydicom",
     "tifffile": "python3-tifffile",
 }
-# What pip calls packages that Python imports by another name.
+# Import name -> name for pip, if they differ.
 _OF_PIP = {"PIL": "pillow"}
-# What they import themselves, and NumPy apart nothing else that reading needs: the metadata of
-# some ask for more, even for CMake.
+# Dependencies that reading needs besides NumPy. The metadata of some packages ask for more, even
+# for CMake.
 _NEEDS = {"pylibCZIrw": "validators xmltodict"}
 _ENVIRONMENT = "~/leaflight-python"
 

@@ -72,7 +72,7 @@ def open_volume(path: Path) -> StoredVolume:
     for axis, count in zip(axes, counts):
         dims[axis] = count
     matrix = _matrix(path, header, axes)
-    # Of the array's axes, which are sections, rows, columns, those that run along z, y and x.
+    # Axes of the array (sections, rows, columns) that run along z, y and x.
     order = [2 - axes.index(axis) for axis in (2, 1, 0)]
     values = ValueFiles((path,), "gzip" if packed else "raw", skip=offset)
 
@@ -129,7 +129,7 @@ def _type_of_bytes(path: Path, header: Array, offset: int) -> tuple[np.dtype[Any
 
 
 def _cross_zero(path: Path, offset: int) -> bool:
-    """Whether more bytes lie on both sides of 0 and 255 than on both sides of 127 and 128.
+    """Returns True if more bytes are near 0 and 255 than near 127 and 128.
 
     The former are neighbors if they have a sign, the latter if they have none. The ends themselves
     do not count: values are often cut off there.

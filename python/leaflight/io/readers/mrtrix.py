@@ -23,7 +23,7 @@ from .watched import is_packed, open_head, watched
 
 _TYPE = re.compile(r"(?:(u?int|float)(8|16|32|64)|bit)(le|be)?", re.IGNORECASE)
 _AXIS = re.compile(r"([+-]?)(\d{1,2})")
-# Where a header ends, at the latest, also with a long history of commands.
+# Upper bound on the bytes of a header, also with a long history of commands.
 _MOST = 1 << 22
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nikon's ND2 through the package nd2, in a process of its own."""
+"""Nikon's ND2 through the package nd2, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from math import prod

@@ -134,7 +134,7 @@ def _image(path: Path, header: Path, file: Path) -> Any:
 
 
 def _matrix_file(header: Path) -> Path:
-    """Where SPM writes the axes that a header of Analyze has no place for."""
+    """Returns the file in which SPM writes the axes that an Analyze header cannot hold."""
     place = header.name.lower().rindex(".hdr")
     return header.with_name(f"{header.name[:place]}.mat{header.name[place + len('.hdr') :]}")
 

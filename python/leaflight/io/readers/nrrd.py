@@ -42,7 +42,7 @@ _ENCODINGS = {
     **dict.fromkeys(("gzip", "gz"), "gzip"),
     **dict.fromkeys(("bzip2", "bz2"), "bzip2"),
 }
-# Where a header ends, at the latest; also of headers with many comments.
+# Upper bound on the bytes of a header, also with many comments.
 _MOST = 1 << 20
 _LARGEST_SIDE, _MOST_AXES = 1 << 16, 16
 

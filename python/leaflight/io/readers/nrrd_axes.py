@@ -29,7 +29,7 @@ _MOST_CHANNELS = 16
 
 @dataclass(frozen=True)
 class Axes:
-    """Which axis is which, by their numbers, fastest first.
+    """The meaning of each axis, by their numbers, fastest first.
 
     matrix: from voxels to right-anterior-superior; unit: a key of METERS or empty; patient: whether
     these are a patient's coordinates; notes: for the user, about guesses.

@@ -15,7 +15,7 @@ from ..._core import LeaflightError
 from .checks import text
 from .voxel_size import VoxelSize, voxel_size
 
-# Of one element: more planes than this no microscope has taken.
+# Upper bound on the planes of one element, beyond any microscope's data.
 _MOST_PLANES = 10**7
 
 

@@ -37,7 +37,7 @@ def kept_processes() -> Iterator[None]:
 def decoded(
     path: str | os.PathLike[str], kind: str, function: tuple[str, str], most: int, *request: object
 ) -> Array:
-    """The page of a file that a function in a process of its own decodes.
+    """Returns the page of a file that a function decodes in a subprocess.
 
     kind: of file, for people; function: (module, name) of one that answers reader_process
     .requests() of (path, *request); most: bytes that the page may have.

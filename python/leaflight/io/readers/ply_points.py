@@ -38,7 +38,7 @@ _TYPES = {
 _MARKS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 # Properties that are no value of the point.
 _OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t", "u", "v"}
-# Where a header ends, at the latest.
+# Upper bound on the bytes of a header.
 _MOST = 1 << 16
 
 

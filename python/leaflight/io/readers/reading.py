@@ -36,7 +36,7 @@ DOWNSAMPLE = (1, 2, 4, 8)
 
 
 class StoredOptions(TypedDict, total=False):
-    """What a kind of file leaves open; read_volume() explains them."""
+    """The options for data that a file format does not store; read_volume() explains them."""
 
     dims: Sequence[int] | None
     type: str | None
@@ -48,7 +48,7 @@ class StoredOptions(TypedDict, total=False):
     skip: int | None
 
 
-# What read_volume() can be told beside the path.
+# Options of read_volume() in addition to the path.
 OPTIONS = (
     *StoredOptions.__annotations__,
     "frame",
@@ -182,7 +182,7 @@ def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Forma
         return kinds[0]
 
     try:
-        # What a library warns of is harmless, or an error comes.
+        # Ignore warnings of libraries: they are harmless, or an error follows.
         with warnings.catch_warnings(), kept_processes():
             warnings.simplefilter("ignore")
             yield kind

@@ -23,7 +23,7 @@ Scaled = Callable[[tuple[int, ...], Progress], Array]
 
 @dataclass(frozen=True)
 class Scan:
-    """What a header says.
+    """The data of a header.
 
     file: that has the values from byte `offset` on, packed or not. shape: (x, y, z) and then
     frames and channels, if any. affine: to right, anterior, superior. scaled: where a header gives

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which reader a file is for by what it holds, where its name does not say."""
+"""Finds the reader of a file from its content, if its name does not tell."""
 
 import re
 import zipfile

@@ -70,7 +70,7 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
 
 
 class _Complaints(logging.Handler):
-    """tifffile logs a broken chain of pages and goes on with the pages before the break."""
+    """tifffile logs a broken chain of pages and continues with the pages before the break."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)

@@ -13,7 +13,7 @@ from ...volume.fill_values import Number, occurring
 from ...volume.volume import Volume
 from ...words import figures
 
-# Of volumes that are downsampled, so many planes are looked at beforehand.
+# Planes to examine before a volume is downsampled.
 _PLANES = 64
 # Whole numbers up to this are exact in single precision.
 _EXACT = 1 << 24

@@ -61,7 +61,7 @@ class ValueFiles:
             check_size(file, shape, encoding.least(dtype), stored, encoding.most)
 
     def holds(self, size: int) -> bool:
-        """Whether what is left of one raw file is exactly so many bytes."""
+        """Returns True if exactly so many bytes remain in a single raw file."""
         if self.encoding != "raw" or len(self.files) != 1 or self.skip < 0:
             return False
         return self.files[0].stat().st_size - self._begin(self.files[0], size) == size
@@ -69,7 +69,7 @@ class ValueFiles:
     def read(
         self, shape: Sequence[int], dtype: np.dtype[Any], index: Index, progress: Progress
     ) -> Array:
-        """What `index` picks from the array of this shape, [z, y, x]; both are slowest first.
+        """Reads the part `index` of the array of this shape, [z, y, x]; both are slowest first.
 
         Raises LeaflightError where the files end before.
         """
@@ -151,7 +151,7 @@ class ValueFiles:
 def picked(
     file: io.RawIOBase | io.BufferedIOBase, shape: Sequence[int], dtype: np.dtype[Any], index: Index
 ) -> Array:
-    """What `index` picks from the array of this shape that stands next in a file.
+    """Reads the part `index` of the next array of this shape in a file.
 
     At most one plane of it is in memory beside the result. Raises EOFError where the file ends.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scalar grids of OpenVDB files, made dense by the core, in a process of its own."""
+"""Scalar grids of OpenVDB files, made dense by the core, in a subprocess."""
 
 import math
 from pathlib import Path

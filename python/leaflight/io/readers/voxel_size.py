@@ -10,7 +10,7 @@ from typing import SupportsFloat
 
 from ...volume.units import METERS, meters_of, unit_of
 
-# What UTF-8 is often read as by mistake.
+# Encodings that UTF-8 is often mistaken for.
 _MISREAD_AS = ("latin-1", "cp1252", "mac_roman")
 
 

@@ -112,7 +112,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     _check_kind(file)
     while (words := file.line()) is not None:
         if not _read(file, words):
-            # Its type has no length: all else of these points or cells is left out.
+            # Its type has no length: skip the rest of these points or cells.
             file.go_to(_SECTION)
     points = tuple(int(n) for n in file.header["DIMENSIONS"])
     spacing = file.header.get("SPACING") or file.header.get("ASPECT_RATIO") or [1.0] * 3

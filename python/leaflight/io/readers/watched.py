@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 T = TypeVar("T")
-# Bytes that are read at once: few, since packed ones may stand for a thousand times as many.
+# Bytes per read: few, because compressed bytes may expand a thousand times.
 _MOST = 1 << 16
 _MOST_VALUES = 1 << 22
 STAGE = "Reading"

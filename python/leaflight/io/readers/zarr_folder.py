@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The headers of Zarr folders: groups and arrays of the versions 2 and 3.
 
-https://zarr-specs.readthedocs.io; the values are read by zarr_values.py, in a process of its own.
+https://zarr-specs.readthedocs.io; zarr_values.py reads the values, in a subprocess.
 """
 
 import json
@@ -80,12 +80,12 @@ class ZarrGroup:
 
 
 def is_zarr(path: Path) -> bool:
-    """Whether a folder is a group or an array."""
+    """Returns True if a folder is a group or an array."""
     return any((path / name).is_file() for name in ("zarr.json", ".zgroup", ".zarray"))
 
 
 def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
-    """What a folder is. Raises LeaflightError."""
+    """Opens a folder as an array or a group. Raises LeaflightError."""
     header = header_of(path)
     attributes = header.get("attributes") or {}
     if not {"shape", "data_type"} <= header.keys():
@@ -116,7 +116,7 @@ def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
 
 
 def header_of(path: Path) -> dict[str, Any]:
-    """What a folder says of itself, with the keys of version 3 where both have them."""
+    """Reads the metadata of a folder; keys that both versions have are named as in version 3."""
     if (path / "zarr.json").is_file():
         return _json(path / "zarr.json")
     attributes = _json(path / ".zattrs") if (path / ".zattrs").is_file() else {}

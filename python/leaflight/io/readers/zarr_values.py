@@ -2,7 +2,7 @@
 """Values of Zarr arrays, chunk by chunk; numcodecs unpacks them.
 
 zarr itself reads version 3 beside NumPy 1.26 and later alone, which neither Debian nor Blender 4.2
-has. https://zarr-specs.readthedocs.io. Only a process of its own imports this.
+has. https://zarr-specs.readthedocs.io. Only subprocesses import this module.
 """
 
 import mmap

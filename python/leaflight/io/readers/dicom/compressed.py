@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pages that are compressed, by JPEG and others: through imagecodecs or what pydicom finds.
 
-Only a process of its own imports these.
+Only subprocesses import this module.
 """
 
 import zlib
@@ -63,7 +63,7 @@ def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
 
 
 def _decoder(pixels: Pixels) -> Callable[[int], Array]:
-    """What decodes a page of a file. Raises LeaflightError, then or when it is called."""
+    """Returns the decoder of a file's pages. Raises LeaflightError, as does the decoder."""
     data = pydicom.dcmread(pixels.file, force=True)
     decoders = _decoders(pixels)
     frames = _frames(pixels, data)
@@ -74,7 +74,7 @@ def _decoder(pixels: Pixels) -> Callable[[int], Array]:
             try:
                 numbers = np.asarray(decode(frames[number], data))
             except Exception:
-                # Each decoder fails in ways of its own, and on files that another one reads.
+                # Decoders raise various errors, also for files that another one reads.
                 continue
             if numbers.size == pixels.shape[0] * pixels.shape[1] and numbers.dtype.kind in "iu":
                 return numbers.reshape(pixels.shape)
@@ -127,7 +127,7 @@ def _decoders(pixels: Pixels) -> list[_Decode]:
 
 
 def _pydicom_decodes(syntax: UID) -> bool:
-    """Whether pydicom has what it needs for a transfer syntax."""
+    """Returns True if pydicom has the packages for a transfer syntax."""
     try:
         pixels = import_module("pydicom.pixels")
     except ImportError:

@@ -30,7 +30,7 @@ def files_of(folder: Path) -> tuple[list[Path], int]:
 
 
 def is_directory(header: Header) -> bool:
-    """Whether a file is a DICOMDIR, under whatever name."""
+    """Returns True if a file is a DICOMDIR, by any name."""
     return str(header.tags.file_meta.get("MediaStorageSOPClassUID", "")) == _DIRECTORY_STORAGE
 
 

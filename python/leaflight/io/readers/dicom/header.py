@@ -74,7 +74,7 @@ class Header:
 
 
 def read_header(file: Path) -> Header:
-    """What stands before the pixels of a file. Raises LeaflightError where it is no DICOM."""
+    """Reads the header in front of a file's pixels. Raises LeaflightError if it is no DICOM."""
     found: list[tuple[str, str, int, int]] = []
     try:
         with open(file, "rb") as stream:

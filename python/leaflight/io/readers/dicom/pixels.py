@@ -16,12 +16,12 @@ from .planes import Plane
 
 # A function that gives the numbers of a page, [row, column].
 Pages = Callable[[int], Array]
-# What a number takes that a decoder gives.
+# Upper bound on the bytes of a decoded number.
 _MOST_BYTES = 8
 
 
 def open_pages(pixels: Pixels) -> Pages:
-    """What reads the pages of a file, one by one. Raises LeaflightError, then or when it is called.
+    """Returns the reader of a file's pages. Raises LeaflightError, as does the reader.
 
     Bits beyond those that count, such as overlays, are gone, and signs are as they should be.
     """

@@ -61,7 +61,7 @@ class Plane:
 
 @dataclass(frozen=True)
 class _File:
-    """What all pages of a file have in common.
+    """The data that all pages of a file share.
 
     labels: of segments, by their numbers. offsets, slices: of each page, how far it is from the
     position of the file, and its number in space; None where the header does not say.
@@ -317,7 +317,7 @@ def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
 
 
 def _floats(numbers: Iterable[Any] | None, count: int = 0) -> Floats | None:
-    """As many finite numbers as there must be, or None; any number of them where count is 0."""
+    """Returns `count` finite numbers, or None; a count of 0 allows any number of them."""
     if numbers is None or isinstance(numbers, str) or not isinstance(numbers, Sequence):
         return None
     floats = tuple(_number(number, np.nan) for number in numbers)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which pictures of DICOM belong to one series."""
+"""Finds the DICOM pictures that belong to one series."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
