@@ -114,7 +114,7 @@ class BackgroundOperator(LeaflightOperator):
         _clear_status()
 
     def _show_status(self, context: bpy.types.Context) -> None:
-        """Shows how far the work is in the status bar, and draws the panels anew."""
+        """Shows the progress in the status bar and redraws the panels."""
         text = iface_("Leaflight  %s  (Esc ends it)") % self._work.status()
         if text != self._status:
             self._status = text
@@ -132,7 +132,7 @@ class BackgroundOperator(LeaflightOperator):
         return ended or {"FINISHED"}
 
     def _do(self, start: Start, context: bpy.types.Context) -> set[str] | None:
-        """Does a job to its end; None where there is none."""
+        """Does a job to its end. Returns None if there is none."""
         try:
             job = start(context)
         except Exception as error:
@@ -141,13 +141,13 @@ class BackgroundOperator(LeaflightOperator):
             return None
         work = BackgroundWork(job)
         jobs.print_progress(job.name, work)
-        # There is no user to choose what becomes of it.
+        # Pass job.cancelled, because without a window no user can decide on a stopped job.
         return self._conclude(job, work, lambda: job.cancelled)
 
     def _conclude(self, job: Job, work: BackgroundWork, ended: Callable[[], str]) -> set[str]:
-        """Applies the job, if its work came to its end.
+        """Applies the job if its work was successful.
 
-        ended: called otherwise; returns a sentence about a cancelled job.
+        ended: called otherwise. It returns a sentence about a canceled job.
         """
         try:
             work.result()
