@@ -29,7 +29,7 @@ _is_held = False
 def may_follow(depsgraph=None):
     """True if surfaces may be coarse for now.
 
-    depsgraph: the one that shows them, or None before its evaluation, as in no render.
+    depsgraph: the one that shows them, or None before its evaluation. Renders have no such event.
     """
     return not bpy.app.background and (depsgraph is None or depsgraph.mode == "VIEWPORT")
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Export of the Blender scene to the bake.
 
-The bake sees every object that renders. Anything that the bake cannot model raises LeaflightError,
-with one sentence that names the object.
+The export includes every object that renders. Anything that the bake cannot model raises
+LeaflightError, with one sentence that names the object.
 """
 
 import dataclasses

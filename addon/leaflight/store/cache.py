@@ -78,7 +78,10 @@ def keep_volume(obj, volume):
 
 
 def bake_of(obj):
-    """Returns the bake that lights an object, None before the first. Raises LeaflightError."""
+    """Returns the bake that lights an object, with lit walls. Raises LeaflightError.
+
+    Waits for the light of the walls. Returns None before the first bake.
+    """
     bake = light_of(obj)
     if lacks_walls(obj):
         _finish(obj.leaflight.bake_id)

@@ -79,7 +79,7 @@ def probe(path, **choices):
 
 
 def is_patient(settings):
-    """True if the header of a volume's file says that its coordinates are a patient's."""
+    """True if a volume has a patient's coordinates by the header of its file."""
     key = key_of(settings)
     if key not in _patients:
         try:
