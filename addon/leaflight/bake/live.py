@@ -36,8 +36,8 @@ _SLOW_PICTURE, _LONGEST_WAIT = 0.2, 1.0
 
 # LiveJob in progress and its BackgroundWork, or None.
 _job = _work = None
-# Time of the end of the last poll, and the longest time that Blender took to draw before the next
-# poll, while the light was rough.
+# Time of the end of the last poll, and the longest time that Blender took until the next poll, to
+# draw rough light.
 _looked_at, _picture = 0.0, 0.0
 # True if the scene may have changed since the last poll.
 _has_changed = False
@@ -51,7 +51,7 @@ class LiveJob(bake.BakeJob):
     name = "Live"
 
     def __init__(self, context, obj):
-        """Exports the scene. Raises LeaflightError as BakeJob, or if volumes were added or removed."""
+        """Exports the scene. Raises LeaflightError as BakeJob, or if other volumes were baked."""
         super().__init__(context, obj)
         volumes = [bpy.data.objects[name] for name in self.names]
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
