@@ -9,7 +9,7 @@ import bpy
 
 
 def register(modules):
-    """Registers the modules in order. A module comes after those whose data it draws or edits."""
+    """Registers the modules in order. A module follows those whose properties it uses."""
     for module in modules:
         for cls in getattr(module, "CLASSES", ()):
             bpy.utils.register_class(cls)

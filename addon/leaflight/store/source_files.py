@@ -107,7 +107,7 @@ def _options(path, choices):
     """Returns the options that locate a volume in its file."""
     takes = format_of(path).options if Path(path).exists() else ()
     options = {}
-    # Without dimensions the suffix may give them; otherwise the reader reports what is missing.
+    # Without dimensions, let the reader report what is missing.
     if "type" in takes and any(choices["dims"]):
         names = {"dims": "dims", "type": "value_type", "endian": "endian", "skip": "skip"}
         options = {name: choices[choice] for name, choice in names.items()}
