@@ -51,7 +51,7 @@ class LiveJob(bake.BakeJob):
     name = "Live"
 
     def __init__(self, context, obj):
-        """Exports the scene. Raises LeaflightError as BakeJob, or if volumes differ in their bake."""
+        """Exports the scene. Raises LeaflightError as BakeJob, or if volumes have other bakes."""
         super().__init__(context, obj)
         volumes = [bpy.data.objects[name] for name in self.names]
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
