@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leaflight: bakes the light on every isosurface of a volume at once; the isovalue is then free."""
+"""Leaflight: the add-on that bakes the light on every isosurface of a volume at once."""
 
 import importlib
 from types import ModuleType
 
 from . import registration
 
-# Installed a moment ago, the folder of the package is new to Python.
+# Make Python find the package if it was installed a moment ago.
 importlib.invalidate_caches()
 
 bl_info = {
@@ -21,10 +21,10 @@ bl_info = {
 
 
 def _refusal():
-    """Why the package cannot do the add-on's work here, or None.
+    """Returns why the package cannot do the add-on's work here, or None.
 
-    Raises ImportError if Blender for Windows removed the package at its start, as it does after an
-    extension was disabled and enabled again. It installs the packages of one that fails anew.
+    Raises ImportError if Blender for Windows removed the package at its start. Blender does so
+    after an extension was disabled and enabled again. After a failure it installs the packages.
     """
     try:
         import leaflight
@@ -64,9 +64,9 @@ else:
     from .store import preferences
     from .ui import bake_panel, clip_outline, handlers, look_panel, stage_panel, volume_panel
 
-    # Of the sidebar, from top to bottom.
+    # Panels of the sidebar, from top to bottom.
     PANELS = (volume_panel, stage_panel, bake_panel, look_panel)
-    # In the order of registration: the properties are what all others draw and edit.
+    # Modules in the order of registration. Properties come before the modules that use them.
     _MODULES = (
         translations,
         preferences,

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on shows when the package refuses to work here: why, and nothing else."""
+"""The panel and preferences of the add-on if the package cannot work here: only the reason."""
 
 import bpy
 
 from .translations import draw_wrapped
 
-# Set before register(); what the package said.
+# Reason from the package, set before register().
 sentence = ""
 
 

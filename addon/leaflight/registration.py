@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gives Blender what modules have for it, and takes it back.
+"""Registration of the add-on's modules with Blender.
 
-A module names its CLASSES; its PROPERTIES, each (type of Blender, name, property); its MENUS, each
-(name of a menu, function that draws an entry). register() and unregister() do the rest, if any.
+A module lists its CLASSES, its PROPERTIES as (Blender type, name, property), and its MENUS as (name
+of a menu, function that draws an entry). Its register() and unregister(), if any, do the rest.
 """
 
 import bpy
 
 
 def register(modules):
-    """In the order of the modules: what others draw and edit comes first."""
+    """Registers the modules in order. A module follows those whose properties it uses."""
     for module in modules:
         for cls in getattr(module, "CLASSES", ()):
             bpy.utils.register_class(cls)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that the add-on remembers of the open file beside it, forgotten before another is opened."""
+"""The add-on's caches for the open file, which are cleared before another file is opened."""
 
 _remembered = []
 
 
 def remembered(kind=dict):
-    """A dict, or an empty one of another kind, that forget() empties. Modules make theirs once."""
+    """Returns a new dict or other container, which forget() clears. Modules call it at import."""
     made = kind()
     _remembered.append(made)
     return made

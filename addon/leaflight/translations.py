@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the interface in other languages, through Blender's own message catalogs.
+"""Translations of the interface, through Blender's message catalogs.
 
-Blender looks up names, descriptions and labels by itself where they are constants. A label with
-numbers in it is made of a template that iface_() translates. validation/messages lists all of them.
+Blender itself translates constant names, descriptions and labels. A label with numbers is made from
+a template that iface_() translates. validation/messages lists all messages.
 """
 
 import textwrap
@@ -11,17 +11,17 @@ import bpy
 
 from .languages import german
 
-# Blender's extractor of messages finds it by this name.
+# Blender's extractor of messages needs this name.
 iface_ = bpy.app.translations.pgettext_iface
 
-# Blender looks a message up in one of these contexts: the label of an operator in its own.
+# Contexts of messages in Blender. The labels of operators have a separate one.
 _CONTEXTS = ("*", "Operator")
-# Blender names the languages of its catalogs with and without a country.
+# Catalogs by language. Blender names languages with and without a country.
 CATALOGS = {"de_DE": german.MESSAGES, "de": german.MESSAGES}
 
 
 def draw_wrapped(layout, text, width, icon="NONE"):
-    """A text that is translated already, in lines of so many letters; labels do not wrap."""
+    """Draws a translated text in lines of at most `width` letters, because labels do not wrap."""
     for line in textwrap.wrap(text, width):
         layout.label(text=line, icon=icon, translate=False)
         icon = "BLANK1" if icon != "NONE" else icon

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The differences between the versions of Blender, for the add-on: no other module looks at them.
+"""The differences between Blender versions. No other module of the add-on depends on them.
 
-What the add-on shares with the package's own scenes for Cycles is in
-leaflight.measure.blender_versions.
+Functions that the package needs as well are in leaflight.measure.blender_versions.
 """
 
 import blf
@@ -16,12 +15,12 @@ node_tree = blender_versions.node_tree
 set_loop_starts = blender_versions.set_loop_starts
 set_normals = blender_versions.set_normals
 
-# Of a path property whose paths may be relative to the .blend; 4.5 and later need this option.
+# Options of a property whose path may be relative to the .blend. Blender 4.5 needs a new one.
 RELATIVE_PATH = {"ANIMATABLE"}
 if bpy.app.version >= (4, 5, 0):
     RELATIVE_PATH |= {"PATH_SUPPORTS_BLEND_RELATIVE"}
 
-# Grease pencil is GPENCIL before 4.3.
+# Types of objects that a bake ignores. Grease pencil is GPENCIL before 4.3.
 UNSEEN_TYPES = {
     "EMPTY",
     "CAMERA",
@@ -35,7 +34,7 @@ UNSEEN_TYPES = {
 
 
 def light_units():
-    """The LightUnits of this Blender. Raises LeaflightError."""
+    """Returns the LightUnits of this Blender. Raises LeaflightError."""
     units = blender_versions.light_units(bpy.app.version)
     if units is None:
         raise LeaflightError("Leaflight needs Blender 3.4 or later.")
@@ -47,39 +46,39 @@ def lights_are_checked():
 
 
 def casts_shadow(light):
-    """Until 4.1 Cycles has a switch of its own, and ignores the light's."""
+    """True if a light casts shadows. Up to 4.1 Cycles has a separate property for it."""
     return getattr(light.cycles, "cast_shadow", light.use_shadow)
 
 
 def temperature_color(light):
-    """The color (r, g, b) that a temperature gives a light, from 4.4 on."""
+    """Returns the color (r, g, b) of a light's temperature, which exists since 4.4."""
     return tuple(light.temperature_color) if getattr(light, "use_temperature", False) else (1, 1, 1)
 
 
 def exposure(light):
-    """In stops, from 4.4 on."""
+    """Returns a light's exposure in stops, which exists since 4.4."""
     return getattr(light, "exposure", 0.0)
 
 
 def is_normalized(light):
-    """Whether a light's power is that of all of it; from 4.4 on it may be that of a unit area."""
+    """True if a light's power is the total. Since 4.4 it may be the power per area."""
     return getattr(light, "normalize", True)
 
 
 def falls_off_softly(light):
-    """Whether E = I / (d^2 + r^2) at the distance d from a point light of radius r."""
+    """True if E = I / (d^2 + r^2) at the distance d from a point light of radius r."""
     always = light_units().soft_points
     return light.use_soft_falloff if always is None else always
 
 
 def harden_falloff(light):
-    """Lets E = I / d^2 at the distance d from a point light, where Blender offers that."""
+    """Sets E = I / d^2 at the distance d from a point light, if Blender offers the choice."""
     if light_units().soft_points is None:
         light.use_soft_falloff = False
 
 
 def links_light(obj):
-    """Whether a light or mesh lights or shades only some objects, from 4.0 on."""
+    """True if light linking, which exists since 4.0, limits an object to lighting some others."""
     linking = getattr(obj, "light_linking", None)
     return linking is not None and (
         linking.receiver_collection is not None or linking.blocker_collection is not None
@@ -87,13 +86,13 @@ def links_light(obj):
 
 
 def working_space():
-    """The linear colors that renders compute in; a choice of the file's from 5.0 on."""
+    """Returns the working color space of renders. Since 5.0 each file has a choice."""
     space = getattr(bpy.data, "colorspace", None)
     return "Linear Rec.709" if space is None else space.working_space
 
 
 def do_not_sample_as_light(material):
-    """Paths find what emits by themselves; as a light of many triangles it would add noise."""
+    """Excludes a material from light sampling, because paths hit it and samples would add noise."""
     if hasattr(material.cycles, "emission_sampling"):  # from 3.5 on
         material.cycles.emission_sampling = "NONE"
     else:
@@ -101,11 +100,10 @@ def do_not_sample_as_light(material):
 
 
 def let_through(material, translucent, among, cut):
-    """Lets Eevee show what lies behind a material: through all of it, or where it is cut away.
+    """Makes a material transparent in Eevee: everywhere, or only where it is cut away.
 
-    Of a translucent surface its nearest layer alone is drawn, without grain; of several, which
-    lie within each other (among), all layers, with grain, since Eevee sorts objects by their
-    origins alone.
+    A single translucent surface shows only its nearest layer, without noise. Several surfaces
+    within each other (among) show all layers with noise, because Eevee sorts objects by origin.
     """
     blended = translucent and not among
     if hasattr(material, "surface_render_method"):  # from 4.2 on
@@ -119,21 +117,30 @@ def let_through(material, translucent, among, cut):
 
 
 def principled_glass_color(base):
-    """What of each color passes a surface of Principled glass: from 4.0 on two make the base."""
+    """Returns the color of one pass through Principled glass.
+
+    Since 4.0 two passes give the base color.
+    """
     if bpy.app.version < (4, 0, 0):
         return base
     return tuple(min(x, 1.0) ** 0.5 for x in base)
 
 
 def principled_is_lambertian(shader):
-    """Whether its diffuse part is so, to 2 %; until 3.6 that depends on its Roughness."""
+    """True if the diffuse part of a Principled BSDF is Lambertian, to 2 %.
+
+    Up to 3.6 that depends on its Roughness.
+    """
     roughness = shader.inputs["Roughness"]
     lambertian = not roughness.is_linked and abs(roughness.default_value - 0.5) < 0.1
     return bpy.app.version >= (4, 0, 0) or lambertian
 
 
 def principled_metal_edges(shader, base):
-    """Whether a Principled metal has another color at grazing angles; until 3.6 by its Specular."""
+    """True if a Principled metal has another color at grazing angles.
+
+    Up to 3.6 that depends on its Specular.
+    """
     if bpy.app.version < (4, 0, 0):
         return min(base) < 1 and shader.inputs["Specular"].default_value > 0
     tint = shader.inputs["Specular Tint"]
@@ -141,35 +148,35 @@ def principled_metal_edges(shader, base):
 
 
 def mesh_storage():
-    """How a mesh lies in memory: "STRUCTS" in 3.4, "ATTRIBUTES" from 4.2 on, None in between."""
+    """Returns how Blender stores meshes: "STRUCTS" in 3.4, "ATTRIBUTES" since 4.2, else None."""
     if bpy.app.version[:2] == (3, 4):
         return "STRUCTS"
     return "ATTRIBUTES" if bpy.app.version >= (4, 2, 0) else None
 
 
 def is_animated(owner, path):
-    """Whether a keyframe or a driver moves the property of a data-block at this path."""
+    """True if keyframes or a driver animate the property of a data-block at this path."""
     data = owner.animation_data
     curves = [*(data.drivers if data else ()), *fcurves(owner)]
     return any(curve.data_path == path for curve in curves)
 
 
 def image_format(**values):
-    """Settings of an image to write; from 5.0 on a medium comes first, and decides the formats."""
+    """Returns the settings of an image file. Since 5.0 a media type must precede the format."""
     medium = {"media_type": "IMAGE"}
     known = bpy.types.ImageFormatSettings.bl_rna.properties
     return {**(medium if "media_type" in known else {}), **values}
 
 
 def plain_view():
-    """Settings of a view that shows linear colors through the sRGB curve, and nothing else."""
+    """Returns the view settings that only apply the sRGB curve to linear colors."""
     view = {"view_transform": "Standard", "look": "None", "gamma": 1.0, "use_curve_mapping": False}
     known = bpy.types.ColorManagedViewSettings.bl_rna.properties
     return {**view, **({"use_white_balance": False} if "use_white_balance" in known else {})}
 
 
 def new_geometry_tree(name):
-    """Geometry nodes with one geometry going in and one coming out."""
+    """Returns geometry nodes with one input geometry and one output geometry."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     if hasattr(tree, "interface"):  # from 4.0 on
         for direction in ("INPUT", "OUTPUT"):
@@ -183,19 +190,19 @@ def new_geometry_tree(name):
 
 
 def flat_shader(dimensions=2):
-    """The name of the builtin shader that draws in one color; there were two until 3.6."""
+    """Returns the name of the builtin shader for one color. Up to 3.6 there were two."""
     return f"{dimensions}D_UNIFORM_COLOR" if bpy.app.version < (4, 0, 0) else "UNIFORM_COLOR"
 
 
 def text_size(font, size):
-    """The size of text in pixels; until 3.6 a resolution goes with it."""
-    # 72 pixels an inch are as many as points.
+    """Sets the size of text in pixels. Up to 3.6 Blender also needs a resolution."""
+    # At 72 pixels per inch a point is a pixel.
     resolution = (72,) if bpy.app.version < (4, 0, 0) else ()
     blf.size(font, size, *resolution)
 
 
 def has_denoiser():
-    """Whether Cycles was built with OpenImageDenoise; those of Debian are not."""
+    """True if Cycles was built with OpenImageDenoise, which Debian's builds lack."""
     try:
         import _cycles
     except ImportError:
@@ -204,15 +211,15 @@ def has_denoiser():
 
 
 def show_photographically(view):
-    """Settings of a view that keep bright colors distinct instead of clipping them to white."""
+    """Sets a view that keeps bright colors distinct instead of clipping them to white."""
     _choose(view, "view_transform", ("Filmic", "AgX"))
-    # 4.0 and later name the view that a look belongs to where it does not suit all.
+    # Since 4.0 the name of a look includes its view transform if it does not fit all.
     _choose(view, "look", ("Medium High Contrast", "Filmic - Medium High Contrast", "None"))
     view.gamma, view.use_curve_mapping = 1.0, False
 
 
 def _choose(owner, name, values):
-    """Gives a property the first of these values that it accepts."""
+    """Sets a property to the first of these values that it accepts."""
     for value in values:
         try:
             setattr(owner, name, value)
@@ -222,7 +229,7 @@ def _choose(owner, name, values):
 
 
 def choose_sidebar_tab(area, category):
-    """Opens the sidebar of a viewport at a tab; before 4.2 only users can choose one."""
+    """Opens the sidebar of a viewport at a tab. Before 4.2 only users can choose one."""
     region = _sidebar(area)
     if region is None or not hasattr(region, "active_panel_category"):
         return
@@ -232,7 +239,7 @@ def choose_sidebar_tab(area, category):
     tries = iter(range(50))
 
     def try_again():
-        """A sidebar that was closed until now has its tabs once it has been drawn."""
+        """Chooses the tab, which a closed sidebar has only after its first draw."""
         shown = any(area in window.screen.areas[:] for window in bpy.context.window_manager.windows)
         done = not shown or _choose_tab(area, category) or next(tries, None) is None
         return None if done else 0.1
@@ -245,7 +252,7 @@ def _sidebar(area):
 
 
 def _choose_tab(area, category):
-    """Whether the sidebar shows the tab now."""
+    """Chooses a tab. Returns True if the sidebar shows it."""
     region = _sidebar(area)
     try:
         region.active_panel_category = category
@@ -255,7 +262,7 @@ def _choose_tab(area, category):
 
 
 def draw_progress(layout, fraction, text):
-    """How far work is: a bar from 4.0 on, a line of text before."""
+    """Draws the progress of work: a bar since 4.0, a line of text before."""
     if hasattr(layout, "progress"):
         layout.progress(factor=fraction, text=text)
     else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake Flattened Illumination: all volumes of the scene, and what the objects keep of it."""
+"""Bake Flattened Illumination: the operator and its job, which lights all volumes of the scene."""
 
 import time
 from dataclasses import replace
@@ -18,7 +18,7 @@ from ..stage import hidden, scene_export, viewport
 from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
 from . import lighting, stopped
 
-# Of the time that a bake takes, at most one part in so many goes into showing its passes.
+# Showing passes may take at most 1/N of the time of a bake.
 _SHOWN_SHARE = 5
 
 _DARK_WALLS = (
@@ -26,12 +26,12 @@ _DARK_WALLS = (
     "lights them"
 )
 
-# How far the bar is once there is light, and once it is in files, too: then it is shown.
+# Progress, 0 to 1, once the light is computed, and once its files are written.
 _LIT, _WRITTEN = 0.9, 0.97
 
 
 def arguments_of(obj, volumes, scene):
-    """Those of leaflight.bake(), for the volumes of a scene with the settings of `obj`."""
+    """Returns the arguments of leaflight.bake() for volumes, with the settings of `obj`."""
     settings = obj.leaflight
     return {
         "volumes": [cache.volume_to_bake(volume) for volume in volumes],
@@ -48,28 +48,28 @@ def arguments_of(obj, volumes, scene):
 
 
 def time_limit(settings):
-    """Seconds after which a bake ends, or None."""
+    """Returns the seconds after which a bake ends, or None."""
     return settings.time_limit if settings.use_time_limit else None
 
 
 def checkpoint_path(obj):
-    """Where a bake with the settings of an object leaves its state until it is written."""
+    """Returns the path of the checkpoint of a bake with the settings of an object."""
     return bake_files.folder_for(obj) / f"{bake_files.stem(obj.name)}.checkpoint"
 
 
 class BakeJob(jobs.Job):
     """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
 
-    # Whether the light of `latest` is there for a moment only: coarse isosurfaces will do.
+    # True if the light of `latest` is temporary, so that coarse isosurfaces are good enough.
     is_rough = False
-    # True once one of the volumes has gone, and once it ended before its time.
+    # True once a volume was deleted, and once the bake was stopped.
     is_deleted = is_stopped = False
 
     def __init__(self, context, obj, resume=False):
-        """Of all volumes that render, with the settings of `obj`.
+        """Exports the scene for a bake of all volumes that render, with the settings of `obj`.
 
-        resume: whether to go on from the checkpoint that one of them left.
-        Raises LeaflightError when the scene or the settings cannot be baked.
+        resume: True to continue from a checkpoint. Raises LeaflightError if the scene or the
+        settings cannot be baked.
         """
         scene, volumes, self.warnings = scene_export.export_scene(context, obj)
         for volume in volumes:
@@ -88,7 +88,7 @@ class BakeJob(jobs.Job):
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.latest = None
-        # The light of walls in the last pass that had it.
+        # Light of the walls in the last pass that had it.
         self._lit_walls = None
         self._shown, self._quiet_until, self._reached = None, 0.0, 0.0
         self._seconds_before = 0.0
@@ -97,11 +97,11 @@ class BakeJob(jobs.Job):
         self.checkpoint = Checkpoint(checkpoint_path(obj), self._recipe(obj), resume)
 
     def _recipe(self, _obj):
-        """The kind of the bake that left a checkpoint."""
+        """Returns facts for the checkpoint that tell how to resume it."""
         return {}
 
     def run(self, progress):
-        """Bakes and writes the files, in any thread: touches no Blender data."""
+        """Bakes and writes the files, in any thread. Touches no Blender data."""
         start = time.perf_counter()
 
         def keep(bake):
@@ -133,7 +133,7 @@ class BakeJob(jobs.Job):
         self.bake = self.latest
 
     def show(self):
-        """Lights the volumes by the last pass, unless that would take too much of the time."""
+        """Lights the volumes with the last pass unless that would take too much of the time."""
         start, bake = time.perf_counter(), self.latest
         volumes = self._volumes()
         if bake is None:
@@ -151,7 +151,7 @@ class BakeJob(jobs.Job):
         self._quiet_until = end + (_SHOWN_SHARE - 1) * (end - start)
 
     def _volumes(self):
-        """The objects that are baked, by their present names. Raises LeaflightError."""
+        """Returns the objects of the bake, even if they were renamed. Raises LeaflightError."""
         found = []
         for index, (name, pointer) in enumerate(zip(self.names, self._pointers)):
             obj = _volume(name) or _renamed(pointer)
@@ -173,16 +173,16 @@ class BakeJob(jobs.Job):
         if self._materials[1] and self.latest.scene.meshes and self._lit_walls is None:
             self.warnings = (*self.warnings, _DARK_WALLS)
         self.is_stopped = True
-        # It is offered also where it cannot be shown.
+        # Offer the light even if show() fails.
         stopped.offer(self)
         self._quiet_until = 0.0
         self.show()
         return "The bake was stopped: keep what there is of it, or throw it away, in the sidebar"
 
     def apply(self):
-        """Lights the volumes by the bake and returns a sentence about it.
+        """Lights the volumes with the bake and returns a sentence about it.
 
-        Raises LeaflightError when one has gone meanwhile.
+        Raises LeaflightError if a volume was deleted meanwhile.
         """
         volumes = self._volumes()
         preview.forget()
@@ -190,7 +190,7 @@ class BakeJob(jobs.Job):
         cache.keep_bake(self.bake)
         end = self.outcome()
         for index, obj in enumerate(volumes):
-            # It may show another by now; who follows the frames of the scene brings that back.
+            # Show the baked frame. A volume that follows the scene switches back by itself.
             frame_bakes.switch(obj, self.frames[index])
             state = lighting.StateAtBake(
                 self.matrices[index], self.fingerprint, self.seconds, self.file_states[index]
@@ -204,12 +204,12 @@ class BakeJob(jobs.Job):
         return f"Baked {texels} texels in {self.seconds:.1f} s{end and f'; {end}'}"
 
     def failed(self):
-        """The file of the bake is there: Load Bake can light the volumes by it."""
+        """Removes the passes. The file of the bake stays for Load Bake."""
         surface_material.forget_first_light()
         surface_object.forget_passes()
 
     def outcome(self):
-        """How far the last pass came."""
+        """Returns a text on the error that the last pass reached."""
         return outcome(self.latest, "it was stopped" if self.is_stopped else "the time is over")
 
 
@@ -236,14 +236,17 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
 
 
 def _volume(name):
-    """The volume object of this name in the file itself, or None."""
+    """Returns the volume object of this name in the file, not linked, or None."""
     obj = bpy.data.objects.get((name, None))
     is_there = obj is not None and obj.leaflight.is_volume and obj.users_scene
     return obj if is_there else None
 
 
 def _renamed(pointer):
-    """The volume object at an address, or None. Undo moves objects, a new name does not."""
+    """Returns the object at an address, or None.
+
+    Undo changes the addresses of objects, but renaming does not.
+    """
     return next((o for o in bpy.data.objects if o.as_pointer() == pointer and not o.library), None)
 
 
@@ -256,7 +259,7 @@ def _check_own(obj):
 
 
 def _write(bake, path):
-    """Writes the bake with its atlases: all of them, or nothing that was not there before.
+    """Writes a bake with its atlases. After an error none of the new files remain.
 
     Returns the columns of each volume's atlas. Raises LeaflightError.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that follow one: Continue, Finer Texels, Resume after a crash, and Bake All Frames."""
+"""Bakes after the first: Continue, Finer Texels, Resume after a crash, and Bake All Frames."""
 
 import bpy
 import leaflight
@@ -19,7 +19,7 @@ class ContinueJob(bake.BakeJob):
     """A bake that goes on where the one of an object ended, with its present error and time."""
 
     def __init__(self, context, obj, resume=False):
-        """Raises LeaflightError when the bake is not found, or as BakeJob does."""
+        """Exports the scene. Raises LeaflightError as BakeJob, or if the bake is not found."""
         super().__init__(context, obj, resume)
         self._previous = cache.whole_of(obj)
         self._seconds_before = cache.light_of(obj).statistics.seconds
@@ -96,7 +96,7 @@ class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operato
 
 
 def suited(obj):
-    """The operator that brings the error of an object's bake to the present target, or None."""
+    """Returns the operator that can reduce the error of a bake to the target, or None."""
     settings = obj.leaflight
     if not settings.bake_target or settings.bake_error <= settings.error:
         return None
@@ -133,7 +133,7 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
 
 
 def is_interrupted(obj):
-    """Whether a bake with the settings of an object left a checkpoint and did not end."""
+    """True if a bake with the settings of an object was interrupted and left a checkpoint."""
     return bake.checkpoint_path(obj).is_file()
 
 
@@ -167,9 +167,9 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
 
 
 def _each_frame(name):
-    """Shows each frame of a volume of the present scene once, and yields its number.
+    """Shows each frame of a volume in the present scene once, and yields its number.
 
-    Volume and scene are looked up anew for each: undo may replace them meanwhile.
+    Looks up volume and scene for each frame, because undo may replace them meanwhile.
     """
     volume = _volume(name)
     frames = volume.leaflight.frames

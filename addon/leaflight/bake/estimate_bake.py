@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimate: the seconds and the memory that a bake will take, before it starts."""
+"""Estimate: the time and the memory that a bake will need."""
 
 import bpy
 import leaflight
@@ -13,7 +13,7 @@ from ..stage import scene_export
 from ..translations import iface_
 from . import bake
 
-# What an estimate depends on, besides the scene.
+# Properties on which an estimate depends, in addition to the scene.
 _SETTINGS = (
     "source",
     "frame",
@@ -28,22 +28,25 @@ _SETTINGS = (
     "smooth_normals",
 )
 
-# Full name of an object -> (its settings then, the error that the pilot is for, the Pilot).
+# Full name of an object -> (its settings at the estimate, the error of the pilot, the Pilot).
 _pilots = session.remembered()
 
 
 def estimate_of(obj, error=None):
-    """The Estimate for an object with its present settings, or with another error, or None."""
+    """Returns the Estimate for an object with its present settings, or None.
+
+    error: another target error than that of the settings.
+    """
     key, finest, made = _pilots.get(obj.name_full, (None, None, None))
     error = obj.leaflight.error if error is None else error
-    # Settings are floats of single precision.
+    # The tolerance covers single-precision settings.
     if key != _key(obj.leaflight) or error < finest - 1e-6:
         return None
     return made.estimate(error, bake.time_limit(obj.leaflight))
 
 
 def sentence(estimate):
-    """An Estimate for the panel."""
+    """Returns a sentence about an Estimate for the panel."""
     figures = duration(estimate), memory(estimate), f"{estimate.error:.2g}"
     return iface_("About %s and %s to %s %%") % figures
 
@@ -65,12 +68,12 @@ class EstimateJob(jobs.Job):
     """The first passes of the bake of an object, and what follows from them."""
 
     def __init__(self, context, obj):
-        """Raises LeaflightError when the scene or the settings cannot be baked."""
+        """Exports the scene. Raises LeaflightError if it cannot be baked with the settings."""
         scene, volumes, _ = scene_export.export_scene(context, obj)
         scene_export.check_light(scene)
         settings = obj.leaflight
         self._name, self._settings = obj.name_full, _key(settings)
-        # One pilot serves for all qualities.
+        # Use one pilot for all qualities.
         self._error = min(settings.error, *bake_properties.QUALITIES.values())
         self._asked, self._limit = settings.error, bake.time_limit(settings)
         given = bake.arguments_of(obj, volumes, scene)
@@ -78,7 +81,7 @@ class EstimateJob(jobs.Job):
         self.pilot = None
 
     def run(self, progress):
-        """In any thread: touches no Blender data."""
+        """Runs the pilot, in any thread. Touches no Blender data."""
         self.pilot = pilot(**self._arguments, progress=progress)
         if progress.cancelled:
             raise leaflight.Cancelled

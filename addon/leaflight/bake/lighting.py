@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What objects keep of the bake that lights them."""
+"""The record of a bake that each lit object stores."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,9 +26,10 @@ class StateAtBake:
 
 
 def light(obj, bake, index, path, columns, state):
-    """Lights a volume object by one of the volumes of a bake, once show() is called.
+    """Stores a bake in a volume object. show() then shows its light.
 
-    path: of the bake's file. columns: of the atlas that was written. state: a StateAtBake.
+    index: the volume in the bake. path: of the bake's file. columns: of the atlas, 0 without one.
+    state: a StateAtBake.
     """
     settings = obj.leaflight
     settings.bake_index = index
@@ -51,14 +52,14 @@ def light(obj, bake, index, path, columns, state):
 
 
 def isovalue_range(bake, index):
-    """Isovalues (low, high) that a volume of a bake shows at the ends of the isovalue range."""
+    """Returns the isovalues (low, high) of a volume at the ends of the bake's isovalue range."""
     return tuple(bake.isovalue_of(index, c) for c in bake.isovalues)
 
 
 def show(volumes, leader, scene):
-    """Shows volume objects, and the walls of a scene or None, as their new bake lights them.
+    """Shows volume objects, and the walls of a scene or None, with the light of their new bake.
 
-    leader: the one of them whose isovalue the others follow.
+    leader: the volume whose isovalue the others follow.
     """
     cache.forget_unused()
     for obj in volumes:
@@ -67,13 +68,13 @@ def show(volumes, leader, scene):
         for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
     if scene is not None:
-        # The walls of the bake before may have other vertices.
+        # Rebuild the displays, because the previous bake may have other vertices.
         walls.forget_names(scene)
         walls.refresh(scene)
     isovalues.set_isovalue(leader, leader.leaflight.isovalue)
 
 
 def objects_lit_by(identifier):
-    """The objects of the file, linked ones among them, that the bake of this id lights."""
+    """Returns the objects that the bake of this id lights, including linked objects."""
     volumes = (obj for obj in bpy.data.objects if obj.leaflight.is_volume)
     return [obj for obj in volumes if obj.leaflight.bake_id == identifier]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: once there is a bake, light follows lamps, walls and volumes that move.
+"""Live: light that follows lamps, walls and volumes that move, once there is a bake.
 
-Direct light of the new place comes first, over the indirect light of the bake. The passes of a new
-bake follow, until the light is final. The newest place wins: passes for an older one are cancelled,
-but its direct light is finished, so that a lamp that is dragged shows some on its way.
+Direct light of the new position comes first, over the indirect light of the bake. The passes of a
+new bake follow, until the light is final. A newer position cancels the passes of an older one, but
+not its direct light. A lamp that is dragged therefore shows light on its way.
 """
 
 import math
@@ -24,25 +24,24 @@ from ..store import cache
 from ..translations import iface_
 from . import bake, stopped
 
-# Seconds between two looks at work in progress.
+# Seconds between two polls of work in progress.
 _POLL = 0.05
 
-# Texels times light points of maps, and vertices times light points of walls, above which blurred
-# shadows come first: about half a second of work.
+# Texels times light points of maps, and vertices times light points of walls, for about half a
+# second of work. Above them blurred shadows come first.
 _QUICK_MAPS, _QUICK_WALLS = 50_000_000, 500_000
 
-# Where Blender takes longer than the first to draw a picture, in seconds, it waits for direct light
-# before it draws a move, but no longer than the second.
+# Seconds for drawing the viewport above which a move waits for direct light, and the longest wait.
 _SLOW_PICTURE, _LONGEST_WAIT = 0.2, 1.0
 
-# The LiveJob in progress with its BackgroundWork, or None.
+# LiveJob in progress and its BackgroundWork, or None.
 _job = _work = None
-# When the last look at it ended, and the most seconds that Blender took until the next, to draw,
-# while its light was rough.
+# Time of the end of the last poll, and the longest time that Blender took until the next poll, to
+# draw rough light.
 _looked_at, _picture = 0.0, 0.0
-# Whether the scene may have changed since the last look.
+# True if the scene may have changed since the last poll.
 _has_changed = False
-# The fingerprint of the scene whose light was stopped or failed, and a sentence about it.
+# Fingerprint of the scene whose light was stopped or failed, and a sentence about it.
 _left, _why = "", ""
 
 
@@ -52,13 +51,13 @@ class LiveJob(bake.BakeJob):
     name = "Live"
 
     def __init__(self, context, obj):
-        """Raises LeaflightError where BakeJob does, or the light of this scene cannot be live."""
+        """Exports the scene. Raises LeaflightError as BakeJob, or if volumes have other bakes."""
         super().__init__(context, obj)
         volumes = [bpy.data.objects[name] for name in self.names]
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
             raise LeaflightError("Volumes were added or removed since the bake: bake again.")
         self._lit, self._whole = cache.light_of(obj), cache.whole_of(obj)
-        # A bake that is begun anew with each move leaves nothing to go on with.
+        # Write no checkpoint, because each move starts a new bake.
         path = self.checkpoint.path.with_suffix(".live")
         self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
         self.is_outdated = self._can_be_cancelled = False
@@ -72,7 +71,7 @@ class LiveJob(bake.BakeJob):
             self._has_direct.set()
 
     def _pass_after_direct(self, progress):
-        # Only the passes say how much there is to do.
+        # The amount of work is unknown before the passes.
         progress.expect(math.inf)
         self._lit = self._whole(progress)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
@@ -91,11 +90,11 @@ class LiveJob(bake.BakeJob):
         super().run(progress)
 
     def wait_for_direct(self, seconds):
-        """Whether direct light can be shown, within so many seconds."""
+        """Waits for direct light up to this many seconds. Returns True if it can be shown."""
         return self._has_direct.wait(seconds)
 
     def _map_work(self):
-        """Texels times light points."""
+        """Returns the number of texels times light points."""
         return sum(
             math.prod(grid.map_resolution) * len(grid.direct.light_points)
             for grid in self._lit.grids
@@ -103,7 +102,7 @@ class LiveJob(bake.BakeJob):
         )
 
     def _wall_work(self):
-        """Vertices times light points."""
+        """Returns the number of vertices times light points."""
         walls = self._lit.walls
         if walls is None:
             return 0
@@ -120,7 +119,7 @@ class LiveJob(bake.BakeJob):
             surface_object.coarsen_all(bpy.data.objects[name])
 
     def outdate(self, work):
-        """Ends the work as soon as its direct light is there: the scene is another now."""
+        """Ends the work once its direct light is finished, because the scene has changed."""
         self.is_outdated = True
         if self._can_be_cancelled:
             work.cancel()
@@ -132,10 +131,10 @@ class LiveJob(bake.BakeJob):
 
 
 def changed(scene, at_once=False):
-    """After a change of a scene that may concern its bakes.
+    """Starts to follow a scene after a change that may concern its bakes.
 
-    at_once: whether work may begin now, before Blender draws the change, which takes long without
-    a graphics card.
+    at_once: True if work may start before Blender draws the change. Drawing is slow without a
+    graphics card.
     """
     global _has_changed
     if not _is_in_window() or not scene.leaflight_live:
@@ -148,28 +147,28 @@ def changed(scene, at_once=False):
 
 
 def _is_in_window():
-    """Scripts without a window start their bakes themselves."""
+    """True if Blender has a window. Scripts without a window start their bakes themselves."""
     return not bpy.app.background
 
 
 def at_work():
-    """The BackgroundWork in progress, or None."""
+    """Returns the BackgroundWork in progress, or None."""
     return _work
 
 
 def sentence():
-    """Why the light that is shown is not final, where nothing is under way; or an empty text."""
+    """Returns why the present light is not final after work has ended, or an empty text."""
     return _why
 
 
 def stop():
-    """Leaves what is shown as it is, until something moves again."""
+    """Cancels the work in progress. The present light stays until something moves again."""
     if _work is not None:
         _work.cancel()
 
 
 def forget():
-    """Before another file is opened."""
+    """Stops the work and resets the state, before another file is opened."""
     global _job, _work, _has_changed, _left, _why
     stop()
     _job, _work, _has_changed, _left, _why = None, None, False, "", ""
@@ -177,7 +176,7 @@ def forget():
 
 
 def _tick():
-    """Follows the scene. Blender drops a timer that raises, so nothing may."""
+    """Follows the scene. Catches all errors, because Blender drops a timer that raises."""
     try:
         return _follow()
     except Exception as error:
@@ -210,7 +209,7 @@ def _follow():
 
 
 def _look():
-    """Begins what the present scene needs, or has the work end that is for another."""
+    """Starts the work for the present scene, or ends the work for an earlier state."""
     global _has_changed, _left, _why
     if _job is not None and _job.is_outdated:
         return
@@ -233,7 +232,7 @@ def _look():
 
 
 def _wanted(context):
-    """The LiveJob that the present scene needs, or None. Raises LeaflightError."""
+    """Returns the LiveJob that the present scene needs, or None. Raises LeaflightError."""
     global _left, _why
     scene = context.scene
     obj = _leader(scene)
@@ -244,14 +243,14 @@ def _wanted(context):
         return LiveJob(context, obj)
     _left = _why = ""
     if not change and _job is None and preview.of(obj) is not None:
-        # It stands as it did at the bake again.
+        # Everything is back in the position of the bake, so show the bake.
         surface_object.forget_passes()
         walls.refresh(scene)
     return None
 
 
 def _leader(scene):
-    """The lit volume whose settings count: the one that was active last, or the first."""
+    """Returns the lit volume whose settings count: the last active one, or the first."""
     lit = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
     active = scene.objects.get(scene.leaflight.active_volume)
     return active if active in lit else next(iter(lit), None)
@@ -260,8 +259,8 @@ def _leader(scene):
 def _begin(job):
     global _job, _work, _picture
     _job, _work = job, jobs.BackgroundWork(job)
-    # Before Blender draws: pictures of all detail would keep the light back, and light that comes
-    # while a picture is drawn would be shown by the next.
+    # Show direct light or coarse surfaces before Blender draws. Drawing full detail would delay the
+    # light, and light that arrives during a draw would wait for the next.
     if _picture > _SLOW_PICTURE and job.wait_for_direct(_LONGEST_WAIT):
         _work.show()
     elif job.is_rough:
@@ -271,7 +270,7 @@ def _begin(job):
 
 
 def _go_on():
-    """Shows what the work has reached, or what came of it."""
+    """Shows the progress of the work, or its result."""
     global _job, _work, _has_changed, _left, _why
     job, work = _job, _work
     jobs.redraw_panels()
@@ -317,7 +316,7 @@ def _switched(scene, _context):
         stop()
 
 
-# (key map, its item) of Esc, which Blender's own work in progress, as a drag, sees before.
+# (keymap, item) of Esc. Modal operators of Blender, such as a drag, get the key first.
 _keys = []
 
 CLASSES = (LEAFLIGHT_OT_stop_live,)

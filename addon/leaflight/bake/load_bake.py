@@ -107,9 +107,9 @@ class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, I
 
 
 def _matching(context, bake):
-    """For each volume of a bake, the object that shows it, or None.
+    """Returns for each volume of a bake the object that shows it, or None.
 
-    Objects count where the active one is a volume of the bake. Raises LeaflightError.
+    All are None if the active object is no volume of the bake. Raises LeaflightError.
     """
     found = [None] * len(bake.volumes)
     active = active_volume(context)
@@ -127,7 +127,7 @@ def _matching(context, bake):
 
 
 def _is_volume_of(obj, bake, index):
-    """Whether an object's volume has the values of one of a bake, capped or not."""
+    """True if an object's volume has the values of a volume of a bake, capped or not."""
     try:
         volume = cache.volume_of(obj)
     except LeaflightError:
@@ -140,10 +140,10 @@ def _is_volume_of(obj, bake, index):
 
 
 def _transform(obj, bake, index):
-    """Row by row, the transform that takes an object to where its volume was baked."""
+    """Returns the transform that moves an object to where its volume was baked, row by row."""
     index_to_local = cache.volume_of(obj).index_to_world
     if bake.scene.isosurfaces[index].capped != obj.leaflight.capped:
-        # The layer moves the first node by one voxel.
+        # The layer of a capped volume moves the first node by one voxel.
         step = 1.0 if bake.scene.isosurfaces[index].capped else -1.0
         index_to_local = index_to_local @ _shifted(-step)
     matrix = bake.volumes[index].index_to_world @ np.linalg.inv(index_to_local)
@@ -157,7 +157,7 @@ def _shifted(step):
 
 
 def _create(context, bake, index):
-    """Makes an object for a volume of a bake, where it was baked and as it looked.
+    """Adds an object for a volume of a bake, with its place and material at the bake.
 
     Its origin is the middle of the volume.
     """
@@ -175,7 +175,7 @@ def _create(context, bake, index):
 
 
 def _compare(context, bake, volumes, leader):
-    """Marks the volumes as lit in their own scene where that is the one about them."""
+    """Marks the volumes as lit in their own scene if the present scene equals that of the bake."""
     try:
         description, exported, _ = scene_export.export_scene(context, leader)
         same = set(exported) == set(volumes) and staleness.is_same(description, bake.scene)
@@ -192,7 +192,7 @@ def _compare(context, bake, volumes, leader):
             obj.leaflight.bake_lamps = lamps.record(bake, lights)
         else:
             obj.leaflight.bake_lamps = ""
-            # Walls of another scene would stand in for those of this one.
+            # The walls of the bake are not those of this scene.
             obj.leaflight.bake_walls = False
 
 
@@ -200,7 +200,7 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_load_bake.bl_idname, text="Bake of Leaflight (.vdb)")
 
 
-# Rows of the list before it is cut short.
+# Largest number of rows in the list.
 _MOST_ROWS = 12
 
 
@@ -244,25 +244,25 @@ class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Opera
 
 
 def bakes_of_this_file():
-    """The bakes in the folders where bakes of this .blend go or went, each a path."""
+    """Returns the paths of the bakes in the folders of this .blend and of unsaved files."""
     volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume and obj.library is None]
     folders = [bake_files.folder_for(obj) for obj in volumes] + bake_files.folders_of_unsaved()
     return [path for folder in dict.fromkeys(folders) for path in bake_files.bakes_in(folder)]
 
 
 def unused():
-    """Those of bakes_of_this_file() that light no object of this .blend."""
+    """Returns the paths of bakes_of_this_file() that light no object of this .blend."""
     return unused_among(bakes_of_this_file())
 
 
 def unused_among(bakes):
-    """Those of some bakes, each a path, that light no object of this .blend."""
+    """Returns those of the bakes, given as paths, that light no object of this .blend."""
     lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
     return [path for path in bakes if bake_files.id_in(path) not in lit]
 
 
 def megabytes(paths):
-    """The size of bakes with their atlases, as text."""
+    """Returns the size of bakes with their atlases, as text."""
     files = [file for path in paths for file in (path, *atlases.beside(path))]
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show Photon Map: the photons on all isosurfaces as a cloud of points, to look at."""
+"""Show Photon Map: the photons on all isosurfaces as a point cloud."""
 
 import bpy
 import leaflight
@@ -16,7 +16,7 @@ from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache
 
-# Attributes of the points: color, common isovalue, and whether a photon came straight from a light.
+# Attributes of the points: color, common isovalue, and True if a photon came straight from a light.
 FLUX, COMMON_ISOVALUE, DIRECT = "flux", "common_isovalue", "direct"
 
 _KIND, _PHOTONS = "photons", "leaflight_photons"
@@ -71,7 +71,7 @@ class PhotonJob(jobs.Job):
     """Photons of the present scene: what they need, their paths, and the cloud of points."""
 
     def __init__(self, context, obj, options):
-        """options: the operator's properties. Raises LeaflightError."""
+        """Exports the scene. options: the operator's properties. Raises LeaflightError."""
         settings = obj.leaflight
         description, volumes, self.warnings = scene_export.export_scene(context, obj)
         scene_export.check_light(description)
@@ -89,7 +89,7 @@ class PhotonJob(jobs.Job):
         self._scene_name = context.scene.name
 
     def run(self, progress):
-        """In any thread: touches no Blender data."""
+        """Traces the photons, in any thread. Touches no Blender data."""
         positions, flux, c, direct = _core.photon_points(
             self._scene, self._count, self._seed, progress
         )
@@ -128,7 +128,7 @@ class PhotonJob(jobs.Job):
 def _fill(mesh, positions, flux, c, direct):
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
-    # The flux of a photon says little to the eye; its mean shows as one.
+    # Scale the mean flux to 1, because absolute flux is no useful color.
     fill.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
     attribute = mesh.attributes.new(COMMON_ISOVALUE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
@@ -138,7 +138,7 @@ def _fill(mesh, positions, flux, c, direct):
 
 
 def _points(name, radius, material):
-    """Geometry nodes that put a small sphere on every vertex; Eevee shades nothing less."""
+    """Returns geometry nodes with a small sphere on every vertex, because Eevee needs faces."""
     tree = versions.new_geometry_tree(name)
     chain = [
         tree.nodes.new(kind)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is to become of a bake that was stopped: Keep Bake or Throw Away, and Stop itself."""
+"""Stop, and the choice after it: Keep Bake or Throw Away."""
 
 import bpy
 import leaflight
@@ -8,18 +8,18 @@ from leaflight import LeaflightError
 from ..operators import background, checks, jobs
 from ..show import surface_object, walls
 
-# The BakeJob that was stopped after a pass, until the user decides.
+# BakeJob that was stopped after a pass, until the user decides.
 _offered = None
 
 
 def offer(job):
-    """Asks the user, in the panel, what shall become of the last pass of a BakeJob."""
+    """Offers the user in the panel to keep the last pass of a BakeJob. None ends the offer."""
     global _offered
     _offered = job
 
 
 def offered():
-    """The BakeJob that waits for the user's decision, or None."""
+    """Returns the BakeJob that waits for the user's decision, or None."""
     return _offered
 
 
@@ -30,7 +30,7 @@ _waits = checks.needs(lambda _: _offered is not None, "No bake was stopped")
 
 
 def save_offered():
-    """Before another file is opened: writes what nobody has decided about, as a bake of its own."""
+    """Writes an offered bake to its file, before another .blend is opened."""
     global _offered
     job, _offered = _offered, None
     if job is None:

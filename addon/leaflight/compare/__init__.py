@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked stills beside Cycles' own."""
+"""Comparison of baked stills with stills of Cycles."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --background FILE --addons ADDON --python child.py -- JSON: renders a comparison.
 
-Runs outside the package, as Blender runs scripts; prints what render_comparison.py reads.
+Blender runs it as a script outside the package. It prints messages for render_comparison.py.
 """
 
 import json
@@ -13,7 +13,7 @@ import bpy
 
 def main():
     request = json.loads(sys.argv[-1])
-    # By another name in an extension than in an add-on.
+    # The name of the package differs between an extension and an add-on.
     addon = sys.argv[sys.argv.index("--addons") + 1]
     comparison = import_module(f"{addon}.compare.render_comparison")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a comparison leaves in a folder, and its stills in one labelled picture."""
+"""The files of a comparison, and the picture with all its stills."""
 
 import csv
 import json
@@ -14,17 +14,16 @@ from leaflight.io.output import replaced
 from . import render
 from .stills import flip_words
 
-# In the PNG of the difference, which would be all black otherwise. The EXR holds it signed and as
-# it is.
+# Gain of the difference in its PNG, which would be black otherwise. The EXR has the signed values.
 _DIFFERENCE_GAIN = 5.0
 
 _STILLS = ("baked", "cycles", "local", "difference")
 
 
 def write(scene, folder, name, result):
-    """Writes the result of stills.compare(): STEM_{baked,cycles,local,difference}.{exr,png},
-    STEM_comparison.{png,csv,json}.
+    """Writes the result of stills.compare().
 
+    The files are STEM_{baked,cycles,local,difference}.{exr,png} and STEM_comparison.{png,csv,json}.
     The .csv has a row for each still, the .json all numbers. Returns the path of the .json.
     """
     stem = str(Path(folder) / f"{name}_{result['isovalue']:g}".replace("/", "_"))
@@ -58,12 +57,11 @@ def _write_table(path, numbers):
             table.writerow([numbers["name"], isovalue, still, f"{numbers[seconds]:.3f}", error])
 
 
-# Pixels: what a still is at least wide, so that its label fits, and at most, so that the whole fits
-# a screen.
+# Least width of a still in pixels, which fits its label, and greatest width, which fits a screen.
 _NARROWEST, _WIDEST = 560, 960
 _WHITE, _INK, _PAPER = (255, 255, 255), (20, 20, 20), (255, 255, 255)
 
-# Baked darker, alike, baked brighter.
+# Colors of the difference: baked darker, equal, baked brighter.
 _COLORS = np.array([[0.02, 0.19, 0.58], [0.97, 0.97, 0.97], [0.70, 0.02, 0.15]])
 
 
@@ -87,7 +85,7 @@ def write_sheet(path, name, result):
     sheet = Image.new("RGB", (gap + 2 * cell[0] + bar, top + 2 * cell[1]), _PAPER)
     draw = ImageDraw.Draw(sheet)
     draw.text((gap, gap), f"{name}, isovalue {result['isovalue']:g}", _INK, _font(text + 4))
-    # Few pixels stay pixels.
+    # Keep the pixels of small stills visible.
     resample = Image.NEAREST if scale >= 2 else Image.LANCZOS
     for number, (pixels, (title, detail)) in enumerate(zip(pictures, _words(result))):
         x, y = gap + (number % 2) * cell[0], top + (number // 2) * cell[1]
@@ -100,7 +98,7 @@ def write_sheet(path, name, result):
 
 
 def _words(result):
-    """(title, detail) beneath each picture."""
+    """Returns [(title, detail), ...], the texts below the pictures."""
     rendered = "rendered in {baked_seconds:.1f} s; all isosurfaces baked in {bake_seconds:.0f} s"
     local = "rendered in {local_seconds:.1f} s; RMS {local_rms_percent:.1f} % on the isosurface"
     difference = (
@@ -118,7 +116,7 @@ def _words(result):
 
 
 def _percent_off(result, exposure):
-    """(mean over the channels of baked minus Cycles, in percent as displayed, a round range)."""
+    """Returns (displayed baked minus Cycles in percent, mean of the channels; a round range)."""
     baked, cycles = (
         np.clip(result[name] * exposure, 0.0, 1.0).mean(axis=-1) for name in ("baked", "cycles")
     )
@@ -129,14 +127,14 @@ def _percent_off(result, exposure):
 
 
 def _colored(share):
-    """Shares -1..1 of the range as colors, uint8."""
+    """Returns the colors, uint8, of shares -1 to 1 of the range."""
     place = np.clip(share, -1.0, 1.0)
     channels = [np.interp(place, (-1, 0, 1), _COLORS[:, channel]) for channel in range(3)]
     return np.rint(255 * np.stack(channels, axis=-1)).astype(np.uint8)
 
 
 def _draw_bar(sheet, draw, font, corner, size, most):
-    """The colors of the difference, from top to bottom, and what they mean."""
+    """Draws the colors of the difference from top to bottom, with their values."""
     from PIL import Image
 
     (x, y), (width, height) = corner, size
@@ -158,7 +156,7 @@ def _scale(width):
 
 
 def _font(size):
-    """Blender's own, whatever it is called in this version, else Pillow's."""
+    """Returns Blender's font, whose name depends on the version, or else that of Pillow."""
     from PIL import ImageFont
 
     folder = bpy.utils.system_resource("DATAFILES", path="fonts")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders whose pixels are linear radiance, with the user's settings put back afterwards."""
+"""Renders in linear radiance, which restore the user's settings."""
 
 import contextlib
 import tempfile
@@ -13,7 +13,7 @@ from leaflight.io.output import replaced
 
 from .. import versions
 
-# Light paths as long as the bake's, and none of the shortcuts that trade noise for bias.
+# Settings of Cycles with paths as long as those of the bake, and without biased shortcuts.
 _UNBIASED = {
     "max_bounces": 64,
     "diffuse_bounces": 64,
@@ -34,7 +34,7 @@ _UNBIASED = {
 
 @contextlib.contextmanager
 def overridden(owner, **values):
-    """Sets attributes of owner for as long as the context lasts."""
+    """Sets attributes of `owner` during the context, and restores them."""
     before = {name: getattr(owner, name) for name in values}
     try:
         for name, value in values.items():
@@ -46,11 +46,10 @@ def overridden(owner, **values):
 
 
 def cycles_still(scene, samples, seed, transparent=False, **settings):
-    """One frame of the scene through Cycles: linear RGBA, float32 (height, width, 4), top row
-    first.
+    """Renders a frame of the scene with Cycles.
 
-    settings: of Cycles, in place of those that take no shortcut.
-    Raises LeaflightError when the user cancels the render.
+    settings: of Cycles, in place of those in _UNBIASED. Returns linear RGBA, float32 (height,
+    width, 4), top row first. Raises LeaflightError if the user cancels the render.
     """
     with contextlib.ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "still.exr"

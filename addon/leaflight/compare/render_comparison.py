@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render Comparison: the baked surface beside the same surface path-traced by Cycles.
 
-A background Blender of its own renders it, so that the window stays free.
+A background Blender renders it, so that the window stays free.
 """
 
 import json
@@ -25,24 +25,23 @@ from ..stage import scene_export
 from ..store import bake_files
 from . import files, stills
 
-# How the child begins the lines that are for the window.
+# Prefix of the child's lines that are messages.
 MARK = "LEAFLIGHT COMPARISON "
-# Cycles' own report of how far it is.
+# Progress of a render in the output of Cycles.
 _SAMPLES = re.compile(r"Sample (\d+)/(\d+)")
 _CHILD = Path(__file__).with_name("child.py")
 _POLL_SECONDS = 0.1
 
 
 def can_start():
-    """Whether there is a program to start: Blender as a Python module has none."""
+    """True if there is a program to start. Blender as a Python module has none."""
     return bool(bpy.app.binary_path)
 
 
 def _save_copy(blend):
-    """Saves the file that is open, without the picture of it that file browsers show.
+    """Saves a copy of the open file, without its preview image. Raises RuntimeError.
 
-    Blender would draw that anew for it, and the window would stand still for many seconds where
-    there is no graphics card. Raises RuntimeError.
+    Drawing the preview would block the window for many seconds without a graphics card.
     """
     preferences = bpy.context.preferences
     paths, changed = preferences.filepaths, preferences.is_dirty
@@ -59,7 +58,7 @@ class ComparisonJob(jobs.Job):
     """Renders the saved copy of the file that is open, and reads the figures from the child."""
 
     def __init__(self, isosurface, folder, samples, baked_samples, share):
-        """Saves the copy. Raises LeaflightError."""
+        """Saves a copy of the open file. Raises LeaflightError."""
         self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
         blend = Path(self._files.name) / "comparison.blend"
         try:
@@ -77,7 +76,7 @@ class ComparisonJob(jobs.Job):
         }
         self._command = [
             *(bpy.app.binary_path, "--background", str(blend)),
-            # It may be enabled for this session alone.
+            # The add-on may be enabled only for this session.
             *("--addons", __package__.rpartition(".")[0]),
             *("--python-exit-code", "1", "--python", str(_CHILD), "--", json.dumps(request)),
         ]
@@ -86,7 +85,10 @@ class ComparisonJob(jobs.Job):
         return self._status
 
     def run(self, progress):
-        """In any thread: touches no Blender data. Raises LeaflightError, Cancelled."""
+        """Runs the child, in any thread. Touches no Blender data.
+
+        Raises LeaflightError, Cancelled.
+        """
         with self._files:
             child = subprocess.Popen(
                 self._command,
@@ -110,7 +112,7 @@ class ComparisonJob(jobs.Job):
             raise LeaflightError(self.figures["error"])
 
     def _follow(self, child, progress):
-        """Reads until the child ends; returns its last words."""
+        """Reads the child's output to its end, and returns its last lines."""
         words, done = deque(maxlen=3), [0.0, 0.0, ""]
 
         def read():
@@ -137,7 +139,7 @@ class ComparisonJob(jobs.Job):
                 reader.join()
                 raise leaflight.Cancelled
             reader.join(_POLL_SECONDS)
-        # A Blender that has printed its result may crash at its end, which is no matter.
+        # Ignore a crash of Blender at its end, after it has printed its result.
         end = time.monotonic() + 10.0
         while child.poll() is None and time.monotonic() < end:
             time.sleep(_POLL_SECONDS)
@@ -207,7 +209,7 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     def execute(self, context):
         if self._by_hand and can_start():
             return super().execute(context)
-        # Scripts wait for it.
+        # Scripts wait for the comparison.
         return checks.LeaflightOperator.execute(self, context)
 
     def run(self, context):

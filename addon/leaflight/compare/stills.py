@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The stills of a comparison: baked, path-traced by Cycles, and by local shading.
 
-Baked and path-traced stills go through Cycles with the same walls and lights; only the isosurface's
-material differs. In the baked still it emits the baked radiance, which is all the light that leaves
-it, and reflects nothing: a path from the camera or from a wall that hits the isosurface ends there
-with the answer the bake has stored. So the isosurface's light reaches the walls exactly once, the
-walls look right, and a diffuse isosurface's pixels have no noise: what differs there is the error
-of the bake plus the noise of Cycles. A mirror or glass shows its surroundings by paths, with noise
-in both stills. So that of each is measured as well, from two halves of its samples.
+Cycles renders baked and path-traced stills with the same walls and lights. Only the material of the
+isosurface differs. In the baked still it emits the baked radiance, which is all the light that
+leaves it, and reflects nothing. A path that hits the isosurface therefore ends there, and its light
+reaches the walls exactly once. The pixels of a diffuse isosurface have no noise. Their difference
+is the error of the bake plus the noise of Cycles. Paths show the surroundings in a mirror or glass,
+with noise in both stills. The noise of each still is measured from two halves of its samples.
 
-Local shading is what viewers of isosurfaces show, the thesis's local illumination: the lamps upon
-the surface, without shadows and without light from one surface to another.
+Local shading is the thesis's local illumination, which viewers of isosurfaces show. It has the
+light of lamps on the surface, without shadows and without light between surfaces.
 """
 
 import contextlib
@@ -28,22 +27,22 @@ from ..show import display, fill, isosurface, isovalues, surface_material, surfa
 from ..stage import scene_export
 from . import render
 
-# Percent. The bakes of the tests, with 32 texels a side, are off by up to 1.4.
+# Largest error of the mean in percent. Bakes of the tests, with 32 texels a side, reach 1.4.
 MEAN_OF_A_GOOD_BAKE = 2.0
 
 
 def rms_percent(image, reference, exposure, mask):
-    """Thesis Eq. 4.11, corrected, over the pixels of the mask; NaN where there are none."""
+    """Returns the corrected thesis Eq. 4.11 over the pixels of a mask, NaN for an empty mask."""
     if not mask.any():
         return float("nan")
     return color_error.rms_percent(image[mask], reference[mask], exposure)
 
 
 def mean_off(baked_halves, cycles_halves, mask):
-    """By how many percent the mean of the baked still differs from that of Cycles.
+    """Returns the difference of the mean of the baked still from that of Cycles, in percent.
 
-    With half of its interval of 95 %, from the difference of each still's halves, pixel by
-    pixel; NaN where the mask holds no pixels, or all is dark.
+    Also returns half of its 95 % interval, from the difference of each still's halves at each
+    pixel. Both are NaN if the mask is empty or Cycles is black.
     """
     off = within = float("nan")
     if mask.any():
@@ -60,7 +59,7 @@ def mean_off(baked_halves, cycles_halves, mask):
 
 
 def _mean(halves, mask):
-    """(mean over the mask, its standard error) of a still of two halves of samples."""
+    """Returns (mean over the mask, its standard error) of a still of two halves of samples."""
     a, b = (half[mask].mean(axis=1, dtype=np.float64) for half in halves)
     return 0.5 * (a.mean() + b.mean()), 0.5 * np.sqrt(np.sum((a - b) ** 2)) / len(a)
 
@@ -82,7 +81,7 @@ def flip_words(result):
 
 
 def doubt(result):
-    """A sentence when the mean is off by more than noise and texels explain, or an empty text."""
+    """Returns a sentence if noise and texels cannot explain the error of the mean, or ""."""
     off, within = result["isosurface_mean_off_percent"], result["isosurface_mean_off_within"]
     if not abs(off) - within > MEAN_OF_A_GOOD_BAKE:
         return ""
@@ -100,18 +99,20 @@ _LOCAL_SAMPLES = 64
 def compare(context, volume, samples, baked_samples, share=1.0, report=None):
     """Renders the stills of the current frame, at a share of the scene's resolution.
 
-    report(done, part, name): called before each render with the share of the work that is done, the
-    share that the render is, and what it renders.
-    Returns a dict: images baked, cycles, local, difference (height, width, 3) in linear radiance
-    and coverage (height, width), the share of each pixel that the isosurface fills;
-    isosurface_rms_percent over the pixels that the isosurface fills and image_rms_percent over all
-    (thesis Eq. 4.11 corrected: colors times exposure, clamped to 0..1); isosurface_noise_percent,
-    what the noise of both stills adds to the former; isosurface_mean_off_percent, how much more
-    radiance the isosurface's pixels have than in Cycles, nothing clamped, and
-    isosurface_mean_off_within, half of its interval of 95 %; flip_mean and flip_percentile_95, of
-    all pixels (measure/flip.py), None without flip-evaluator; local_rms_percent, of local shading
-    against Cycles over the isosurface's pixels; baked_seconds, cycles_seconds, local_seconds, of
-    the renders, and bake_seconds, of the bake. Raises LeaflightError.
+    report(done, part, name): called before each render. done: finished share of the work. part:
+    share of this render. name: that of the render.
+
+    Raises LeaflightError. Returns a dict with these keys, among others:
+
+    - baked, cycles, local, difference: images (height, width, 3) in linear radiance.
+    - coverage: (height, width), the share of each pixel that the isosurface fills.
+    - isosurface_rms_percent, image_rms_percent: over the pixels that the isosurface fills, and over
+      all, by thesis Eq. 4.11 corrected: colors times exposure, clamped to 0..1.
+    - isosurface_noise_percent: the part of isosurface_rms_percent that is noise of both stills.
+    - isosurface_mean_off_percent, isosurface_mean_off_within: see mean_off().
+    - flip_mean, flip_percentile_95: of all pixels (measure/flip.py), None without flip-evaluator.
+    - local_rms_percent: local shading against Cycles over the isosurface's pixels.
+    - baked_seconds, cycles_seconds, local_seconds, bake_seconds: of the renders and the bake.
     """
     scene = context.scene
     isovalue = volume.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
@@ -162,7 +163,7 @@ def compare(context, volume, samples, baked_samples, share=1.0, report=None):
 
 
 def _flip(baked, cycles, exposure):
-    """PyPI does not have flip-evaluator for every Python, and the rest does not need it."""
+    """Returns the FLIP figures, None without flip-evaluator, which PyPI lacks for some Pythons."""
     try:
         seen = flip(baked, cycles, exposure)
     except LeaflightError:
@@ -183,7 +184,7 @@ class _SampleProgress:
 
 
 def _halves(scene, samples, report, name):
-    """(two stills of half of the samples each, by different random numbers, their seconds)."""
+    """Returns (two stills with half of the samples and different seeds, seconds of both)."""
     start, halves = time.perf_counter(), []
     for seed in (1, 2):
         report(samples // 2, name)
@@ -192,7 +193,7 @@ def _halves(scene, samples, report, name):
 
 
 def _local(context, report):
-    """(the still of local shading, its seconds)."""
+    """Returns (still of local shading, its seconds)."""
     report(_LOCAL_SAMPLES, "Local shading")
     start = time.perf_counter()
     with contextlib.ExitStack() as stack:
@@ -219,7 +220,7 @@ def check_lit(volume, isovalue):
 
 @contextlib.contextmanager
 def _volumes_alone(scene):
-    """Each volume with its own isosurface alone, whole and opaque, as the bake has it."""
+    """Shows only the first isosurface of each volume, uncut and opaque, as in the bake."""
     with contextlib.ExitStack() as stack:
         for obj in isovalues.isosurfaces(scene):
             shown = {"opacity": 1.0, "is_cut": False, "gloss": 0.0}
@@ -231,7 +232,7 @@ def _volumes_alone(scene):
 
 @contextlib.contextmanager
 def _path_traced(context, volume):
-    """All that was baked as it is: walls and volumes with materials of their own."""
+    """Shows the original walls, and volumes with their unlit materials."""
     with contextlib.ExitStack() as stack:
         stack.enter_context(render.overridden(context.scene.leaflight, show_walls=False))
         for obj in scene_export.volume_objects(context, volume):
@@ -241,7 +242,7 @@ def _path_traced(context, volume):
 
 @contextlib.contextmanager
 def _own_material(context, volume):
-    """The same mesh with the material of the isosurface and the normals of the bake's shading."""
+    """Shows a volume with the unlit material of its isosurface and the normals of the bake."""
     isovalue = surface_object.shown_isovalue(volume)
     vertices, normals, triangles = isosurface.isosurface_of(volume, isovalue).mesh()
     shown = volume.data
@@ -261,7 +262,7 @@ def _own_material(context, volume):
 
 @contextlib.contextmanager
 def _seen_alone(context, volume):
-    """Everything else becomes a hole: alpha is the share of a pixel that the isosurface fills."""
+    """Makes all other objects holdouts. Alpha is then the share that the isosurface fills."""
     others = [obj for obj in context.view_layer.objects if obj != volume]
     with contextlib.ExitStack() as stack:
         for obj in others:

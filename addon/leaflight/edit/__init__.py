@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that change what is shown: isosurfaces, looks, labels, isovalues, animations."""
+"""Operators that change the display: isosurfaces, looks, labels, isovalues, animations."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Showing further isosurfaces of a volume, and a box that cuts them."""
+"""Operators for more isosurfaces of a volume, and for a box that cuts them."""
 
 import bpy
 import mathutils
@@ -15,7 +15,7 @@ from ..store import cache
 from ..translations import iface_
 
 _PROPOSED = "PROPOSED"
-# In Hounsfield units.
+# Isovalues of tissues in Hounsfield units.
 TISSUES = {"SKIN": -300.0, "MUSCLE": 50.0, "BONE": 300.0}
 TISSUE_ITEMS = [
     (_PROPOSED, "What Is Inside", "The isosurface that best parts what is inside the present one"),
@@ -23,19 +23,22 @@ TISSUE_ITEMS = [
     ("MUSCLE", "Muscle", "Muscles and organs within fat, 50 HU"),
     ("BONE", "Bone", "300 HU"),
 ]
-# Of the air around a patient, -1000 HU, and of what scanners write beside their circle.
+# Range of the lowest value of a CT scan: air, -1000 HU, or the padding around the scanned circle.
 _AIR = (-3100.0, -900.0)
 
 
 def is_hounsfield(obj):
-    """Whether the values of an object's volume are those of a CT scan; False until it was seen."""
+    """True if the values of an object's volume seem to be Hounsfield units.
+
+    False until the Distribution is known.
+    """
     found = distribution.of(obj)
     low, high = (found.low, found.high) if found is not None else (0.0, 0.0)
     return _AIR[0] <= low <= _AIR[1] and high > TISSUES["BONE"]
 
 
 def next_isovalue(volume, tissue=_PROPOSED):
-    """Of an isosurface to show beside those that a volume object shows. Raises LeaflightError."""
+    """Returns the isovalue of the next isosurface of a volume object. Raises LeaflightError."""
     if tissue != _PROPOSED:
         return TISSUES[tissue]
     low, high = isovalues.isovalue_range(volume.leaflight)
@@ -43,21 +46,21 @@ def next_isovalue(volume, tissue=_PROPOSED):
     inner = inner_isovalue(cache.volume_of(volume), max(shown))
     if inner is not None and max(shown) < inner < high:
         return inner
-    # Nothing to be seen is inside.
+    # Without an inner material, halve the larger free part of the range.
     if min(shown) - low > 0.1 * (high - low):
         return 0.5 * (low + min(shown))
     return 0.5 * (max(shown) + high)
 
 
 def shown_outside(volume, isovalue):
-    """The isosurfaces of a volume object around another one."""
+    """Returns the isosurfaces of a volume object below an isovalue, which lie around it."""
     surfaces = display.surfaces_of(volume)
     return [obj for obj in surfaces if obj.leaflight.isovalue < isovalue]
 
 
-# Of an isosurface around others, through which they show.
+# Opacity of an isosurface around others, which show through it.
 _OPACITY = 0.3
-# Surfaces behind each other that are cut away.
+# Largest number of transparent layers on a ray, for surfaces that are cut away.
 _LAYERS = 128
 
 
@@ -107,7 +110,7 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         volume = active_volume(context)
         given = self.properties.is_property_set("isovalue")
         isovalue = self.isovalue if given else next_isovalue(volume, self.tissue)
-        # Those around it; a script says itself how opaque it is.
+        # Make the outer isosurfaces translucent. A script that gives an isovalue sets the opacity.
         outer = [] if given else shown_outside(volume, isovalue)
         obj = display.add(volume, isovalue, 1.0 if outer else self.opacity)
         isovalues.limit(obj)
@@ -116,7 +119,7 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         if not whole_detail.may_follow():
             obj.leaflight.isovalue = isovalue
             return
-        # The window does not wait for the whole detail, which follows in the background.
+        # Show a coarse surface at once. The full detail follows in the background.
         surface_object.update(obj, isovalue, moving=True)
         whole_detail.watch([obj])
 
@@ -154,7 +157,7 @@ class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
             collection.objects.link(box)
         context.view_layer.update()
         volume.leaflight_look.box = box
-        # Rays pass all that is cut away, of which a scan has many layers.
+        # Rays pass through all parts that are cut away, of which a scan has many layers.
         cycles = getattr(context.scene, "cycles", None)
         if cycles is not None:
             cycles.transparent_max_bounces = max(cycles.transparent_max_bounces, _LAYERS)
@@ -168,7 +171,7 @@ def _place_nearest(box, volume_to_world, low, high):
     if camera is not None:
         place = volume_to_world.inverted_safe() @ camera.matrix_world.translation
         towards = np.where(np.array(place) < middle, -1.0, 1.0)
-    # Beyond the volume, whose border is on no box's own.
+    # Extend the box beyond the volume, so that no face lies on its border.
     half = 0.26 * size
     local = mathutils.Matrix.Diagonal((*half, 1.0))
     local.translation = middle + towards * half

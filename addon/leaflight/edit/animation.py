@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animations in one click: a sweep of the isovalue, a turntable, a wipe by the clip box."""
+"""Animations in one click: isovalue sweep, turntable, and a wipe with the clip box."""
 
 import math
 
@@ -15,7 +15,7 @@ from ..operators.checks import active_volume
 from ..show import display, isosurfaces, isovalues
 
 _PIVOT = "leaflight_turntable"
-# Degrees between the places of the camera that are tried, and of view to both sides of the volume.
+# Step in degrees between tested camera positions, and view in degrees to each side of the volume.
 _STEP, _BESIDE = 5, 28
 
 
@@ -66,7 +66,7 @@ def _turntable(context, volume, frames):
     pivot.animation_data_clear()
     free = _free_degrees(context, volume, camera, pivot)
     if free >= 180:
-        # The frame after the last is the first again.
+        # The frame after the last equals the first.
         angles = np.linspace(0, 360, frames + 1)[:-1]
     else:
         angles = free * np.sin(np.linspace(0, 2 * np.pi, frames + 1)[:-1])
@@ -74,8 +74,9 @@ def _turntable(context, volume, frames):
 
 
 def _free_degrees(context, volume, camera, pivot):
-    """How far to both sides the camera may run: nothing comes between it and the volume, and what
-    is behind the volume at first, such as a backdrop, stays behind it.
+    """Returns the degrees that the camera may move to each side.
+
+    On the way nothing comes between camera and volume. A backdrop behind the volume stays there.
     """
     depsgraph = context.evaluated_depsgraph_get()
     middle = pivot.location
@@ -111,7 +112,7 @@ def _turned(vector, degrees):
 
 
 def _wipe(context, volume, frames):
-    """Along the direction that runs across the camera's picture, as far as the volume reaches."""
+    """Animates the clip box across the camera's picture, through the whole volume."""
     look = volume.leaflight_look
     if look.box is None or not look.box.users_scene:
         bpy.ops.leaflight.add_clip_box()
@@ -127,7 +128,7 @@ def _wipe(context, volume, frames):
     step = np.zeros(3)
     step[axis] = 2.1 * half[axis] * (1.0 if across[axis] > 0 else -1.0)
     box.animation_data_clear()
-    # Beyond the volume, whose border lies on none of the box's faces.
+    # Extend the box beyond the volume, so that no face lies on its border.
     box.matrix_world = mathutils.Matrix.LocRotScale(
         mathutils.Vector(middle), None, mathutils.Vector(1.05 * half / box.empty_display_size)
     )
@@ -136,7 +137,7 @@ def _wipe(context, volume, frames):
 
 
 def _keyframe(obj, path, values, scene):
-    """One value a frame from the first on; the scene's range of frames becomes theirs."""
+    """Inserts a keyframe for each value from frame 1, and sets the scene's frame range."""
     for frame, value in enumerate(values, start=1):
         setattr(obj, path, value)
         obj.keyframe_insert(path, frame=frame)

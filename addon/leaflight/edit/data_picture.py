@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture of a volume's data in the sidebar: a slice, and below it the histogram.
+"""The picture of a volume's data in the sidebar: a slice above the histogram.
 
-Painted anew only when the volume, its range or the isovalue has changed by what can be seen.
+It is painted again only after a visible change of the volume, its range or the isovalue.
 """
 
 import bpy.utils.previews
@@ -10,12 +10,12 @@ import numpy as np
 from .. import session
 from ..show import distribution
 
-# Pixels of the whole, which Blender shows as a square, and of its lower part.
+# Side of the square picture and height of the histogram, in pixels.
 SIDE, HISTOGRAM = 256, 84
 BACKGROUND = (0.11, 0.11, 0.11)
 OUTSIDE, INSIDE = (0.32, 0.32, 0.32), (0.75, 0.75, 0.75)
 ISOVALUE = (1.0, 0.55, 0.1)
-# How much of a pixel at or above the isovalue is its color.
+# Share of the isovalue's color in pixels at or above the isovalue.
 TINT = 0.45
 
 _pictures = None
@@ -23,7 +23,7 @@ _last = session.remembered()
 
 
 def icon_of(obj):
-    """The icon of an object's picture, 0 until its volume has been looked at."""
+    """Returns the icon of an object's picture, 0 until its Distribution is known."""
     found = distribution.of(obj)
     if found is None:
         return 0
@@ -36,7 +36,7 @@ def icon_of(obj):
 
 
 def paint(found, low, high, isovalue):
-    """The picture, float32 (SIDE, SIDE, 4), bottom row first: a Distribution and its marks."""
+    """Returns the picture of a Distribution, float32 (SIDE, SIDE, 4), bottom row first."""
     pixels = np.empty((SIDE, SIDE, 4), np.float32)
     pixels[..., :3], pixels[..., 3] = BACKGROUND, 1.0
     _paint_slice(pixels[: SIDE - HISTOGRAM - 4], found, low, high, isovalue)
@@ -45,13 +45,13 @@ def paint(found, low, high, isovalue):
 
 
 def bars(counts):
-    """Heights within 0..1 of the bars of a histogram, in logarithms, so that few voxels show."""
+    """Returns the bars of a histogram, 0 to 1, on a log scale that shows small counts."""
     heights = np.log1p(counts.astype(np.float64))
     return heights / max(heights.max(), 1e-9)
 
 
 def _paint_slice(pixels, found, low, high, isovalue):
-    """From black at `low` to white at `high`; what is inside of the isosurface is tinted."""
+    """Paints the slice from black at `low` to white at `high`, and tints the inside."""
     rows, columns = found.middle.shape
     first = (pixels.shape[0] - rows) // 2, (SIDE - columns) // 2
     part = pixels[first[0] : first[0] + rows, first[1] : first[1] + columns]
@@ -85,7 +85,7 @@ def _column(found, value):
 
 
 def _put(pixels):
-    # A new picture, since Blender may keep what it has drawn of one.
+    # Make a new picture, because Blender may cache the drawing of the old one.
     if "data" in _pictures:
         del _pictures["data"]
     picture = _pictures.new("data")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scale bar, letters for a patient's sides, and a cube in the corner of the camera's picture that
-turns as a volume does, with its axes' names.
+"""Labels of a volume: a scale bar, letters for a patient's sides, and an orientation cube.
 
-They are objects that render and that no bake sees.
+The cube is in the corner of the camera's picture and rotates with the volume. Labels are objects
+that render and that bakes ignore.
 """
 
 import bpy
@@ -17,15 +17,15 @@ from ..show import display, shader
 from ..store import cache, source_files
 
 _BAR, _LETTER = "scale bar", "letter"
-# Right, left, front, back, up and down in a patient's coordinates: (letter, axis, direction).
+# Sides of a patient as (letter, axis, direction): right, left, front, back, up and down.
 SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
-# Shares of the volume's longest side.
+# Sizes of labels, as shares of the volume's longest side.
 _TEXT, _GAP, _LENGTH, _WIDTH = 0.06, 0.06, 0.3, 0.008
 _WHITE = (0.9, 0.9, 0.9)
 
 
 def add_scale_bar(context, volume):
-    """A bar before the volume's lower edge with its length. Raises LeaflightError."""
+    """Adds a bar with its length in front of the volume's lower edge. Raises LeaflightError."""
     unit = volume.leaflight.unit
     if not unit:
         raise LeaflightError(
@@ -49,7 +49,7 @@ def add_scale_bar(context, volume):
 
 
 def add_letters(context, volume):
-    """R, L, A, P, S and I beside the volume. Raises LeaflightError."""
+    """Adds R, L, A, P, S and I beside the volume. Raises LeaflightError."""
     if not source_files.is_patient(volume.leaflight):
         raise LeaflightError(
             f"{volume.leaflight.source or volume.name}: the file does not say where a patient's "
@@ -64,19 +64,19 @@ def add_letters(context, volume):
 
 
 def round_length(length):
-    """The greatest of 1, 2 or 5 times a power of ten that is not longer."""
+    """Returns the greatest 1, 2 or 5 times a power of ten up to this length."""
     power = 10.0 ** np.floor(np.log10(length))
     return float(max(n * power for n in (1, 2, 5) if n * power <= length * (1 + 1e-9)))
 
 
 def _box(volume):
-    """Lowest and highest corner in the object's coordinates, and the longest side."""
+    """Returns the lowest and highest corner in the object's coordinates, and the longest side."""
     low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
     return low, high, float((high - low).max())
 
 
 def _axes(context, volume):
-    """The axis that runs across the camera's picture, and (axis, direction) towards the camera."""
+    """Returns the axis across the camera's picture, and (axis, direction) to the camera."""
     camera = context.scene.camera
     if camera is None:
         return 0, (1, -1)
@@ -124,7 +124,7 @@ def _material():
 
 
 def exposed(color):
-    """The radiance that shows as a color with the scene's exposure."""
+    """Returns the radiance that the scene's exposure turns into a color."""
     exposure = bpy.context.scene.view_settings.exposure
     return tuple(2.0**-exposure * x for x in color)
 
@@ -135,19 +135,19 @@ def _remove(volume, kind):
 
 
 _CUBE = "orientation cube"
-# Along +x, -x, +y, -y, +z and -z.
+# Names of the cube's sides along +x, -x, +y, -y, +z and -z.
 _OF_A_PATIENT = tuple(letter for letter, _, _ in SIDES)
 _OF_OTHERS = ("X", "-X", "Y", "-Y", "Z", "-Z")
-# Of the sides across x, y and z, so that their edges are seen; of the letters.
+# Gray values of the sides across x, y and z, different so that edges are visible, and of letters.
 _GRAYS, _DARK = (0.1, 0.2, 0.4), 0.002
-# Shares of the height of the picture: an edge, and its distance from the picture's borders.
+# Edge of the cube and its distance from the picture's borders, as shares of the picture's height.
 _EDGE, _MARGIN = 0.09, 0.04
-# From the camera, as a multiple of where it begins to see.
+# Distance from the camera, as a multiple of its clip start.
 _DISTANCE = 4.0
 
 
 def add_cube(context, volume):
-    """Puts the cube into the camera's picture, for an earlier one. Raises LeaflightError."""
+    """Adds the cube to the camera's picture, in place of an earlier one. Raises LeaflightError."""
     camera = context.scene.camera
     if camera is None:
         raise LeaflightError(
@@ -162,7 +162,7 @@ def add_cube(context, volume):
     edge = _EDGE * height
     cube = _cube_object(volume, "Orientation Cube", _cube_mesh(edge), _GRAYS)
     cube.parent, cube.matrix_parent_inverse = camera, Matrix()
-    # Half of its diagonal and the margin from two borders of the picture.
+    # Half of the cube's diagonal and the margin from two borders of the picture.
     cube.location = corner + (0.5 * 3**0.5 * edge + _MARGIN * height) * Vector((1, 1, 0))
     cube.constraints.new("COPY_ROTATION").target = volume
     for side, name in enumerate(names):
@@ -173,7 +173,7 @@ def add_cube(context, volume):
 
 
 def _corner(scene, camera):
-    """The lower left corner of the picture in the camera's coordinates, and its height there."""
+    """Returns the lower left corner of the picture in camera coordinates, and its height there."""
     distance = _DISTANCE * camera.data.clip_start
     frame = np.array(camera.data.view_frame(scene=scene))
     if camera.data.type == "PERSP":
@@ -183,7 +183,7 @@ def _corner(scene, camera):
 
 
 def _on_side(side, distance):
-    """Where a text lies that is upright on a side and is read from outside."""
+    """Returns the matrix of a text that is upright on a side and readable from outside."""
     axis, sign = side // 2, 1 - 2 * (side % 2)
     out = Vector([sign * (a == axis) for a in range(3)])
     up = Vector((0, 0, 1)) if axis < 2 else Vector((0, 1, 0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Looks of isosurfaces by name, and the stops of their color ramps."""
+"""Operators for named looks of isosurfaces and for the stops of their color ramps."""
 
 from dataclasses import dataclass, field
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pick Isovalue: the histogram large over the viewport, in which the isovalue is dragged."""
+"""Pick Isovalue: a large histogram over the viewport, in which you drag the isovalue."""
 
 import blf
 import bpy
@@ -14,12 +14,12 @@ from ..operators.checks import active_volume
 from ..show import distribution
 from . import data_picture
 
-# Of the viewport, in shares of its width and in pixels of an unscaled interface.
+# Margin as a share of the viewport's width. Height and bottom in pixels of an unscaled interface.
 MARGIN, HEIGHT, ABOVE_THE_FLOOR = 0.08, 130, 46
 PLATE = (0.06, 0.06, 0.06, 0.82)
 WINDOW = (1.0, 1.0, 1.0, 0.07)
 
-# The operators that run, so that no drawing outlives its own.
+# Full name of an object -> draw handler of the operator that runs for it.
 _drawn = {}
 
 
@@ -56,7 +56,7 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
 
     def modal(self, context, event):
         obj = bpy.data.objects.get(self.object_name)
-        # Undo, another file or another histogram may have come in between.
+        # Undo, another file or another histogram may have ended it meanwhile.
         if obj is None or not obj.leaflight.is_volume or self.object_name not in _drawn:
             return self._end({"CANCELLED"})
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
@@ -72,7 +72,7 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
             _set(obj, self._isovalue_at(context, event))
             self.area.tag_redraw()
             return {"RUNNING_MODAL"}
-        # What turns the view stays as it is.
+        # Pass other events through, so that the view can be rotated.
         return {"RUNNING_MODAL"} if event.type == "LEFTMOUSE" else {"PASS_THROUGH"}
 
     def cancel(self, _context):
@@ -87,7 +87,7 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
         return result
 
     def _box(self, context):
-        """Left, bottom, width and height in pixels of the region, beside what lies over it."""
+        """Returns left, bottom, width and height in the region's pixels, between its overlays."""
         scale = context.preferences.system.ui_scale
         left, right = 0, self.region.width
         if context.preferences.system.use_region_overlap:
@@ -135,13 +135,13 @@ class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
 
 
 def _set(obj, isovalue):
-    """As the slider does it: the surface follows, coarse while it moves."""
+    """Sets the isovalue as the slider does, with coarse surfaces while it moves."""
     obj.leaflight["isovalue"] = float(isovalue)
     obj.update_tag()
 
 
 def _rectangles(boxes, color):
-    """Filled boxes (left, bottom, width, height) of one color."""
+    """Draws filled boxes (left, bottom, width, height) in one color."""
     if not boxes:
         return
     corners, triangles = [], []

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes for other programs."""
+"""Export of bakes for other programs."""

@@ -29,7 +29,7 @@ _FORMATS = (
     (".am", "Amira Colors (.am)", "The colors of all isosurfaces, four bytes a texel"),
 )
 
-# (id of a bake, how much coarser) -> the _SizeJob for a page with its BackgroundWork.
+# Cache: (id of a bake, coarser) -> the _SizeJob for a page with its BackgroundWork.
 _sizes = session.remembered()
 
 
@@ -37,7 +37,7 @@ class ExportJob(jobs.Job):
     """The file is written in the background; large volumes take their time."""
 
     def __init__(self, obj, path, values, **page):
-        """page: the options of a web page."""
+        """Stores the bake and the isovalues to write. page: the options of a web page."""
         if not obj.leaflight.bake_id:
             raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
         self._bake, self._index = lamps.whole_of(obj), obj.leaflight.bake_index
@@ -77,7 +77,7 @@ class _SizeJob(jobs.Job):
 
 
 def _size_of(obj, coarser):
-    """The bytes of a page, or None while they are estimated. Raises what the work did."""
+    """Returns the estimated bytes of a page, None before the estimate. Raises its error."""
     key = obj.leaflight.bake_id, coarser
     if key not in _sizes:
         job = _SizeJob(obj, coarser)
@@ -91,7 +91,7 @@ def _size_of(obj, coarser):
 
 
 def _redraw_browsers():
-    """Of a timer: shows the sizes that are estimated by now."""
+    """Redraws the file browsers from a timer, to show finished estimates."""
     goes_on = any(work.is_alive() for _, work in _sizes.values())
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
@@ -106,7 +106,7 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
     bl_options = set()
     conditions = (jobs.is_free, *checks.BAKE)
     check_extension = None
-    # The suffix that a new name gets.
+    # Suffix of a new name.
     file_type = ""
 
     def ask(self, context, event):
@@ -116,7 +116,7 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
     def check(self, _context):
-        """The name follows the format that is chosen."""
+        """Changes the suffix of the name to the chosen format."""
         path = Path(self.filepath)
         if path.suffix.lower() == self.file_type:
             return False
@@ -138,7 +138,7 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
         return ExportJob(obj, path, values, **self.page_options(obj))
 
     def chosen_isovalues(self, obj):
-        """The isovalues to write, in data units. Raises LeaflightError."""
+        """Returns the isovalues to write, in data units. Raises LeaflightError."""
         return [obj.leaflight.isovalue]
 
     def page_options(self, _obj):
@@ -200,7 +200,7 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
             layout.prop(self, "listed")
 
     def chosen(self):
-        # A choice for another format is not shown for this one.
+        # Ignore the isovalues that were chosen for another format.
         alone = {} if self.file_type in OF_SEQUENCE else {"isovalues": "CURRENT"}
         return {**super().chosen(), **alone}
 
@@ -249,13 +249,13 @@ class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
             return ""
         try:
             size = _size_of(obj, self.coarser)
-        except Exception:  # a page that cannot be written has no size; the export says why
+        except Exception:  # the export reports why the page cannot be written
             return ""
         return iface_("Estimating its size") if size is None else f"About {size / 1e6:.0f} MB"
 
 
 def _absent(suffix):
-    """A sentence about the package that a format lacks here, or an empty text."""
+    """Returns a sentence about the missing package of a format, or an empty text."""
     package = absent_package(suffix)
     if package is None:
         return ""
@@ -268,7 +268,7 @@ def _absent(suffix):
 
 
 def _lengths(obj):
-    """(length, unit): how much of the file a unit of Blender measures."""
+    """Returns (length, unit) of a Blender unit in the coordinates of the file."""
     scales = obj.matrix_world.to_scale()
     if max(scales) - min(scales) > 1e-4 * max(scales):
         return 1.0, "units of Blender"

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flatland in space: an image as the graph of its height, with isolines lit within the plane.
+"""Flatland in space: an image as its height graph, with isolines lit within the plane.
 
-The graph is a grid mesh, a node for each pixel, with the baked radiance of the isoline through each
-node. Its child holds the isolines as thin tubes on the graph. Both emit the colour attribute
-`radiance`; before a bake they are plain.
+The graph is a grid mesh with a node for each pixel. A node has the baked radiance of the isoline
+through it. A child object has the isolines as thin tubes on the graph. Both emit the color
+attribute `radiance`; before a bake they are Lambertian.
 """
 
 import bpy
@@ -14,7 +14,7 @@ from .. import session
 from ..show import display, fill, shader, surface_object
 from ..show.isosurface import RADIANCE
 
-# More nodes along a side would only slow the viewport down; the bake always has every pixel.
+# Largest number of nodes along a side. More would slow down the viewport; the bake has every pixel.
 _MOST_NODES = 1024
 
 _GRAPH, _ISOLINES = "graph", "isolines"
@@ -22,13 +22,13 @@ _GRAPH, _ISOLINES = "graph", "isolines"
 # Albedos before a bake.
 _PLAIN_GRAPH, _PLAIN_LINE = (0.8, 0.8, 0.8), (0.1, 0.1, 0.1)
 
-# Height fields by their source and bakes by their identifier: never saved, made again on demand.
+# Caches, which are never saved: height fields by (source, nodes), and bakes by their id.
 _fields = session.remembered()
 _bakes = session.remembered()
 
 
 def field_of(obj):
-    """The height field, a Volume of two dimensions, of a flatland object. Raises LeaflightError."""
+    """Returns the height field of a flatland object, a 2D Volume. Raises LeaflightError."""
     settings = obj.leaflight_flat
     key = (bpy.path.abspath(settings.source), settings.nodes)
     if key not in _fields:
@@ -47,7 +47,7 @@ def forget():
 
 
 def create(context, field, size, settings):
-    """The graph of a height field with its isolines, unlit.
+    """Adds the graph of a height field with its isolines, unlit.
 
     settings: attributes of Object.leaflight_flat.
     """
@@ -73,20 +73,20 @@ def create(context, field, size, settings):
 
 
 def isolines_of(obj):
-    """The object of the isolines, None when it was deleted."""
+    """Returns the object of the isolines, None if it was deleted."""
     return next((child for child in obj.children if display.is_display(child, _ISOLINES)), None)
 
 
 def isovalues(settings):
-    """The isovalues of the isolines, spread evenly within the isovalue range."""
+    """Returns the isovalues of the isolines, spread evenly in the isovalue range."""
     parts = (np.arange(settings.count) + 0.5) / settings.count
     return settings.low + parts * (settings.high - settings.low)
 
 
 def rebuild(obj, passed=None):
-    """Builds graph and isolines anew after a bake or a change of their shape.
+    """Builds graph and isolines again, after a bake or a change of their shape.
 
-    passed: the FlatBake of a pass to show, instead of the object's own bake. Errors are in
+    passed: the FlatBake of a pass to show instead of the object's bake. Errors go to
     surface_object.problems.
     """
     surface_object.problems.pop(obj.name, None)
@@ -120,13 +120,13 @@ def _fill(obj, vertices, quads, radiance):
 
 
 def _heights(field, settings, values):
-    """Heights in the object's coordinates, where the longest side of the image measures 1."""
+    """Returns heights in the object's coordinates, where the image's longest side is 1."""
     low, high = field.field().range
     return settings.height * (np.asarray(values, np.float64) - low) / (high - low)
 
 
 def _graph(field, settings, bake):
-    """(vertices, quads, radiance or None) of the graph at every node, or at every few."""
+    """Returns (vertices, quads, radiance or None) of the graph, with at most _MOST_NODES a side."""
     rows, columns = field.values.shape
     step = -(-max(rows, columns) // _MOST_NODES)
     i, j = np.arange(0, columns, step), np.arange(0, rows, step)
@@ -143,7 +143,7 @@ def _graph(field, settings, bake):
 
 
 def _tubes(field, settings, bake):
-    """(vertices, quads, radiance or None) of the isolines, as tubes with four edges."""
+    """Returns (vertices, quads, radiance or None) of the isolines, as tubes with four edges."""
     vertices, quads, radiance = [np.empty((0, 3))], [np.empty((0, 4), int)], [np.empty((0, 3))]
     count = 0
     for isovalue in isovalues(settings):
@@ -163,7 +163,7 @@ def _tubes(field, settings, bake):
 
 
 def _rings(points, segments, height, width):
-    """Four vertices (4 n, 3) about each of the points (n, 2): beside, above, beside, below."""
+    """Returns vertices (4 n, 3) around points (n, 2), in the order beside, above, beside, below."""
     rings = np.zeros((len(points), 4, 3))
     rings[..., :2] = points[:, None]
     rings[..., 2] = height
@@ -176,7 +176,7 @@ def _rings(points, segments, height, width):
 
 
 def _normals(points, segments):
-    """Unit vectors (n, 2) across the lines at their vertices."""
+    """Returns unit vectors (n, 2) across the lines at their vertices."""
     along = points[segments[:, 1]] - points[segments[:, 0]]
     tangents = np.zeros_like(points, dtype=np.float64)
     for end in (0, 1):

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flatland: File > Import > Image for Leaflight, what the graph of an image remembers, and Bake
-Isolines.
-"""
+"""Flatland: File > Import > Image for Leaflight, the properties of a graph, and Bake Isolines."""
 
 import time
 import uuid
@@ -165,7 +163,7 @@ class FlatBakeJob(jobs.Job):
     """One bake of all isolines: what it needs, the work, and lighting the object by it."""
 
     def __init__(self, obj):
-        """Raises LeaflightError when the settings cannot be baked."""
+        """Reads the settings. Raises LeaflightError if they cannot be baked."""
         settings = obj.leaflight_flat
         self.object_name = obj.name
         scene = bpy.path.abspath(settings.scene_file)
@@ -180,7 +178,7 @@ class FlatBakeJob(jobs.Job):
         self.latest = self._shown = None
 
     def run(self, progress):
-        """In any thread: touches no Blender data."""
+        """Bakes the isolines, in any thread. Touches no Blender data."""
         start = time.perf_counter()
         self.bake = flatland.bake_flatland(**self._arguments, on_pass=self._keep, progress=progress)
         if progress.cancelled:
@@ -191,7 +189,7 @@ class FlatBakeJob(jobs.Job):
         self.latest = bake
 
     def show(self):
-        """Lights the object by the last pass."""
+        """Lights the object with the last pass."""
         if self.latest is not self._shown:
             self._shown = self.latest
             self._rebuild(self.latest)

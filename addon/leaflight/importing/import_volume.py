@@ -17,7 +17,7 @@ from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
 from . import placing, stored_facts
 
-# Which files the browser lists.
+# Name patterns of the files that the browser lists.
 _BY_NAME = readers.name_patterns()
 
 _OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
@@ -122,7 +122,7 @@ class LEAFLIGHT_OT_import_volume(
         _, stored, _ = self._look()
         return list(stored.datasets) if stored is not None else []
 
-    # Set by the resolution, but a choice of a volume like the others.
+    # One of source_files.CHOICES, which the resolution sets later.
     downsample = 1
     _patience = 0.3
 
@@ -157,7 +157,7 @@ class LEAFLIGHT_OT_import_volume(
         self._draw_choices(layout, stored, takes)
 
     def _draw_choices(self, layout, stored, takes):
-        """The options of this kind of file."""
+        """Draws the options of the file's format."""
         if "type" in takes:
             for name in ("dims", "value_type", "endian", "skip"):
                 layout.prop(self, name)
@@ -195,7 +195,7 @@ class LEAFLIGHT_OT_import_volume(
         return ImportJob(context, self)
 
     def _fail(self, error):
-        """The panels, which show why work failed, are those of another volume."""
+        """Reports an error, but not in the panels, which show another volume."""
         self.report({"ERROR"}, failures.sentence_of(error))
         return {"CANCELLED"}
 
@@ -207,7 +207,7 @@ class ImportJob(jobs.Job):
     cancelled = "The import was cancelled; nothing has changed"
 
     def __init__(self, context, operator):
-        """With the choices of the operator. Raises LeaflightError."""
+        """Stores the choices of the operator. Raises LeaflightError."""
         self._path = bpy.path.abspath(operator.filepath)
         self._choices = source_files.choices_of(operator)
         self._resolution, self._size = operator.resolution, operator.size
@@ -277,7 +277,7 @@ class ImportJob(jobs.Job):
         )
 
     def _stand(self, context, obj):
-        """Orients a volume, and finds its place among those that are there."""
+        """Orients a volume and places it among the others."""
         orientation.begin(obj, self._stored.patient, *self._axes)
         if self._size_from != "AUTO":
             return

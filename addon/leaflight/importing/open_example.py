@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Open Example: a volume without a file of one's own, to try Leaflight with."""
+"""Open Example: a volume for a first try of Leaflight."""
 
 from pathlib import Path
 
@@ -9,10 +9,10 @@ from leaflight import LeaflightError
 from ..operators import checks, jobs
 from ..store import bake_files
 
-# Colin27's brain, and his head, of the Debian package mricron-data.
+# Files of the Colin27 brain and head in the Debian package mricron-data.
 _SCANS = [Path("/usr/share/mricron/templates") / name for name in ("ch2bet.nii.gz", "ch2.nii.gz")]
 
-# Nodes along an axis of the volume that is computed where there is no scan.
+# Nodes along an axis of the volume that is computed if there is no scan.
 _NODES = 96
 
 
@@ -34,7 +34,7 @@ class LEAFLIGHT_OT_open_example(checks.LeaflightOperator, bpy.types.Operator):
 
 
 def _computed():
-    """The file of a volume that is computed, once. Raises LeaflightError."""
+    """Returns the file of a computed volume. Computes it only once. Raises LeaflightError."""
     path = bake_files.user_folder() / "examples" / "hydrogen.nii.gz"
     if not path.exists():
         import nibabel

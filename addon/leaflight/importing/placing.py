@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How large an imported volume is, and where it stands: its object's transform alone.
+"""Size and place of an imported volume, which only its object's transform changes.
 
-Vertices keep the axes and the unit of the file, for patients right, front and up. The origin of the
-object is the middle of the volume, whose place in the file it keeps.
+Vertices keep the axes and the unit of the file; for patients the axes are right, front and up. The
+origin of the object is the middle of the volume.
 """
 
 import numpy as np
@@ -35,13 +35,13 @@ SIZE_ITEMS = [
         "patient lie over each other",
     ),
 ]
-# What a file without a unit is taken to measure in.
+# Assumed unit of a file without one.
 USUAL = "mm"
-# Blender's coordinates are single precision, and its views clip what is smaller.
+# Smallest side in meters. Blender has single precision, and viewports clip smaller objects.
 SMALLEST = 1e-4
-# Between volumes that stand beside each other, in longest sides of the new one.
+# Gap between volumes, as a share of the longest side of the new one.
 GAP = 0.15
-# Meshes so many times as large as a volume are rooms in which it stands.
+# Size of a mesh, relative to a volume, from which it counts as a room around the volume.
 _ROOM = 2.0
 
 
@@ -50,7 +50,7 @@ def meters(unit):
 
 
 def check(context, mode, partner):
-    """Raises LeaflightError where there is no volume to go together with."""
+    """Raises LeaflightError if SAME has no volume as its partner."""
     if mode == "SAME" and not _is_volume(context.scene.objects.get(partner)):
         raise LeaflightError(
             f'Together With: "{partner}" is no Leaflight volume of this scene: choose one, or '
@@ -59,9 +59,9 @@ def check(context, mode, partner):
 
 
 def place(context, obj, volume, mode, partner):
-    """Puts a volume that was fitted to the floor where LIFE or SAME says. Raises LeaflightError.
+    """Scales and moves a volume for LIFE or SAME. Raises LeaflightError.
 
-    partner: name of the volume that it goes together with.
+    partner: name of the volume that gives SAME its scale and place.
     """
     unit = meters(obj.leaflight.unit)
     if mode == "LIFE":
@@ -82,7 +82,7 @@ def place(context, obj, volume, mode, partner):
 
 
 def registered(context, obj, is_patient):
-    """The name of a volume of the same space, by what both headers say; empty for none."""
+    """Returns the name of a volume of the same patient space by both headers, or empty."""
     if not is_patient:
         return ""
     for name in volume_names(context):
@@ -93,7 +93,7 @@ def registered(context, obj, is_patient):
 
 
 def _overlap(obj, other):
-    """Whether the boxes of two volumes have a place in common, in their patients' coordinates."""
+    """True if the boxes of two volumes overlap in their patients' coordinates."""
     boxes = []
     for one in (obj, other):
         box = np.asarray(cache.volume_of(one).field().bounds, np.float64) + one.leaflight.origin
@@ -103,8 +103,10 @@ def _overlap(obj, other):
 
 
 def put_beside(context, obj):
-    """Moves a volume to the right of all others of the scene, in line with their middle; without
-    others, of the meshes that would hide it, such as the cube of Blender's first scene."""
+    """Moves a volume to the right of all other volumes of the scene, in line with their middle.
+
+    Without other volumes, it moves beside meshes that would hide it, such as the default cube.
+    """
     context.view_layer.update()
     own_low, own_high = isosurfaces.world_box(obj)
     names = volume_names(context)
@@ -123,10 +125,12 @@ def put_beside(context, obj):
 
 
 def _boxes_around(context, low, high):
-    """Lowest and highest corner (2, 3) of each visible mesh about as large as a box, within which
-    it stands in part; rooms are larger."""
+    """Returns the boxes [(2, 3), ...] of visible meshes that overlap a box.
+
+    Meshes that are much larger than the box count as rooms and are left out.
+    """
     boxes = []
-    # Those that it merely touches do not hide it.
+    # Leave out meshes that only touch the box, because they do not hide it.
     margin = 1e-4 * (high - low)
     low, high = low + margin, high - margin
     for other in context.visible_objects:
@@ -147,7 +151,7 @@ def longest_side(volume):
 
 
 def volume_names(context):
-    """Of the volumes that one can go together with, the active one first."""
+    """Returns the names of the volumes of the scene, the active one first."""
     names = [obj.name for obj in context.scene.objects if _is_volume(obj)]
     active = active_volume(context)
     if active is not None and active.name in names:

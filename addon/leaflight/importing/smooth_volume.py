@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth: reads the volume again, its values or the normals under a Gaussian."""
+"""Smooth: reads the volume again, with a Gaussian on its values or its normals."""
 
 import bpy
 from bpy.props import EnumProperty
@@ -29,7 +29,7 @@ class SmoothJob(jobs.Job):
         if obj is None or not obj.leaflight.is_volume:
             return self.cancelled
         settings, volume = obj.leaflight, self._volume
-        # Stored before the setting's update looks it up.
+        # Set the property without its update, and cache the volume for that update.
         settings[self._what] = self._amount
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         setattr(settings, self._what, self._amount)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the file dialog shows of a volume before it is read, from its header alone."""
+"""Facts about a volume from its header, for the file dialog."""
 
 import os
 from pathlib import Path
@@ -11,7 +11,7 @@ from .. import session
 from ..store import source_files
 from ..translations import iface_
 
-# Above so many voxels a volume is halved unless the user chooses otherwise: 512^3.
+# Number of voxels, 512^3, above which a volume is halved unless the user chooses otherwise.
 MOST_VOXELS = 1 << 27
 
 RESOLUTION_ITEMS = [
@@ -26,15 +26,15 @@ RESOLUTION_ITEMS = [
 ]
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 
-# Choices that the header has no need of.
+# Choices that do not change the facts in the header.
 _NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
 
-# (path, state of the file, choices) -> StoredVolume or a sentence, of the last file looked at.
+# Cache of the last file: (path, state of the file, choices) -> result of look().
 _last = session.remembered()
 
 
 def look(path, choices):
-    """(StoredVolume, "") of a file, or (None, why there is none). Reads a file once."""
+    """Returns (StoredVolume, "") of a file, or (None, reason). Reads each file only once."""
     try:
         state = os.stat(path)
         where = sorted((name, choices[name]) for name in choices.keys() - _NOT_ASKED)
@@ -58,7 +58,7 @@ def _look(path, choices):
 
 
 def _may_be_volume(path):
-    """Whether a folder that the user walks through is one volume."""
+    """True if a folder that the user browses is one volume."""
     try:
         readers.format_of(path)
     except LeaflightError:
@@ -67,7 +67,7 @@ def _may_be_volume(path):
 
 
 def step_of(resolution, stored):
-    """How many voxels along each axis make one."""
+    """Returns how many voxels along each axis are averaged into one."""
     if resolution != "AUTO":
         return _STEPS[resolution]
     step = 1
@@ -79,7 +79,7 @@ def step_of(resolution, stored):
 
 
 def lines(path, stored, step):
-    """The facts of a file, a line for each."""
+    """Returns the facts of a file as lines of text."""
     facts = [source_files.format_of(path).name]
     if stored.dims is not None:
         facts.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
@@ -92,7 +92,7 @@ def lines(path, stored, step):
 
 
 def _extent(stored):
-    """The size in space, without a unit where the file gives none."""
+    """Returns the size in space as text, with the unit if the file gives one."""
     sides = (max(n - 1, 1) * size for n, size in zip(stored.dims, stored.voxel_size))
     return f"{' x '.join(f'{side:.4g}' for side in sides)} {stored.unit or iface_('(no unit)')}"
 

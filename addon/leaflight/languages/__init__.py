@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Messages of the interface in other languages, one a file: plain data."""
+"""Messages of the interface in other languages, as plain data. Each language has a file."""

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators have in common: work in the background, and reasons why one is greyed."""
+"""Common code of operators: background work, and reasons why an operator is disabled."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators whose work is a Job: Blender stays usable, shows how far it is, and Esc ends it."""
+"""Operators whose work is a Job. Blender stays usable and shows progress, and Esc ends it."""
 
 from collections.abc import Callable
 from typing import Any, Optional
@@ -12,10 +12,10 @@ from . import failures, jobs
 from .checks import LeaflightOperator
 from .jobs import BackgroundWork, Job
 
-# Makes a Job, or none.
+# Function that returns a Job or None.
 Start = Callable[[bpy.types.Context], Optional[Job]]
 
-# The state of an operator whose window was closed, with its class, until another window has it.
+# Class and state of an operator whose window was closed, until another window takes it over.
 _left_behind: "tuple[type[BackgroundOperator], dict[str, Any]] | None" = None
 
 
@@ -36,7 +36,7 @@ class BackgroundOperator(LeaflightOperator):
         return self.execute(context) if bpy.app.background else self.run_modal(context)
 
     def call(self, operator: Any, *how: str, **chosen: Any) -> set[str]:
-        """Calls another operator; returns its result, and reports its error as this one's."""
+        """Calls another operator and returns its result. Reports its error as that of this one."""
         try:
             return operator(*how, **chosen)
         except RuntimeError as error:
@@ -84,7 +84,7 @@ class BackgroundOperator(LeaflightOperator):
                 self._show_status(context)
             return {"PASS_THROUGH"}
         if not self._work.is_shown_over:
-            # The window is drawn once more before it waits for apply().
+            # Draw the window once more before apply() blocks it.
             self._work.is_shown_over = True
             self._show_status(context)
             return {"PASS_THROUGH"}
@@ -93,7 +93,7 @@ class BackgroundOperator(LeaflightOperator):
         return self._begin(context, self.next_job) if ended == {"FINISHED"} else ended
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Blender quits, loads another file, or closes the window."""
+        """Ends the modal operator when Blender quits, loads a file or closes the window."""
         global _left_behind
         work = self._work
         if work is None:
@@ -103,7 +103,7 @@ class BackgroundOperator(LeaflightOperator):
             _clear_status()
             jobs.set_running(None)
             return
-        # Neither quitting nor loading comes to this timer.
+        # The timer runs only if a window was closed: not after quitting or loading.
         _left_behind = type(self), dict(vars(self))
         bpy.app.timers.register(_go_on_elsewhere, first_interval=0.0)
 
@@ -114,7 +114,7 @@ class BackgroundOperator(LeaflightOperator):
         _clear_status()
 
     def _show_status(self, context: bpy.types.Context) -> None:
-        """Shows how far the work is in the status bar, and draws the panels anew."""
+        """Shows the progress in the status bar and redraws the panels."""
         text = iface_("Leaflight  %s  (Esc ends it)") % self._work.status()
         if text != self._status:
             self._status = text
@@ -132,7 +132,7 @@ class BackgroundOperator(LeaflightOperator):
         return ended or {"FINISHED"}
 
     def _do(self, start: Start, context: bpy.types.Context) -> set[str] | None:
-        """Does a job to its end; None where there is none."""
+        """Does a job to its end. Returns None if there is none."""
         try:
             job = start(context)
         except Exception as error:
@@ -141,13 +141,13 @@ class BackgroundOperator(LeaflightOperator):
             return None
         work = BackgroundWork(job)
         jobs.print_progress(job.name, work)
-        # There is no user to choose what becomes of it.
+        # Pass job.cancelled, because without a window no user can decide on a stopped job.
         return self._conclude(job, work, lambda: job.cancelled)
 
     def _conclude(self, job: Job, work: BackgroundWork, ended: Callable[[], str]) -> set[str]:
-        """Applies the job, if its work came to its end.
+        """Applies the job if its work was successful.
 
-        ended: called otherwise; returns a sentence about a cancelled job.
+        ended: called otherwise. It returns a sentence about a canceled job.
         """
         try:
             work.result()
@@ -247,7 +247,7 @@ def _go_on_elsewhere() -> None:
 
 
 def _clear_status() -> None:
-    """The text stays in each workspace that was seen meanwhile."""
+    """Clears the status text of all workspaces, because each one shown meanwhile keeps it."""
     for workspace in bpy.data.workspaces:
         workspace.status_text_set(None)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volume that panels and operators work on, and what all operators have in common."""
+"""The volume that panels and operators work on, and the base classes of operators."""
 
 from collections.abc import Callable
 from typing import Any
@@ -7,14 +7,14 @@ from typing import Any
 import bpy
 from leaflight import LeaflightError
 
-# Whether an operator can be called; where not, its greyed button shows the reason.
+# Function that is true if an operator can be called. Otherwise it sets the reason for its button.
 Condition = Callable[[Any, bpy.types.Context], bool]
 
 
 def active_volume(context: bpy.types.Context) -> bpy.types.Object | None:
-    """The active object if it is a volume, else the scene's volume that was active last, or None.
+    """Returns the active object if it is a volume, else the last active volume, else any or None.
 
-    None, too, while the graph of an image is active, which has a panel of its own.
+    Returns None while the graph of an image is active, which has another panel.
     """
     obj, scene = context.object, context.scene
     if obj is not None and obj.leaflight.is_volume:
@@ -28,16 +28,16 @@ def active_volume(context: bpy.types.Context) -> bpy.types.Object | None:
 
 
 def remember_active(scene: bpy.types.Scene, obj: bpy.types.Object | None) -> None:
-    """Notes the active object of a scene where it is a volume."""
+    """Stores the active object of a scene if it is a volume."""
     if obj is None or not obj.leaflight.is_volume or scene.library is not None:
         return
-    # By its name: a pointer would keep the volume in the file after its deletion.
+    # Store the name, because a pointer would keep a deleted volume in the file.
     if scene.leaflight.active_volume != obj.name:
         scene.leaflight.active_volume = obj.name
 
 
 def needs(holds: Callable[[bpy.types.Context], Any], reason: str) -> Condition:
-    """A Condition by a function of the context, with the reason that is shown where it is false."""
+    """Returns a Condition from a function of the context, with the reason if it is false."""
 
     def condition(operator: Any, context: bpy.types.Context) -> bool:
         if holds(context):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Why work failed: a sentence for the user and, where Leaflight is to blame, a report to copy."""
+"""Reasons why work failed: a sentence for the user, and for bugs a report to copy."""
 
 import platform
 import sys
@@ -10,14 +10,14 @@ import bpy
 import leaflight
 from leaflight import LeaflightError
 
-# Why the last work failed, for the panels: reports are gone in seconds.
+# Reason why the last work failed, for the panels, because reports disappear in seconds.
 _sentence = ""
-# The traceback of the last error that is a bug of Leaflight.
+# Traceback of the last error that is a bug of Leaflight.
 _traceback = ""
 
 
 def record(error: BaseException) -> str:
-    """Keeps why work failed for the panels; returns it as one sentence."""
+    """Stores why work failed for the panels. Returns it as one sentence."""
     global _sentence
     _sentence = sentence_of(error)
     return _sentence
@@ -43,7 +43,7 @@ def sentence() -> str:
 
 
 def forget() -> None:
-    """Drops the sentence, once another file is opened or the scene has changed."""
+    """Clears the sentence, after another file was opened or the scene has changed."""
     global _sentence
     _sentence = ""
 
@@ -54,7 +54,7 @@ def is_bug() -> bool:
 
 
 def report() -> str:
-    """Returns all that a developer needs to know, as text."""
+    """Returns the versions and the last traceback as text for developers."""
     lines = [
         f"Leaflight {leaflight.__version__} in Blender {bpy.app.version_string}",
         f"Python {platform.python_version()}, {platform.platform()}",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Jobs: work in a thread of its own, with what becomes of it in Blender."""
+"""Jobs: work in a separate thread, and its result in Blender."""
 
 import sys
 import threading
@@ -13,7 +13,7 @@ from .checks import needs
 
 T = TypeVar("T")
 
-# The one work in progress, for the panels and for Cancel.
+# The work in progress, for the panels and for Cancel.
 _running: "BackgroundWork | None" = None
 
 is_free = needs(lambda _: _running is None, "Leaflight is at work; Esc ends it")
@@ -34,11 +34,11 @@ class Job:
     cancelled = "The bake was cancelled; nothing has changed"
 
     def fraction(self, progress: leaflight.Progress) -> float:
-        """How much of it is done, 0..1; in any thread."""
+        """Returns the progress, 0 to 1, in any thread."""
         return progress.fraction
 
     def status(self, progress: leaflight.Progress) -> str:
-        """How far it is, for the panel; in any thread."""
+        """Returns the progress as text for the panel, in any thread."""
         return f"{100.0 * self.fraction(progress):3.0f} % {progress.stage}"
 
     def run(self, progress: leaflight.Progress) -> None:
@@ -48,14 +48,14 @@ class Job:
         raise NotImplementedError
 
     def show(self) -> None:
-        """Called time and again while run() works, to show what it has reached."""
+        """Shows intermediate results. It is called repeatedly while run() works."""
 
     def ended(self) -> str:
-        """Called when run() was cancelled or failed; returns a sentence about the former."""
+        """Ends a job whose run() was canceled or failed. Returns a sentence on the cancellation."""
         return self.cancelled
 
     def failed(self) -> None:
-        """Called when apply() raised: puts the scene in order."""
+        """Restores the scene after apply() has raised an error."""
 
 
 class BackgroundWork:
@@ -68,7 +68,7 @@ class BackgroundWork:
         self.progress = leaflight.Progress()
         self._job = job
         self._error: BaseException | None = None
-        # True once the window has shown that it ended.
+        # True once the window has shown the end of the work.
         self.is_shown_over = False
         self._thread = threading.Thread(target=self._run, name="Leaflight")
         self._thread.start()
@@ -76,15 +76,15 @@ class BackgroundWork:
     def _run(self) -> None:
         try:
             self._job.run(self.progress)
-        except BaseException as error:  # result() raises it again, in the main thread
+        except BaseException as error:  # result() raises it in the main thread
             self._keep(error)
 
     def _keep(self, error: BaseException) -> None:
-        # The cancellation that follows an error is no news.
+        # Keep the first error, because an error causes a cancellation.
         self._error = self._error or error
 
     def _guarded(self, call: Callable[[], T], otherwise: T) -> T:
-        """Returns what a callback of the job returns; an error in it ends the work."""
+        """Returns the result of a callback of the job. An error in it ends the work."""
         try:
             return call()
         except Exception as error:
@@ -123,7 +123,7 @@ def running() -> BackgroundWork | None:
 
 
 def set_running(work: BackgroundWork | None) -> None:
-    """Makes a work the one in progress, or none."""
+    """Sets the work in progress, or None."""
     global _running
     _running = work
 
@@ -134,13 +134,13 @@ def cancel_running() -> None:
 
 
 def abandon() -> None:
-    """Cancels the work in progress and lets go of it, before another file is opened."""
+    """Cancels and drops the work in progress, before another file is opened."""
     cancel_running()
     set_running(None)
 
 
 def print_progress(name: str, work: BackgroundWork) -> None:
-    """Waits for the work. A terminal gets a bar, anything else a line for each tenth."""
+    """Waits for the work. Prints a bar to a terminal, or else a line for each tenth."""
     tenths = 0
     while work.is_alive():
         work.wait(0.2)
@@ -156,21 +156,21 @@ def print_progress(name: str, work: BackgroundWork) -> None:
 
 
 def viewports() -> list[tuple[bpy.types.Window, bpy.types.Area]]:
-    """Returns (window, area) of each that is open."""
+    """Returns (window, area) of each open viewport."""
     windows = bpy.context.window_manager.windows
     found = [(window, area) for window in windows for area in window.screen.areas]
     return [(window, area) for window, area in found if area.type == "VIEW_3D"]
 
 
 def show_status(text: str | None) -> None:
-    """Shows a text in the status bar, or no longer (None)."""
+    """Shows a text in the status bar. None removes it."""
     for window in bpy.context.window_manager.windows:
         with bpy.context.temp_override(window=window):
             window.workspace.status_text_set(text)
 
 
 def redraw_panels() -> None:
-    """Draws the sides and heads of viewports anew, not the viewports: these take long."""
+    """Redraws the sidebars and headers of viewports, but not the viewports, which are slow."""
     for _, area in viewports():
         for region in area.regions:
             if region.type in {"UI", "TOOL_HEADER"}:

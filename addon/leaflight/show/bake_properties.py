@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of Object.leaflight about the next bake, and about the one that lights it."""
+"""The parts of Object.leaflight about the next bake and the last one."""
 
 from bpy.props import EnumProperty
 
@@ -12,7 +12,7 @@ from .overridable import (
     StringProperty,
 )
 
-# What users choose from, each with the error that it stands for, in percent.
+# Target error of each quality, in percent.
 QUALITIES = {"DRAFT": 4.0, "GOOD": 1.5, "FINAL": 0.7}
 QUALITY_ITEMS = [
     ("DRAFT", "Draft", "A quick look, with grain"),
@@ -21,7 +21,7 @@ QUALITY_ITEMS = [
     ("CUSTOM", "Custom", "The error that is set under Advanced"),
 ]
 
-# The property Error.
+# Arguments of the property Error.
 ERROR = {
     "name": "Error",
     "description": "Target error, in percent of the displayable range",
@@ -37,7 +37,7 @@ _WHEN_TO_CHANGE = "Change it where Draft, Good and Final leave too much grain or
 
 
 def _quality(settings):
-    """The number of the item that the error stands for."""
+    """Returns the index of the quality with the present error, or that of Custom."""
     near = (n for n, error in enumerate(QUALITIES.values()) if abs(settings.error - error) < 1e-3)
     return next(near, len(QUALITIES))
 
@@ -48,7 +48,7 @@ def _set_quality(settings, number):
 
 
 def _switches_on(name):
-    """Setting a value enables it."""
+    """Returns an update function that enables the property `name`."""
 
     def changed(settings, _context):
         setattr(settings, name, True)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Plane faces within a volume, colored by its values: those of a clip box, which close the cut, and
-slices across the volume's axes.
+"""Plane faces within a volume, colored by its values.
 
-A child of the volume's object holds the values at a grid on each face. Its material colors them and
-leaves out values below an isovalue, so that neither new colors nor a new isovalue make a new mesh.
+They are the faces of a clip box, which close the cut, and slices across the volume's axes. A child
+of the volume's object holds the values at a grid on each face. Its material colors them and hides
+values below an isovalue. New colors or a new isovalue therefore need no new mesh.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ def _linear(hexadecimal):
     return tuple(color.from_srgb_to_scene_linear())
 
 
-# Black to white in steps that look even.
+# Colors from black to white in perceptually even steps.
 _GRAYS = tuple(_linear(3 * f"{round(255 * i / 8):02x}") for i in range(9))
-# (name, description, nine colors, evenly spaced)
+# Color maps: key -> (name, description, nine evenly spaced colors).
 MAPS = {
     key: (name, text, tuple(map(_linear, colors)))
     for key, (name, text, colors) in color_maps.MAPS.items()
@@ -41,7 +41,7 @@ COLORS = [
 
 _SHOWN = "leaflight_shown"
 _BUILT = "leaflight_built"
-# Nodes along a side of a face at most.
+# Largest number of nodes along a side of a face.
 _MOST = 320
 
 
@@ -55,7 +55,7 @@ class Face:
 
 
 def child(volume, kind):
-    """The object of a volume's faces of this kind, or None."""
+    """Returns the object of a volume's faces of this kind, or None."""
     found = [obj for obj in volume.children if display.is_display(obj, kind)]
     display.note(found)
     return next(iter(found), None)
@@ -72,14 +72,14 @@ def new_child(volume, kind, title):
 
 
 def clear(obj):
-    """Shows nothing in the object of child(), which may be None."""
+    """Removes the geometry of an object of child(), which may be None."""
     if obj is not None and obj.data.get(_SHOWN):
         obj.data.clear_geometry()
         obj.data[_SHOWN] = ""
 
 
 def show(obj, data, label, faces):
-    """Fills the object with Faces of a Volume; label: a text that differs where they do."""
+    """Fills the object with Faces of a Volume. label: a text that is unique to the faces."""
     label = f"{label} {data.name} {data.values.shape}"
     if obj.data.get(_SHOWN) == label:
         return
@@ -99,7 +99,7 @@ def show(obj, data, label, faces):
 
 
 def shade(obj, colors, settings, isovalue):
-    """Colors the values of the volume's range, by a key of COLORS, from an isovalue on."""
+    """Colors the values from an isovalue up. colors: a key of COLORS, over the volume's range."""
     material = obj.data.materials[0]
     if material.get(_BUILT) != colors:
         chosen = _GRAYS if colors == GRAY else MAPS[colors][2]
@@ -111,7 +111,7 @@ def shade(obj, colors, settings, isovalue):
 
 
 def _grids(data, faces):
-    """Nodes (n, 3) and quads (m, 4) of Faces, about as fine as the voxels."""
+    """Returns nodes (n, 3) and quads (m, 4) of Faces, about as fine as the voxels."""
     voxel = np.linalg.norm(data.index_to_world[:3, :3], axis=0).min()
     points, quads, first = [np.empty((0, 3))], [np.empty((0, 4), np.int64)], 0
     for face in faces:
@@ -129,7 +129,10 @@ def _grids(data, faces):
 
 
 def _values(data, points):
-    """Those at points (n, 3), NaN outside; rounding puts none on the border there."""
+    """Returns the values at points (n, 3), NaN outside the volume.
+
+    A margin counts points on the border as inside in spite of rounding.
+    """
     low, high = np.asarray(data.field().bounds, np.float64)
     margin = 1e-4 * (high - low)
     within = ((points > low - margin) & (points < high + margin)).all(axis=1)
@@ -148,14 +151,14 @@ _CUT = "cut"
 
 
 def cut_faces_of(volume):
-    """The object of a volume's cut faces, or None."""
+    """Returns the object of a volume's cut faces, or None."""
     return child(volume, _CUT)
 
 
 def update_cut(volume, depsgraph=None):
-    """Shows the cut faces of a volume object as its clip box stands now.
+    """Shows the cut faces of a volume object at the present place of its clip box.
 
-    depsgraph: that has evaluated an animation of the box.
+    depsgraph: the one that has evaluated an animation of the box, or None.
     """
     if volume.library is not None or volume.override_library is not None:
         return
@@ -181,7 +184,7 @@ def update_cut(volume, depsgraph=None):
 
 
 def _cut_of(volume):
-    """The shader_graph.Cut of the isosurfaces that are cut, None where the cut is open."""
+    """Returns the shader_graph.Cut of the isosurfaces, None without a cut or if it stays open."""
     if volume.leaflight_look.cut_colors == _OPEN:
         return None
     cuts = (look.view_of(obj).cut for obj in display.surfaces_of(volume))
@@ -189,7 +192,7 @@ def _cut_of(volume):
 
 
 def _cut_faces(data, local_from_box, corners):
-    """The parts within the volume of the box's faces."""
+    """Returns the parts of the box's faces that lie within the volume."""
     low, high = _within(data, local_from_box, corners)
     linear, origin = local_from_box[:3, :3], local_from_box[:3, 3]
     found = []
@@ -205,7 +208,10 @@ def _cut_faces(data, local_from_box, corners):
 
 
 def _within(data, local_from_box, corners):
-    """Lowest and highest corner, in the box's coordinates, of its part that holds the volume."""
+    """Returns the lowest and highest corner of the volume's bounds within the box.
+
+    They are in the box's coordinates.
+    """
     bounds = np.asarray(data.field().bounds, np.float64)
     ends = np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
     box_from_local = np.linalg.pinv(local_from_box)
@@ -217,12 +223,15 @@ _SLICES = "slices"
 
 
 def slices_of(volume):
-    """The object of a volume's slices, or None."""
+    """Returns the object of a volume's slices, or None."""
     return child(volume, _SLICES)
 
 
 def update_slices(volume, depsgraph=None):
-    """Shows the slices of a volume object; depsgraph: that has evaluated their animation."""
+    """Shows the slices of a volume object.
+
+    depsgraph: the one that has evaluated their animation, or None.
+    """
     if volume.library is not None or volume.override_library is not None:
         return
     owner = volume if depsgraph is None else volume.evaluated_get(depsgraph)
@@ -245,14 +254,14 @@ def update_slices(volume, depsgraph=None):
 
 
 def slice_position(volume, axis):
-    """The place of a slice in the coordinates of the file. Raises LeaflightError."""
+    """Returns the position of a slice in the coordinates of the file. Raises LeaflightError."""
     low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)[:, axis]
     low, high = (end + volume.leaflight.origin[axis] for end in (low, high))
     return low + volume.leaflight_look.slice_places[axis] * (high - low)
 
 
 def _slice(low, high, axis, place):
-    """Across an axis, at a share of the volume's length."""
+    """Returns the Face across an axis, at a share of the volume's length."""
     corner, sides = low.copy(), np.diag(high - low)
     corner[axis] += place * (high - low)[axis]
     return Face(corner, sides[(axis + 1) % 3], sides[(axis + 2) % 3])

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that only show results, which the next bake does not see; among them the isosurfaces that
-are shown beside a volume's own, each at an isovalue of its own.
+"""Objects that only show results and that the next bake ignores.
 
-Such an isosurface is a child of the volume's object, with the same coordinates, and shares its
-volume and bake. It cannot be selected: the volume's panel has it.
+Among them are the added isosurfaces of a volume, each at another isovalue. An added isosurface is a
+child of the volume's object, with the same coordinates, volume and bake. It cannot be selected; the
+volume's panel lists it.
 """
 
 import uuid
@@ -13,15 +13,15 @@ from leaflight import LeaflightError
 
 from .. import session
 
-# Isosurfaces of a volume that can be shown, with its own.
+# Largest number of isosurfaces that a volume shows, including the first.
 MOST = 3
 
 _DISPLAY = "leaflight_display"
 _ISOSURFACE = "isosurface"
-# Of a volume to which some were added: distinguishes it from its duplicates (isovalues.py).
+# Property of a volume with added isosurfaces, which identifies its duplicates (isovalues.py).
 _MARK = "leaflight_isosurfaces"
 
-# Names of the volumes of this file, and of what shows something beside them, that were seen last.
+# Names of the volumes and displays of this file that were seen last.
 _noted = session.remembered(set)
 
 
@@ -30,12 +30,12 @@ def mark(obj, kind):
 
 
 def is_display(obj, kind=None):
-    """Whether an object only shows results, of this kind or of any."""
+    """True if an object only shows results, of this kind or, for None, of any."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
 
 
 def note(objects):
-    """Has noted() find objects again, where they are of this file."""
+    """Adds the objects of this file to those that noted() returns."""
     _noted.update(obj.name for obj in objects if obj.library is None)
 
 
@@ -45,7 +45,7 @@ def noted():
 
 
 def select(context, objects, active):
-    """Selects these objects alone."""
+    """Selects only these objects."""
     for obj in context.selected_objects:
         obj.select_set(False)
     for obj in objects:
@@ -54,7 +54,7 @@ def select(context, objects, active):
 
 
 def hide(scene, obj, mark):
-    """Takes an object out of sight and out of renders. By the mark show() finds how it was."""
+    """Hides an object in viewports and renders. `mark` stores its state for show()."""
     layers = [layer for layer in scene.view_layers if obj.name in layer.objects]
     obj[mark] = "\n".join(layer.name for layer in layers if obj.hide_get(view_layer=layer))
     obj.hide_render = True
@@ -63,7 +63,7 @@ def hide(scene, obj, mark):
 
 
 def show(scene, obj, mark):
-    # Files of an earlier Leaflight have a number here: the same for all layers.
+    # Files of an earlier Leaflight store one number for all layers.
     before = obj.pop(mark)
     obj.hide_render = False
     for layer in scene.view_layers:
@@ -74,7 +74,7 @@ def show(scene, obj, mark):
 
 
 def is_isosurface(obj):
-    """Whether an object shows an isosurface: a volume, or one that was added to a volume."""
+    """True if an object shows an isosurface: a volume or an added isosurface."""
     return obj.leaflight.is_volume or (is_added(obj) and obj.parent is not None)
 
 
@@ -83,22 +83,22 @@ def is_added(obj):
 
 
 def volume_object(obj):
-    """The object whose volume and bake an isosurface shows: itself unless it was added."""
+    """Returns the volume object of an isosurface: its parent if it was added, or itself."""
     return obj.parent if is_added(obj) and obj.parent is not None else obj
 
 
 def added_to(volume):
-    """The isosurfaces that were added to a volume object, in the order of their names."""
+    """Returns the isosurfaces that were added to a volume object, in the order of their names."""
     return sorted(filter(is_added, volume.children), key=lambda obj: obj.name)
 
 
 def surfaces_of(volume):
-    """A volume object, which shows an isosurface, and those that were added to it."""
+    """Returns a volume object, which shows an isosurface, and its added isosurfaces."""
     return (volume, *added_to(volume))
 
 
 def add(volume, isovalue, opacity):
-    """A new isosurface of a volume object, which has yet to be shown. Raises LeaflightError."""
+    """Adds an isosurface without geometry to a volume object. Raises LeaflightError."""
     if len(added_to(volume)) + 1 >= MOST:
         raise LeaflightError(f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.')
     obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
@@ -118,13 +118,13 @@ def name_for(volume):
 
 
 def link_beside(obj, volume):
-    """Puts an isosurface into the collections of its volume."""
+    """Links an object to the collections of its volume."""
     for collection in volume.users_collection:
         collection.objects.link(obj)
 
 
 def new_display(volume, kind, name, data):
-    """An object of this data that shows something beside a volume, and neither lights nor shades.
+    """Returns a new display beside a volume, which neither lights nor shades other objects.
 
     It has no parent yet.
     """
@@ -145,7 +145,10 @@ def remove(obj):
 
 
 def mark_of(volume):
-    """What a volume shares with its duplicates alone, None where no isosurface was added."""
+    """Returns the mark that a volume shares only with its duplicates.
+
+    Returns None for a volume without added isosurfaces.
+    """
     return volume.get(_MARK)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often values occur in a volume, and one of its slices: looked at once for each volume.
+"""The histogram of a volume and its middle slice, computed once for each volume.
 
-Looking takes a part of a second, so it is done by a timer and never while a panel is drawn.
+This takes a fraction of a second, so a timer does it and never the drawing of a panel.
 """
 
 import os
@@ -16,11 +16,12 @@ from ..operators import jobs
 from ..store import cache, source_files
 
 BINS = 256
-# Of larger volumes so many voxels are counted, evenly spread.
+# Approximate number of voxels, evenly spread, that are counted in a larger volume.
 COUNTED = 1 << 22
 # Pixels along the longer side of a slice.
 SLICE = 160
-# Steps of bytes that show as terraces, and the share of an isosurface that has them.
+# Largest difference between bytes that shows as a terrace, and the smallest share of an isosurface
+# with such differences.
 _STEPS, _TERRACED = 3, 0.25
 
 
@@ -41,16 +42,16 @@ class Distribution:
     are_labels: bool = False
 
     def place_of(self, isovalue):
-        """Where within 0..1 a value lies."""
+        """Returns the position of a value in the range, as a share of 0 to 1."""
         return (isovalue - self.low) / (self.high - self.low)
 
 
-# Key of a volume -> its Distribution, or None while it is being looked at and where it has none.
+# Cache: key of a volume -> its Distribution, or None while it is computed or if that failed.
 _known = session.remembered()
 
 
 def of(obj):
-    """The Distribution of an object's volume; None until the timer has looked at it."""
+    """Returns the Distribution of an object's volume, None until a timer has computed it."""
     key = _key(obj)
     if key not in _known:
         _known[key] = None
@@ -60,7 +61,7 @@ def of(obj):
 
 
 def look_now(obj):
-    """The same without a timer, where there is time."""
+    """Computes the Distribution at once and returns it. Raises LeaflightError."""
     key = _key(obj)
     if _known.get(key) is None:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
@@ -68,7 +69,7 @@ def look_now(obj):
 
 
 def _key(obj):
-    """Asked for whenever the panel is drawn."""
+    """Returns a key of an object's volume. It is cheap, because each draw of a panel needs it."""
     settings = obj.leaflight
     path, choices = source_files.path_of(settings), source_files.choices_of(settings)
     try:
@@ -85,7 +86,7 @@ def _look(name, key):
     try:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
     except LeaflightError:
-        # The panel of the volume shows why.
+        # The panel of the volume shows the error.
         return
     jobs.redraw_panels()
 
@@ -96,7 +97,7 @@ def _distribution(volume, isovalue):
     some = values.reshape(-1)[:: max(1, values.size // COUNTED)]
     bins = BINS
     if values.dtype.kind in "iu":
-        # Each with as many of the integers.
+        # Give each bin the same number of integers.
         width = -(-int(high - low + 1) // BINS)
         bins = -(-int(high - low + 1) // width)
         low, high = low - 0.5, low - 0.5 + bins * width
@@ -107,7 +108,7 @@ def _distribution(volume, isovalue):
 
 
 def _is_terraced(values, isovalue):
-    """Whether many neighbours on both sides of an isosurface of bytes differ by a step or two."""
+    """True if many neighbors across an isosurface of bytes differ by at most _STEPS."""
     if values.dtype != np.uint8:
         return False
     some = values[:: max(1, len(values) // 16)].astype(np.int16)
@@ -117,12 +118,12 @@ def _is_terraced(values, isovalue):
 
 
 def _middle(values, index_to_world):
-    """The slice in the middle along z, at the nearest voxels."""
+    """Returns the middle slice along z, sampled at the nearest voxels."""
     plane = values[len(values) // 2]
     sizes = np.linalg.norm(index_to_world[:3, :2], axis=0)
     sides = np.array(plane.shape) * sizes[::-1]
     rows, columns = np.maximum(1, np.rint(SLICE * sides / sides.max()).astype(int))
-    # The volume's y runs up, rows run down; a mirrored axis turns this round.
+    # The volume's y runs up and rows run down, unless an axis is mirrored.
     up, right = index_to_world[1, 1] >= 0, index_to_world[0, 0] >= 0
     row = np.linspace(0, plane.shape[0] - 1, rows).round().astype(int)[:: -1 if up else 1]
     column = np.linspace(0, plane.shape[1] - 1, columns).round().astype(int)[:: 1 if right else -1]

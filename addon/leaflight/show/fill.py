@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry and colours into a mesh of Blender's, by the fastest way that its version has.
+"""Functions that fill a Blender mesh, in the fastest way of the Blender version.
 
-In the way that all versions have Blender finds the edges itself, and takes vertices and corners one
-by one: more than half of the time that an isovalue needed to show. The core sorts edges; they and
-all else go to where Blender keeps them (docs/decisions/meshes.md).
+In the way that works in all versions, Blender finds the edges and copies vertices and corners one
+by one. That took more than half of the time to show an isovalue. In the fast ways the core finds
+the edges, and arrays are copied to Blender's memory (docs/decisions/meshes.md).
 """
 
 import ctypes
@@ -13,16 +13,16 @@ import numpy as np
 
 from .. import versions
 
-# Of the structs of a mesh in 3.4, in bytes: of MVert, MEdge, MLoop and MPoly.
+# Sizes in bytes of the structs MVert, MEdge, MLoop and MPoly in Blender 3.4.
 _STRUCTS = {"vertices": 16, "edges": 12, "loops": 8, "polygons": 12}
-# Of an MPoly: where its flags are, and the one that it is smooth.
+# Offset of the flags in an MPoly, and the flag for smooth shading.
 _FLAGS, _SMOOTH = 10, 1
 
 
 def fill(mesh, vertices, faces, colours):
-    """Replaces the geometry: vertices (n, 3), faces (m, 3) or (m, 4), smooth.
+    """Replaces the geometry of a mesh by smooth faces (m, 3) or (m, 4). vertices: (n, 3).
 
-    colours: by the name of its attribute, linear RGB (n, 3).
+    colours: name of an attribute -> linear RGB (n, 3).
     """
     mesh.clear_geometry()
     if len(faces):
@@ -35,7 +35,7 @@ def fill(mesh, vertices, faces, colours):
 
 
 def colour(mesh, name, values):
-    """Writes linear RGB (n, 3) to the vertices' colour attribute of this name."""
+    """Writes linear RGB (n, 3) to the vertices' color attribute of this name."""
     colours = np.ones((len(values), 4), np.float32)
     colours[:, :3] = values
     attribute = mesh.attributes.get(name)
@@ -58,7 +58,7 @@ def fill_with_care(mesh, vertices, faces):
 
 
 def fill_structs(mesh, vertices, faces):
-    """The same where a mesh is arrays of the structs above."""
+    """Fills an empty mesh in versions where it consists of arrays of the structs above."""
     edges, of_corners = _core.polygon_edges(faces, len(vertices))
     sizes = {
         "vertices": len(vertices),
@@ -86,7 +86,7 @@ def fill_structs(mesh, vertices, faces):
 
 
 def fill_attributes(mesh, vertices, faces):
-    """The same where a mesh is attributes and the starts of its polygons."""
+    """Fills an empty mesh in versions where it consists of attributes and starts of polygons."""
     edges, of_corners = _core.polygon_edges(faces, len(vertices))
     mesh.vertices.add(len(vertices))
     mesh.edges.add(len(edges))
@@ -106,7 +106,7 @@ _WAYS = {"STRUCTS": fill_structs, "ATTRIBUTES": fill_attributes}
 
 
 def _deselect_edges(mesh):
-    """Those that one adds are selected; of those that 3.4 finds itself, any."""
+    """Deselects the edges, because Blender selects added edges, and 3.4 arbitrary ones."""
     selected = mesh.attributes.get(".select_edge")
     if selected is not None:
         mesh.attributes.remove(selected)
@@ -117,7 +117,7 @@ def _starts(faces):
 
 
 def _memory(collection, size):
-    """The bytes (n, size) that a collection of structs is; None where they have another size."""
+    """Returns the bytes (n, size) of a collection of structs, None if they have another size."""
     count, start = len(collection), collection[0].as_pointer()
     if collection[count - 1].as_pointer() - start != (count - 1) * size:
         return None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An isosurface of an object's volume with the radiance that its bake gives it."""
+"""An isosurface of an object's volume, with the radiance of its bake."""
 
 from dataclasses import dataclass
 
@@ -10,11 +10,11 @@ from leaflight import LeaflightError
 from ..store import cache, source_files
 from . import display, lamps, preview
 
-# Colour attributes: what leaves the front of the surface, and the back where it is baked.
+# Color attributes: radiance that leaves the front of the surface, and the back if it is baked.
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
 
-# About how many voxels are looked at to estimate how large an isosurface is.
+# Approximate number of voxels for an estimate of the size of an isosurface.
 _COUNTED = 1 << 20
 
 
@@ -35,7 +35,7 @@ class Isosurface:
     dust: float = 0.0
 
     def mesh(self):
-        """(vertices, normals, triangles). Raises LeaflightError, in any thread."""
+        """Returns (vertices, normals, triangles), in any thread. Raises LeaflightError."""
         if self.is_coarse() or self.grid is None:
             vertices, normals, triangles = _core.contour(self._field(), self.isovalue)
         else:
@@ -44,7 +44,7 @@ class Isosurface:
         return vertices, normals, triangles
 
     def radiance(self, points):
-        """Baked radiance (n, 3) at points (n, 3), by the name of its attribute."""
+        """Returns {name of an attribute: baked radiance (n, 3)} at points (n, 3)."""
         if self.grid is None:
             return {}
         field = self.volume.field()
@@ -54,9 +54,10 @@ class Isosurface:
         return radiance
 
     def made(self):
-        """(vertices, triangles, radiance by the name of its attribute, count), as mesh() does.
+        """Returns (vertices, triangles, {name of an attribute: radiance}, count).
 
-        count: about how many triangles the volume's own nodes give.
+        count: approximate number of triangles at the full resolution of the volume. Works in any
+        thread. Raises LeaflightError.
         """
         if self.is_coarse() or self.grid is None:
             is_projected = bool(self.grid is not None and self.halvings)
@@ -64,7 +65,7 @@ class Isosurface:
             count = len(triangles) * 4 ** (self.halvings or 0)
             vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
             if is_projected:
-                # Where their light lies, on the same side of a thin shell.
+                # Move vertices to the isosurface of the light, on the same side of a thin shell.
                 field, reach = self.volume.field(), 2.0 * 2**self.halvings
                 vertices = _core.project_along(field, vertices, normals, self.isovalue, reach)
             return vertices, triangles, self.radiance(vertices), count
@@ -75,11 +76,14 @@ class Isosurface:
         return vertices, triangles, radiance, count
 
     def is_coarse(self):
-        """Whether mesh() has less than the whole detail."""
+        """True if mesh() has less than the full detail."""
         return self.halvings is not None and (self.halvings > 0 or self.grid is not None)
 
     def _without_dust(self, vertices, triangles, *of_vertices):
-        """The same without the small parts; of_vertices: arrays with a row each, or None."""
+        """Returns the arguments without small parts.
+
+        of_vertices: arrays with a row per vertex, or None.
+        """
         if self.dust <= 0:
             return vertices, triangles, *of_vertices
         kept, triangles = _core.large_parts(vertices, triangles, self.dust)
@@ -102,14 +106,14 @@ class Isosurface:
                 volume = volume.coarser()
             return volume.field()
         except LeaflightError:
-            # What differed has been averaged away.
+            # The coarser volume has no contrast left, so use the full one.
             return self.volume.field()
 
 
 def isosurface_of(obj, isovalue, halvings=None):
-    """An Isosurface, ready for mesh() in any thread. Raises LeaflightError.
+    """Returns an Isosurface, ready for mesh() in any thread. Raises LeaflightError.
 
-    A bake that cannot be read lights nothing, and does not raise here (is_lit() does).
+    An unreadable bake gives an unlit Isosurface and no error here. is_lit() raises it.
     """
     volume = volume_of(obj)
     low, high = volume.data_range()
@@ -130,30 +134,30 @@ def isosurface_of(obj, isovalue, halvings=None):
 
 
 def estimate_triangles(volume, isovalue):
-    """About how many triangles an isosurface has between voxels.
+    """Returns the approximate number of triangles that an isosurface has between voxels.
 
-    Its vertices lie on the steps between voxels that cross it. They are counted in some planes.
+    Vertices lie on the steps between voxels that cross the isosurface, counted in some planes.
     """
     planes = volume.values[:: 1 + volume.values.size // _COUNTED]
     is_above = planes >= isovalue
     crossed = sum(np.count_nonzero(np.diff(is_above, axis=axis)) for axis in (1, 2))
-    # Two triangles a vertex; steps along the third axis as along these two.
+    # Assume two triangles per vertex, and as many steps along the third axis as along the others.
     return int(2 * 1.5 * crossed * len(volume.values) / len(planes))
 
 
 def _voxel_size(volume):
-    """The side of a cube that is as large as a voxel."""
+    """Returns the side of a cube with the size of a voxel."""
     return float(np.cbrt(abs(np.linalg.det(volume.index_to_world[:3, :3]))))
 
 
 def is_lit(obj, isovalue):
-    """Whether the bake holds the radiance of this isosurface. Raises LeaflightError."""
+    """True if the bake holds the radiance of this isosurface. Raises LeaflightError."""
     settings = display.volume_object(obj).leaflight
     bake, index = lit_by(obj)
     if bake is None:
         return False
     baked = bake.scene.isosurfaces[index]
-    # What a mirror or glass shows depends on where it is seen from.
+    # The radiance of a mirror or glass depends on the view, so no bake holds it.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
     if source_files.smoothing_changed(settings):
@@ -164,14 +168,14 @@ def is_lit(obj, isovalue):
 
 
 def volume_of(obj):
-    """The volume that is shown: that of a pass in progress, or the object's own."""
+    """Returns the volume that is shown: that of a pass in progress, or the object's own."""
     obj = display.volume_object(obj)
     shown = preview.of(obj)
     return cache.volume_of(obj) if shown is None else shown.volume
 
 
 def lit_by(obj):
-    """(bake, which of its volumes the object is): a pass of one in progress, or the last one.
+    """Returns (bake, index of the object's volume in it): the pass in progress or the last bake.
 
     The bake is None before the first, and may still lack its walls. Raises LeaflightError.
     """

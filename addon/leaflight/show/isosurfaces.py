@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the isosurfaces of a volume object look, in the terms of the bake."""
+"""Export and import of the material of a volume object's isosurfaces."""
 
 import numpy as np
 from leaflight import LeaflightError
@@ -9,9 +9,9 @@ from ..store import cache
 
 
 def export_isosurfaces(obj, several):
-    """The Isosurfaces of a volume object; several: whether others are baked with it.
+    """Returns the Isosurfaces of a volume object. Raises LeaflightError.
 
-    Raises LeaflightError.
+    several: True if other volumes are baked with it.
     """
     settings = obj.leaflight
     strength = settings.isosurface_emission_strength
@@ -27,7 +27,7 @@ def export_isosurfaces(obj, several):
 
 
 def import_isosurfaces(settings, look):
-    """Gives the settings of a volume object the look of Isosurfaces; of emission one colour."""
+    """Gives the settings of a volume object the material of Isosurfaces, with one emission."""
     settings.capped = look.capped
     settings.isosurface_scattering = look.scattering.upper()
     settings.isosurface_ior = look.ior
@@ -45,21 +45,21 @@ def import_isosurfaces(settings, look):
 
 
 def add_stop(settings, isovalue, color):
-    """Adds a stop to the color ramp, and chooses it."""
+    """Adds a stop to the color ramp and makes it the active one."""
     stop = settings.isosurface_stops.add()
     stop.isovalue, stop.color = isovalue, color
     settings.isosurface_stop = len(settings.isosurface_stops) - 1
 
 
 def _stops(obj):
-    """(isovalue, color) of each stop, in ascending isovalue; none where one color is for all."""
+    """Returns [(isovalue, color), ...] of the stops, by isovalue; empty without a ramp."""
     return sorted((stop.isovalue, tuple(stop.color)) for stop in obj.leaflight.isosurface_stops)
 
 
 def albedo_ramp(obj):
-    """The albedo as one colour, or as stops (isovalue, colour) in ascending isovalue.
+    """Returns the albedo as one color, or as stops (isovalue, color) in ascending isovalue.
 
-    Raises LeaflightError when two stops have the same isovalue.
+    Raises LeaflightError if two stops have the same isovalue.
     """
     stops = _stops(obj)
     for (below, _), (above, _) in zip(stops, stops[1:]):
@@ -72,24 +72,27 @@ def albedo_ramp(obj):
 
 
 def colours(ramp):
-    """All colours (n, 3) of a ramp: one colour, or stops (isovalue, colour)."""
+    """Returns all colors (n, 3) of a ramp: one color, or stops (isovalue, color)."""
     return np.array([ramp] if is_color(ramp) else [colour for _, colour in ramp])
 
 
 def albedo_at(obj, isovalue):
-    """The albedo (r, g, b) of one isosurface."""
+    """Returns the albedo (r, g, b) of one isosurface."""
     ramp = _stops(obj) or tuple(obj.leaflight.isosurface_albedo)
     return tuple(ramp_at(ramp, isovalue).tolist())
 
 
 def emission_of(obj):
-    """The radiance (r, g, b) that all isosurfaces emit by themselves."""
+    """Returns the radiance (r, g, b) that all isosurfaces emit."""
     settings = obj.leaflight
     return tuple(settings.isosurface_emission_strength * x for x in settings.isosurface_emission)
 
 
 def world_box(obj):
-    """Lowest and highest corner (2, 3) of the volume in world space. Raises LeaflightError."""
+    """Returns the lowest and highest corner (2, 3) of the volume in world space.
+
+    Raises LeaflightError.
+    """
     low, high = np.asarray(cache.volume_of(obj).field().bounds, np.float64)
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     matrix = np.array(obj.matrix_world, np.float64)

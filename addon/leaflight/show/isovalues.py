@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shows each volume at its isovalue; those of several volumes belong together.
+"""The display of each volume at its isovalue, with a common isovalue for linked volumes.
 
-A volume shows the isovalue low + c (high - low) of its range at the common isovalue c. A volume
-that is linked follows the one whose isovalue was moved, unless it is animated itself. A move is
-noticed by the isovalue that the mesh still shows: undo and loading a file bring back both together.
+At the common isovalue c a volume shows the isovalue low + c (high - low) of its range. A linked
+volume follows the volume whose isovalue was moved, unless it is animated. A move is detected by
+comparison with the isovalue that the mesh stores, because undo and loading restore both together.
 
-A duplicate of a volume gets copies of the isosurfaces that were added to it: these cannot be
-selected, so that Blender leaves them out. A volume that has some bears a mark of its own, and a
-duplicate is known by bearing the mark of another.
+Blender does not duplicate added isosurfaces, because they cannot be selected. A duplicate of a
+volume gets copies of them here. Each volume with added isosurfaces has a unique mark, so that two
+volumes with the same mark are duplicates.
 """
 
 import bpy
@@ -16,20 +16,23 @@ from .. import versions
 from ..store import cache, frame_bakes
 from . import display, surface_material, surface_object, walls
 
-# Drivers and keyframes use this path, seen from the object.
+# Paths of the properties for drivers and keyframes, from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
 FRAME_PATH = "leaflight.shown_frame"
 
 
 def isovalue_range(settings):
-    """Isovalues (low, high) of the common isovalues 0 and 1: those of the bake if there is one."""
+    """Returns the isovalues (low, high) of the bake, or else of the settings.
+
+    They belong to the common isovalues 0 and 1.
+    """
     if settings.bake_id:
         return settings.bake_low, settings.bake_high
     return settings.low, settings.high
 
 
 def common_isovalue(settings, isovalue):
-    """c, within 0..1 inside the isovalue range; 0 where the isovalue range is empty."""
+    """Returns the common isovalue, 0 to 1 in the isovalue range, and 0 for an empty range."""
     low, high = isovalue_range(settings)
     return (isovalue - low) / (high - low) if high > low else 0.0
 
@@ -44,14 +47,14 @@ def volumes(scene):
 
 
 def isosurfaces(scene):
-    """The volumes of a scene, and the isosurfaces that were added to them."""
+    """Returns the volumes of a scene and their added isosurfaces."""
     found = [obj for obj in scene.objects if display.is_isosurface(obj)]
     display.note(found)
     return found
 
 
 def limit(obj):
-    """Limits the slider of an isosurface to the data, and softly to the range of its volume."""
+    """Limits the slider of an isosurface to the data, and softly to the volume's range."""
     volume = display.volume_object(obj)
     data_range = cache.volume_of(volume).data_range()
     obj.leaflight.limit_isovalue(
@@ -60,7 +63,7 @@ def limit(obj):
 
 
 def left_alone():
-    """What was added to volumes that are gone."""
+    """Returns the displays of volumes that are gone."""
     return [obj for obj in display.noted() if display.is_display(obj) and obj.parent is None]
 
 
@@ -70,14 +73,14 @@ def remove_left_alone():
 
 
 def partners(obj, scene):
-    """The other volumes of the scene that move with this one."""
+    """Returns the other volumes of the scene that move with this one."""
     if not _linked(obj):
         return []
     return [other for other in volumes(scene) if other != obj and _linked(other)]
 
 
 def set_isovalue(obj, isovalue):
-    """Shows an isovalue that a script has set, and moves what is linked to it."""
+    """Shows an isovalue that a script has set, and moves the linked volumes."""
     surface_object.update(obj, isovalue)
     for scene in obj.users_scene:
         for other in partners(obj, scene):
@@ -87,7 +90,7 @@ def set_isovalue(obj, isovalue):
 
 
 def show_frame(obj):
-    """Shows the frame of a file that a script or the slider has set."""
+    """Shows the frame of a file that a script or the slider has chosen."""
     if frame_bakes.switch(obj, frame_bakes.wanted(obj.leaflight)):
         surface_object.update_all(obj)
         for scene in obj.users_scene:
@@ -95,10 +98,10 @@ def show_frame(obj):
 
 
 def update(scene, depsgraph, moving=False):
-    """Shows every isosurface of the scene at its evaluated isovalue, or where a linked one leads.
+    """Shows every isosurface of the scene at its evaluated isovalue, or at that of its leader.
 
-    Only the evaluated object has the animated value: in a render the original lags behind.
-    moving: see surface_object.update(). Returns the objects whose isovalue was another before.
+    Only the evaluated object has the animated value; in a render the original lags behind.
+    moving: see surface_object.update(). Returns the objects whose isovalue has changed.
     """
     found = [obj for obj in isosurfaces(scene) if obj.mode == "OBJECT"]
     evaluated = {obj: obj.evaluated_get(depsgraph) for obj in found}
@@ -112,9 +115,9 @@ def update(scene, depsgraph, moving=False):
 
 
 def update_before_evaluation(scene, moving=False):
-    """The same for isovalues that are not animated, which the objects themselves have already.
+    """Shows isovalues that are not animated, before the depsgraph evaluates their old surfaces.
 
-    It spares the evaluation of the surfaces that go. Next to nothing where none has moved.
+    Returns the objects whose isovalue has changed. It is cheap if none has.
     """
     if not any_is_behind():
         return []
@@ -124,9 +127,9 @@ def update_before_evaluation(scene, moving=False):
 
 
 def any_is_behind(depsgraph=None):
-    """Whether an isosurface that was seen before shows another isovalue than it has, or is to have.
+    """True if a known isosurface does not yet show its isovalue or frame.
 
-    depsgraph: that has evaluated it; a driver's work is not among its updates.
+    depsgraph: the one that has evaluated it, because drivers cause no updates, or None.
     """
     for obj in filter(display.is_isosurface, known()):
         evaluated = obj if depsgraph is None else obj.evaluated_get(depsgraph)
@@ -138,12 +141,15 @@ def any_is_behind(depsgraph=None):
 
 
 def known():
-    """What was seen last and is still there: isosurfaces, and some left alone by their volume."""
+    """Returns the known isosurfaces that still exist, including those whose volume is gone."""
     return [o for o in display.noted() if o.leaflight.is_volume or display.is_added(o)]
 
 
 def _show(scene, values, moving):
-    """Shows the volumes at their values, or where the one leads that was moved; what moved."""
+    """Shows isosurfaces at their values, and linked volumes at the isovalue of the one that moved.
+
+    Returns the objects that have moved.
+    """
     moved = [obj for obj in values if surface_object.shown_isovalue(obj) != values[obj]]
     leader = min(filter(_linked, moved), key=_precedence, default=None)
     for obj, isovalue in values.items():
@@ -158,7 +164,7 @@ def _show(scene, values, moving):
 
 
 def lock_interface(scene):
-    """Surfaces change while an animation renders, and the viewport must not draw them then."""
+    """Locks the interface during renders: the viewport must not draw surfaces that change."""
     scene.render.use_lock_interface = True
 
 
@@ -168,7 +174,7 @@ def _linked(obj):
 
 
 def _precedence(obj):
-    """Of several that moved at once an animated one leads, then one that is selected."""
+    """Returns the sort key of leaders: animated volumes first, then selected ones."""
     return (not _is_animated(obj), not obj.select_get(), obj.name)
 
 
@@ -185,7 +191,7 @@ def _follow(obj, leader, isovalue, moving=False):
 
 
 def complete_duplicates():
-    """Gives the isosurfaces to duplicates that are without, and marks of their own to all."""
+    """Gives all duplicates of volumes their added isosurfaces and a unique mark."""
     alike = {}
     for obj in bpy.data.objects:
         if display.mark_of(obj) is not None:
@@ -196,7 +202,7 @@ def complete_duplicates():
 
 
 def _separate(volumes):
-    """Volumes that bear one mark: the first that has isosurfaces keeps it."""
+    """Gives new marks to volumes with one mark, except the first with added isosurfaces."""
     having = [volume for volume in volumes if display.added_to(volume)]
     if not having:
         return
@@ -210,13 +216,16 @@ def _separate(volumes):
 
 
 def _original(volume, having):
-    """Of what a volume may be a duplicate of; a copy of the whole scene has isosurfaces, too."""
+    """Returns the original of a duplicate, from its own scene if possible.
+
+    A copy of the whole scene has isosurfaces, too.
+    """
     scenes = set(volume.users_scene)
     return next((other for other in having if scenes & set(other.users_scene)), having[0])
 
 
 def _copy_isosurface(source, volume):
-    """An isosurface of a volume that shows what another volume's does, animation included."""
+    """Copies an added isosurface, with its animation, to another volume."""
     obj = source.copy()
     obj.name = display.name_for(volume)
     obj.data = source.data.copy()
@@ -224,5 +233,5 @@ def _copy_isosurface(source, volume):
         obj.animation_data.action = source.animation_data.action.copy()
     obj.parent = volume
     display.link_beside(obj, volume)
-    # It takes a material of its own in place of the source's.
+    # Replace the source's material by a separate one.
     surface_object.shade(obj)

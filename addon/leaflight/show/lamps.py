@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes as they are shown: with the lamps of the scene at their present strengths and colors.
+"""Relighting of bakes for the present strengths and colors of the scene's lamps.
 
-An object remembers the lamps that its bake was made with, as text. Factors of those whose strength
-has changed since are found anew after each change (stage/staleness.py), and are never saved.
+An object stores the lamps of its bake as text. Factors of the lamps whose strength has changed are
+computed after each change (stage/staleness.py). They are never saved.
 """
 
 import dataclasses
@@ -18,16 +18,16 @@ from ..store import cache
 _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")
 
-# Id of a bake -> ((name of a lamp, factors (r, g, b)), ...), of those that have changed.
+# Id of a bake -> ((name of a lamp, factors (r, g, b)), ...) of the changed lamps.
 _factors = session.remembered()
-# Id of a bake -> (such factors, the Bake with them).
+# Id of a bake -> (factors as above, the relit bake).
 _relit = session.remembered()
 
 
 def record(bake, lights):
-    """Text of the lamps that a bake was made with, as the scene has them: [leaflight's lights].
+    """Returns the lamps of a bake as text. lights: those of the exported scene, in the same order.
 
-    It is empty where their strengths cannot be changed.
+    The text is empty if the bake cannot be relit.
     """
     names = [light.name for light in bake.scene.lights]
     exact = all(grid.can_be_relit for grid in bake.grids)
@@ -41,9 +41,9 @@ def record(bake, lights):
 
 
 def as_baked(settings, lights):
-    """The present lights of a scene, with the strengths that they had at the bake of an object.
+    """Returns the lights of an object's bake, including those that are dark or gone now.
 
-    Those that are dark or gone now are among them. None where the scene has others than then.
+    Returns None if the scene has other lights than at the bake.
     """
     baked = _baked_lights(settings)
     if baked is None:
@@ -56,9 +56,9 @@ def as_baked(settings, lights):
 
 
 def follow(settings, lights):
-    """Learns how strong the lamps that lit an object are now; returns whether that is new.
+    """Updates the factors of the lamps that lit an object. Returns True if they have changed.
 
-    lights: those of the scene, None as they were baked.
+    lights: those of the scene, or None for the strengths of the bake.
     """
     found, before = _found(settings, lights), _factors.get(settings.bake_id, ())
     _factors[settings.bake_id] = found
@@ -66,23 +66,23 @@ def follow(settings, lights):
 
 
 def factors_of(settings):
-    """((name, (r, g, b)), ...) of the lamps that are not as strong as at the bake of an object."""
+    """Returns ((name, (r, g, b)), ...) of the lamps that have changed since an object's bake."""
     return _factors.get(settings.bake_id, ())
 
 
 def label(settings):
-    """A key, different for each set of strengths of the lamps; empty for those of the bake."""
+    """Returns a key of the lamps' strengths, empty for those of the bake."""
     factors = factors_of(settings)
     return repr(factors) if factors else ""
 
 
 def light_of(obj):
-    """light_of() of the cache, with its lamps as strong as they are now. Raises LeaflightError."""
+    """Returns light_of() of the cache, relit for the present lamps. Raises LeaflightError."""
     return _with_lamps(cache.light_of(obj), factors_of(obj.leaflight))
 
 
 def whole_of(obj):
-    """whole_of() of the cache, with its lamps as strong as they are now. Raises LeaflightError."""
+    """Returns whole_of() of the cache, relit for the present lamps. Raises LeaflightError."""
     wait, factors = cache.whole_of(obj), factors_of(obj.leaflight)
     return lambda progress: _with_lamps(wait(progress), factors)
 
@@ -99,7 +99,7 @@ def _with_lamps(bake, factors):
 
 
 def sentence(obj):
-    """A sentence about a bake that is shown with other strengths, or an empty text."""
+    """Returns a sentence about a bake that is shown relit, or an empty text."""
     if not factors_of(obj.leaflight):
         return ""
     known = _relit.get(obj.leaflight.bake_id)
@@ -116,7 +116,7 @@ def _found(settings, lights):
         before = strengths_of(light)
         after = strengths_of(now[light.name]) if light.name in now else (0.0, 0.0, 0.0)
         if any(a > 0 and not b > 0 for a, b in zip(after, before)):
-            # Light of a color that was not baked.
+            # The bake has no light of this color to scale.
             return ()
         factor = tuple(a / b if b > 0 else 1.0 for a, b in zip(after, before))
         if factor != (1.0, 1.0, 1.0):
@@ -125,7 +125,7 @@ def _found(settings, lights):
 
 
 def _baked_lights(settings):
-    """[(name in the bake, light), ...], None where strengths cannot be changed."""
+    """Returns [(name in the bake, light), ...], or None if the bake cannot be relit."""
     if not settings.bake_lamps:
         return None
     return [(name, _light(kind, fields)) for name, kind, fields in json.loads(settings.bake_lamps)]
@@ -142,6 +142,6 @@ def _light(kind, fields):
 
 
 def _shape(light):
-    """All of a lamp but its strength and color, as plain data."""
+    """Returns all data of a lamp except its strength and color."""
     fields = dataclasses.asdict(light)
     return type(light), {key: x for key, x in fields.items() if key not in _STRENGTHS}

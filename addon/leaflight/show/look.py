@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How one isosurface is shown, beyond its light: opacity, color, gloss and the box that cuts."""
+"""The display of one isosurface beside its light: opacity, color, gloss and clip box."""
 
 import numpy as np
 from leaflight import LeaflightError
@@ -12,23 +12,23 @@ from ..translations import iface_
 from . import display, isosurface, isosurfaces, shader_graph
 from .isosurface import RADIANCE_BACK
 
-# For panels, where a color is not the baked one.
+# Note in panels if a color is not the baked one.
 NEW_COLOR = "Indirect light still uses the baked color: bake again"
-# A bake gives all isosurfaces of a volume its color.
+# Note in panels if an isosurface has a color other than its volume's, with which it was baked.
 OWN_COLOR = "Indirect light uses the color of the volume"
 
-# Keyframes and drivers use this path, seen from the object.
+# Path of the property for keyframes and drivers, from the object.
 OPACITY_PATH = "leaflight_look.opacity"
 
-# Where less of a channel than this is reflected, the incident light cannot be found from it.
+# Albedo of a channel below which the incident light cannot be computed from the radiance.
 _DARK = 1e-3
 
-# Albedos alike but for the rounding of Blender's properties.
+# Relative difference of albedos that the rounding of Blender's properties may cause.
 _ALIKE = 1e-5
 
 
 def view_of(obj):
-    """The shader_graph.View of an isosurface."""
+    """Returns the shader_graph.View of an isosurface."""
     volume = display.volume_object(obj)
     others = (o for o in display.surfaces_of(volume) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
@@ -41,14 +41,14 @@ def _is_translucent(obj):
 
 
 def box_of(obj):
-    """The object whose box cuts an isosurface, or None."""
+    """Returns the object whose box cuts an isosurface, or None."""
     box = display.volume_object(obj).leaflight_look.box
-    # One that was deleted is in no scene, but is kept by what refers to it.
+    # A deleted object is in no scene, but lives on while a property refers to it.
     return box if obj.leaflight_look.is_cut and box is not None and box.users_scene else None
 
 
 def albedo_at(obj, isovalue):
-    """The albedo (r, g, b) that an isosurface has there: its own, or its volume's."""
+    """Returns the albedo (r, g, b) of an isosurface: its own, or that of its volume."""
     look = obj.leaflight_look
     if display.is_added(obj) and look.use_color:
         return tuple(look.color)
@@ -56,17 +56,17 @@ def albedo_at(obj, isovalue):
 
 
 def recoloring(obj, isovalue):
-    """(factor, offset), each (r, g, b), that give radiance of its bake the present albedo.
+    """Returns (factor, offset), each (r, g, b), that give baked radiance the present albedo.
 
-    The incident light is that of the bake: light that the surface has reflected, and that comes
-    back from walls or from the surface itself, still has the baked color. Raises LeaflightError.
+    The incident light stays that of the bake. Light that the surface has reflected before still
+    has the baked color. Raises LeaflightError.
     """
     bake, index = isosurface.lit_by(obj)
     baked = bake.scene.isosurfaces[index]
     before = ramp_at(baked.albedo, isovalue)
     factor = np.array(albedo_at(obj, isovalue)) / np.maximum(before, _DARK)
     factor[(before < _DARK) | (np.abs(factor - 1.0) < _ALIKE)] = 1.0
-    # What it emits by itself has no albedo.
+    # The factor must not scale emission, which is independent of the albedo.
     emission = ramp_at(baked.emission, isovalue)
     return tuple(factor), tuple((1.0 - factor) * emission)
 
@@ -81,7 +81,7 @@ def _cut_of(obj):
 
 
 def bounds_of(box):
-    """The lowest and the highest corner (x, y, z) of a clip box in its own coordinates."""
+    """Returns the lowest and the highest corner (x, y, z) of a clip box in local coordinates."""
     if box.type == "EMPTY":
         size = box.empty_display_size
         return (-size,) * 3, (size,) * 3
@@ -89,12 +89,12 @@ def bounds_of(box):
     return tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist())
 
 
-# (the address of a volume, isovalue) -> the share of the isosurface that shows its back.
+# Cache: (address of a volume, isovalue) -> share of the isosurface that shows its back.
 _shares = session.remembered()
 
 
 def note_on_backs(volume):
-    """A sentence for the panel where a bake lacks the side that is seen, or an empty text."""
+    """Returns a sentence for the panel if a bake lacks the visible side, or an empty text."""
     if not volume.leaflight.bake_id or RADIANCE_BACK in volume.data.attributes:
         return ""
     surfaces = display.surfaces_of(volume)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How an isosurface is shown: Object.leaflight_look, of volumes and of what was added to them."""
+"""The display of a volume or an added isosurface: Object.leaflight_look."""
 
 import bpy
 

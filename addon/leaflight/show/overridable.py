@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's properties, for objects whose library overrides may have values of their own."""
+"""Blender's properties with the option that library overrides may change them."""
 
 from functools import partial
 from typing import Literal
@@ -21,7 +21,7 @@ IntVectorProperty = partial(bpy.props.IntVectorProperty, override=_OVERRIDABLE)
 PointerProperty = partial(bpy.props.PointerProperty, override=_OVERRIDABLE)
 StringProperty = partial(bpy.props.StringProperty, override=_OVERRIDABLE)
 
-# Of a surface: a share of 0 to 1, and a color whose channels are such shares.
+# Properties of a surface: a share of 0 to 1, and a color with channels of 0 to 1.
 ShareProperty = partial(FloatProperty, subtype="FACTOR", min=0.0, max=1.0)
 ColorProperty = partial(
     FloatVectorProperty, subtype="COLOR", default=(0.8, 0.8, 0.8), min=0.0, max=1.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Passes of a bake that light objects for as long as it is not finished; no file holds them.
+"""The passes of an unfinished bake that light objects, without a file.
 
-Only surfaces show them (surface_object.py); what objects remember of a bake is left alone.
+Only surfaces show them (surface_object.py). The properties of objects about their bake stay.
 """
 
 import uuid
@@ -13,7 +13,7 @@ from leaflight import LeaflightError
 from .. import session
 from ..store import cache
 
-# Full name of an object -> the Preview that lights it.
+# Full name of an object -> its Preview.
 _shown = session.remembered()
 
 
@@ -35,7 +35,7 @@ class Preview:
 
 
 def put(obj, bake, index, matrix):
-    """Lights an object by a volume of a bake from its next update on.
+    """Lights an object with a volume of a bake from its next update on.
 
     matrix: the object's transform at the bake, 16 numbers row by row.
     """
@@ -61,7 +61,7 @@ def _own_volume(obj):
 
 
 def _is_same(volume, baked, index_to_world):
-    """Whether a volume is the baked one there, but for rounding."""
+    """True if a volume is the baked one at the same place, except for rounding."""
     if volume.values is not baked.values or volume.smooth_normals != baked.smooth_normals:
         return False
     atol = 1e-9 * np.abs(index_to_world).max()
@@ -69,13 +69,16 @@ def _is_same(volume, baked, index_to_world):
 
 
 def of(obj):
-    """The Preview that lights an object, or None, as where it shows another frame meanwhile."""
+    """Returns the Preview that lights an object.
+
+    Returns None without one, or if the object shows another frame.
+    """
     shown = _shown.get(obj.name_full)
     return shown if shown is not None and shown.frame == obj.leaflight.frame else None
 
 
 def forget():
-    """Returns the full names of the objects that were lit so, which need an update."""
+    """Clears all previews. Returns the full names of their objects, which need an update."""
     names = list(_shown)
     _shown.clear()
     return names

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an object remembers about its volume and its bake: Object.leaflight."""
+"""The properties of an object about its volume and its bake: Object.leaflight."""
 
 import bpy
 
@@ -126,7 +126,7 @@ class LeaflightSettings(
 
     @property
     def isovalue(self):
-        """The isovalue in data units; of an evaluated object, with its animation applied."""
+        """The isovalue in data units. An evaluated object has the animated value."""
         return self["isovalue"]
 
     @isovalue.setter
@@ -136,7 +136,7 @@ class LeaflightSettings(
         isovalues.set_isovalue(self.id_data, float(value))
 
     def limit_isovalue(self, data_range, isovalue_range, default):
-        """Limits the slider to the range of the data, and softly to the isovalue range."""
+        """Limits the slider to the data range, and softly to the isovalue range."""
         low, high = data_range
         self.property_overridable_library_set('["isovalue"]', True)
         self.id_properties_ui("isovalue").update(

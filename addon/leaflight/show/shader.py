@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of isosurfaces, and of baked radiance: emission of a volume texture or a vertex
-attribute.
+"""Materials of isosurfaces and of baked radiance.
 
-Where only the front of an isosurface is baked and the back is seen, through a cut at the
-border of the volume, the material is the plain Lambertian isosurface there.
+Baked radiance is the emission of a volume texture or a vertex attribute. A cut at the border of the
+volume may show the back of an isosurface. Without a bake of the back, it is plain Lambertian there.
 
-The volume texture is an atlas of slices without padding. Eight lookups without interpolation and a
-trilinear blend made of math nodes give the same values in Cycles and in Eevee; letting the image
-texture interpolate does not, because tiles of other slices lie next to each texel at the border of
-a tile.
+The volume texture is an atlas of slices without padding. Math nodes blend eight lookups without
+interpolation, which gives the same values in Cycles and in Eevee. An image texture must not
+interpolate, because the tile of another slice lies next to each texel at the border of a tile.
 """
 
 import os
@@ -20,11 +18,12 @@ from .. import versions
 from ..store import bake_files
 from .shader_graph import COAT, GLOSS, OPACITY, RECOLOR, Graph, View
 
-# Marks of an image that is an atlas: what its header holds, and whether it is of the back.
+# Properties of an atlas image: the comments of its header, and True for the back.
 ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 
 
-# Of a slice: where its value lies among the colors, what of it is shown, and how bright that is.
+# Names of nodes of a slice: the position of a value in the color map, the test for values below the
+# isovalue, and the emission.
 _PART, _OUTSIDE, _EMISSION = "part", "outside", "emission"
 
 
@@ -35,7 +34,7 @@ def build_lambertian(material, albedo):
 
 
 def build_isosurface(material, scattering, ior, emission, view=View()):
-    """An isosurface of a material: "DIFFUSE", "MIRROR" or "GLASS"; emission: radiance, RGB."""
+    """Builds an unlit isosurface: "DIFFUSE", "MIRROR" or "GLASS". emission: radiance, RGB."""
     graph = Graph(material, view)
     surface = graph.reflecting(scattering, ior)
     if max(emission) > 0:
@@ -44,7 +43,7 @@ def build_isosurface(material, scattering, ior, emission, view=View()):
 
 
 def set_albedo(material, albedo):
-    """Gives every reflecting node of a material that was built here this colour."""
+    """Sets the color of every reflecting node of a material that was built here."""
     colour = (*albedo, 1.0)
     for node in material.node_tree.nodes:
         if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"} and node.name != COAT:
@@ -53,19 +52,19 @@ def set_albedo(material, albedo):
 
 
 def build_emission(material, radiance):
-    """Emission of one radiance (r, g, b) on both sides."""
+    """Builds emission of one radiance (r, g, b) on both sides."""
     graph = Graph(material)
     graph.finish(graph.emission(radiance))
 
 
 def build_attribute(material, front, back=None, view=View()):
-    """Emission of the colour attributes called `front` and, if it was baked, `back`."""
+    """Builds emission of the color attributes `front` and, if it was baked, `back`."""
     graph = Graph(material, view)
     graph.emit_sides(*(graph.attribute(name) for name in (front, back) if name))
 
 
 def build_slice(material, name, colors):
-    """Emission of the attribute of this name through evenly spaced colors, above an isovalue."""
+    """Builds emission of an attribute through evenly spaced colors, above an isovalue."""
     graph = Graph(material)
     versions.let_through(material, False, False, True)
     value = graph.attribute(name).node.outputs["Fac"]
@@ -83,7 +82,7 @@ def build_slice(material, name, colors):
 
 
 def set_slice(material, low, high, isovalue, strength):
-    """Colors the values from low to high, shows those from an isovalue on, this bright."""
+    """Sets the value range of the colors, the lowest visible value and the emission strength."""
     scale = 1.0 / max(high - low, 1e-30)
     nodes = material.node_tree.nodes
     for name, number, value in (
@@ -98,7 +97,7 @@ def set_slice(material, low, high, isovalue, strength):
 
 
 def shared_material(tag, name, front, back=None):
-    """The one material of the file, marked by the ID property `tag`, with build_attribute()."""
+    """Returns the material of the file with the property `tag`, or builds it."""
     for material in bpy.data.materials:
         if tag in material:
             return material
@@ -136,18 +135,18 @@ def set_recoloring(material, factor, offset):
 
 
 def is_recolored(material):
-    """Whether set_recoloring() has changed anything in a material."""
+    """True if set_recoloring() has changed a factor in a material."""
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
     factors = [tuple(n.inputs[1].default_value) for n in nodes if n.name == RECOLOR]
     return any(factor != (1.0, 1.0, 1.0) for factor in factors)
 
 
 def build_atlas(material, images, resolution, columns, texel_from_object, view=View()):
-    """Emission of a radiance grid of this resolution (nx, ny, nz), from its atlas.
+    """Builds emission of a radiance grid from its atlas.
 
-    images: the atlas of the front and, if it was baked, of the back. columns: tiles in a
-    row of an image. texel_from_object: (4, 4), from the object's coordinates to those of texel
-    centres. The resolution is at least 2 along each axis.
+    images: the atlas of the front and, if it was baked, of the back. resolution: (nx, ny, nz), at
+    least 2 each. columns: tiles in a row of an image. texel_from_object: (4, 4), from the object's
+    coordinates to those of texel centers.
     """
     nx, ny, nz = resolution
     rows = -(-nz // columns)
@@ -167,7 +166,7 @@ def build_atlas(material, images, resolution, columns, texel_from_object, view=V
     places = []
     for k in range(2):
         slice_ = graph.math("ADD", low[2], float(k))
-        # The half keeps the quotient away from whole numbers, where rounding could change the tile.
+        # Add a half, because rounding near whole quotients could change the tile.
         row = graph.math(
             "FLOOR", graph.math("DIVIDE", graph.math("ADD", slice_, 0.5), float(columns))
         )
@@ -185,7 +184,7 @@ def build_atlas(material, images, resolution, columns, texel_from_object, view=V
 
 
 def _trilinear(graph, image, places, weight):
-    """The blend of the eight texels at the places, x running fastest, by a weight for each axis."""
+    """Blends the texels at eight places, with x fastest, by a weight for each axis."""
     colour = [graph.texel(image, place) for place in places]
     for axis in range(3):
         colour = [
@@ -196,7 +195,7 @@ def _trilinear(graph, image, places, weight):
 
 
 def texel_from_object(volume, resolution):
-    """The matrix (4, 4) from the coordinates of an object's volume to those of texel centres.
+    """Returns the matrix (4, 4) from the coordinates of an object's volume to texel centers.
 
     The first and the last texel of an axis lie on the first and the last node of the volume.
     """
@@ -207,16 +206,16 @@ def texel_from_object(volume, resolution):
 
 
 def images_of(material):
-    """The images in the nodes of a material."""
+    """Returns the images in the nodes of a material."""
     nodes = material.node_tree.nodes if material.node_tree is not None else ()
     return {node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None}
 
 
 def atlas_image(path, label, back, written):
-    """The image of an atlas file (store/atlases.py) with all the digits it holds.
+    """Returns the image of an atlas file (store/atlases.py), in full precision.
 
-    label: of the atlas, which finds its image wherever the file has moved; back: whether of the
-    back; written: whether the file was written since Blender may have read it.
+    label: that of the atlas, which identifies its image after the file has moved. back: True for
+    the back. written: True if the file was written after Blender may have read it.
     """
     images = (image for image in bpy.data.images if image.library is None)
     image = next((image for image in images if image.get(ATLAS) == label), None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node tree of a material of isosurfaces, and which parts of the surface it shows."""
+"""The node tree of a material of isosurfaces, and the parts of the surface that it shows."""
 
 import functools
 from dataclasses import dataclass, field
@@ -9,8 +9,8 @@ import numpy as np
 
 from .. import versions
 
-# Names of the nodes whose values change without a build: how opaque the surface is; what gives
-# baked radiance another albedo; how strong and how rough the coat is.
+# Names of nodes whose values change without a new build: opacity of the surface, change of the
+# baked albedo, strength and roughness of the coat.
 OPACITY, RECOLOR, GLOSS, COAT = "opacity", "recolor", "gloss", "coat"
 
 
@@ -51,7 +51,7 @@ class Graph:
         self.tree.nodes.clear()
 
     def node(self, kind, *values, **attributes):
-        """A node whose first inputs are these values or sockets, with these attributes."""
+        """Returns a new node whose first inputs are these values or sockets."""
         node = self.tree.nodes.new(kind)
         node.location = (200 * (len(self.tree.nodes) // 12), -160 * (len(self.tree.nodes) % 12))
         node.hide = True
@@ -84,7 +84,7 @@ class Graph:
         return node.outputs[0]
 
     def mix(self, a, b, weight):
-        """a + weight * (b - a)."""
+        """Returns a + weight * (b - a)."""
         splat = self.combine(weight, weight, weight)
         return self.vector("MULTIPLY_ADD", self.vector("SUBTRACT", b, a), splat, a)
 
@@ -105,7 +105,7 @@ class Graph:
         return node.outputs[0]
 
     def emission(self, colour, name=None):
-        """Emission of a colour (r, g, b) without bounds, or of a socket."""
+        """Returns emission of a color (r, g, b), which may exceed 1, or of a socket."""
         values = [colour]
         if not isinstance(colour, bpy.types.NodeSocket):
             strength = max(colour)
@@ -123,11 +123,10 @@ class Graph:
         return self.vector("MULTIPLY_ADD", radiance, (1, 1, 1), (0, 0, 0), name=RECOLOR)
 
     def emit_sides(self, front, back=None):
-        """Emission of one colour on each side; without the back, the Lambertian isosurface
-        there.
+        """Finishes the material with an emission color for each side.
 
-        Where others show through, nothing is there: who looks at the front of a surface does
-        not look for the back behind it.
+        Without `back`, the back of an opaque surface is Lambertian, and that of a translucent
+        surface is invisible. A Lambertian back would show through its front.
         """
         if back is not None:
             radiance = self.mix(front, back, self.backfacing())
@@ -147,7 +146,7 @@ class Graph:
         return self.node("ShaderNodeBsdfTransparent").outputs[0]
 
     def coated(self, shader):
-        """A clear coat over it, whose reflectance is Schlick's (1994) for an index of 1.8."""
+        """Returns the shader under a clear coat with Schlick's reflectance (1994), index 1.8."""
         facing = self.node("ShaderNodeLayerWeight", 0.5).outputs["Facing"]
         grazing = self.math("POWER", facing, 5.0)
         reflectance = self.math("MULTIPLY_ADD", grazing, 0.92, 0.08)
@@ -157,12 +156,12 @@ class Graph:
         return self.mix_shaders(weight, shader, coat.outputs[0])
 
     def position(self, obj=None):
-        """In the coordinates of an object, by default of the one with the material."""
+        """Returns the position in the coordinates of an object, by default the material's."""
         coordinates = self.node("ShaderNodeTexCoord", object=obj)
         return next(s for s in coordinates.outputs if s.identifier == "Object")
 
     def inside(self, cut):
-        """1 within the box of a Cut, else 0."""
+        """Returns a socket that is 1 within the box of a Cut, else 0."""
         position = self.position(cut.box)
         low, high = np.array(cut.low), np.array(cut.high)
         half = np.maximum(0.5 * (high - low), 1e-6)
@@ -172,7 +171,7 @@ class Graph:
         return self.math("LESS_THAN", self.math("MAXIMUM", self.math("MAXIMUM", x, y), z), 1.0)
 
     def seen(self):
-        """How much of the surface is seen, 0..1: a socket, or None where that is all of it."""
+        """Returns a socket with the visible share of the surface, or None if all is visible."""
         factors = []
         if self._view.is_translucent:
             factors.append(self.node("ShaderNodeValue", name=OPACITY).outputs[0])
@@ -188,7 +187,7 @@ class Graph:
     def finish(self, shader):
         if self._view.is_glossy:
             shader = self.coated(shader)
-        # For Eevee, whose nearest layer it shall not be.
+        # Keep Eevee from drawing a hidden back as the nearest layer.
         self._material.use_backface_culling = self._hides_back
         seen = self.seen()
         if seen is not None:

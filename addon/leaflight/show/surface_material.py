@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material of an isosurface: of its light in the bake or in a pass of it, or the isosurface's
-own, unlit.
+"""The material of an isosurface: baked radiance of a bake or pass, or the unlit surface.
 
-Each is built once and then keeps its nodes: isovalue, opacity, color and the next pass only change
-values in it. Blender compiles other nodes anew and meanwhile shows a material without baked light.
+Each material is built once and then keeps its nodes. A new isovalue, opacity, color or pass only
+changes values in it. Blender compiles new nodes and meanwhile shows a material without baked light.
 
-Blender compiles the nodes of a material when it first draws them, and draws it gray, lit by lamps
-alone, until then: the first light of a bake would look worse than none. It compiles the same nodes
-once. So while a bake has no light yet, triangles without area have the materials.
+Blender compiles the nodes of a material when it first draws them. Until then it draws the material
+gray, lit by lamps alone, so the first light of a bake would look worse than none. Blender compiles
+equal nodes only once. Triangles without area therefore have the materials before the first pass.
 """
 
 import bpy
@@ -17,28 +16,28 @@ from ..store import atlases, bake_files, cache
 from . import display, isosurfaces, lamps, look, preview, shader, shader_graph
 from .isosurface import RADIANCE, RADIANCE_BACK
 
-# What a material was built for.
+# Property of a material: the label for which it was built.
 _BUILT = "leaflight_built"
-# And for which shader_graph.View.
+# Property of a material: the shader_graph.View for which it was built.
 _VIEW = "leaflight_view"
-# Settings that refer to the materials of an isosurface.
+# Properties that refer to the materials of an isosurface.
 _SLOTS = ("isosurface_material", "baked_material")
 
 
 def material_of(obj, isovalue):
-    """The material of the state that the mesh of an isosurface is in. Raises LeaflightError."""
+    """Returns the material for the state of an isosurface's mesh. Raises LeaflightError."""
     if RADIANCE not in obj.data.attributes:
         return isosurface_material(obj, isovalue)
     return _baked_material(obj, isovalue)
 
 
 def may_replace(obj, material):
-    """Whether a material is one of ours, or none, and not one that the user put there."""
+    """True if an object's material is None or from here, and not chosen by the user."""
     return material in (None, obj.leaflight.isosurface_material, obj.leaflight.baked_material)
 
 
 def is_own(changed):
-    """Whether a data-block is a material of a surface that was built here, or the nodes of one."""
+    """True if a data-block is a material that was built here, or its node tree."""
     if isinstance(changed, bpy.types.Material):
         return _BUILT in changed
     return isinstance(changed, bpy.types.ShaderNodeTree) and any(
@@ -47,28 +46,31 @@ def is_own(changed):
 
 
 def show_opacity(obj, opacity):
-    """Shows an opacity that may be animated, which the object itself may not have yet."""
+    """Shows an opacity, which may be an animated value that the object does not have yet."""
     material = obj.data.materials[0] if obj.data.materials else None
     if material is not None and _BUILT in material and material.library is None:
         shader.set_opacity(material, opacity)
 
 
 def is_recolored(obj):
-    """Whether an isosurface is lit by a bake, but shows another color than was baked."""
+    """True if an isosurface is lit by a bake but shows another color than was baked."""
     # A slot may be empty.
     materials = filter(None, obj.data.materials)
     return RADIANCE in obj.data.attributes and any(map(shader.is_recolored, materials))
 
 
 def shows_its_view(obj):
-    """Whether the material of an isosurface is as translucent, and cut, as it is to be now."""
+    """True if the material of an isosurface was built for its present View."""
     materials = obj.data.materials
     view = materials[0].get(_VIEW) if materials and materials[0] is not None else None
     return view is None or view == repr(look.view_of(obj))
 
 
 def take_off(obj):
-    """Takes its own materials off an isosurface; returns {what refers to it: its name}."""
+    """Removes its own materials from an isosurface.
+
+    Returns {property, or None for the mesh: name of the material}.
+    """
     names = {}
     for slot in _SLOTS:
         material = getattr(obj.leaflight, slot)
@@ -83,7 +85,7 @@ def take_off(obj):
 
 
 def put_on(obj, names):
-    """Puts on what take_off() has returned, as far as it is there and nothing else is."""
+    """Restores the result of take_off(), if the materials exist and no others took their place."""
     for slot, name in names.items():
         material = bpy.data.materials.get((name, None))
         if slot is None:
@@ -94,14 +96,14 @@ def put_on(obj, names):
 
 
 def remove_baked(obj):
-    """Removes the material of passes that have left no bake."""
+    """Removes the material of passes without a bake, unless the mesh still has it."""
     material = obj.leaflight.baked_material
     if material is not None and material not in obj.data.materials[:]:
         bpy.data.materials.remove(material)
 
 
 def isosurface_material(obj, isovalue):
-    """The material of the isosurface itself, as the bake assumes it."""
+    """Returns the unlit material of an isosurface, as the bake models it."""
     volume = display.volume_object(obj)
     scattering, ior = volume.leaflight.isosurface_scattering, volume.leaflight.isosurface_ior
     emission, view = isosurfaces.emission_of(volume), look.view_of(obj)
@@ -116,7 +118,7 @@ def isosurface_material(obj, isovalue):
 
 
 def shading_in_use(settings):
-    """(the shading mode, the reason when it is not the one chosen or an empty text)."""
+    """Returns (shading mode, reason if it is not the chosen one, or an empty text)."""
     if settings.shading != "ATLAS" or not settings.bake_id:
         return settings.shading, ""
     if settings.frames > 1:
@@ -130,7 +132,7 @@ def shading_in_use(settings):
 
 
 def look_after_images(obj, bake_path):
-    """Finds the atlases of an isosurface's material where they are now, beside their bake.
+    """Finds the atlases of an isosurface's material beside their bake.
 
     Raises LeaflightError.
     """
@@ -147,7 +149,7 @@ def look_after_images(obj, bake_path):
 def _baked_material(obj, isovalue):
     volume = display.volume_object(obj)
     settings, view = volume.leaflight, look.view_of(obj)
-    # An atlas is a file, which a pass is not worth.
+    # Passes use attributes, because an atlas needs a file.
     in_passes = preview.of(volume) is not None
     mode = "ATTRIBUTE" if in_passes else shading_in_use(settings)[0]
     back = RADIANCE_BACK in obj.data.attributes
@@ -163,8 +165,8 @@ def _baked_material(obj, isovalue):
         columns = settings.atlas_columns
         shader.build_atlas(material, sides, grid.resolution, columns, matrix, view)
 
-    # Materials of files from before colors could change have another label, and are built anew.
-    # The nodes that read an attribute are the same for every bake.
+    # The label rebuilds materials of old files, whose nodes cannot change colors. Nodes that read
+    # an attribute are the same for every bake.
     light = f"{settings.bake_id} {settings.bake_index}" if mode == "ATLAS" else ""
     label = f"{mode} {light} {back} recolored {view!r}"
     material = _material(obj, "baked_material", label, build)
@@ -174,7 +176,7 @@ def _baked_material(obj, isovalue):
 
 
 def _atlas_image(volume, bake_path, back):
-    """The image of an atlas, whose file is written anew unless it holds this bake."""
+    """Returns the image of an atlas. Its file is written again unless it holds this bake."""
     identifier, index = volume.leaflight.bake_id, volume.leaflight.bake_index
     path, written = atlases.require(
         lambda: cache.grid_of(volume), bake_path, identifier, index, back
@@ -183,9 +185,9 @@ def _atlas_image(volume, bake_path, back):
 
 
 def _material(obj, slot, label, build):
-    """The material in a slot of the settings, built only when it is not yet what the label says.
+    """Returns the material in a slot of the settings, built again only for a new label.
 
-    A duplicate of the object gets a material of its own.
+    A duplicate of the object gets a separate material.
     """
     settings = obj.leaflight
     material = getattr(settings, slot)
@@ -208,9 +210,9 @@ _FIRST_LIGHT, _FIRST_NAME = "first light", "Leaflight Materials"
 
 
 def prepare_first_light(volumes, both_sides, walls):
-    """Has the materials compiled, once, that a bake will give to isosurfaces without light.
+    """Makes Blender compile the materials that a bake will give to unlit isosurfaces.
 
-    volumes: the objects to bake; walls: whether their walls will be lit.
+    volumes: the objects to bake. walls: True if their walls will be lit.
     """
     isosurfaces = [obj for volume in volumes for obj in display.surfaces_of(volume)]
     unlit = [obj for obj in isosurfaces if RADIANCE not in obj.data.attributes]
@@ -233,7 +235,7 @@ def prepare_first_light(volumes, both_sides, walls):
 
 
 def forget_first_light():
-    """Removes what prepare_first_light() has made, and undo or a file has brought back."""
+    """Removes the objects of prepare_first_light(), even if undo or a file restored them."""
     for obj in list(filter(_is_first_light, bpy.data.objects)):
         _remove_first_light(obj)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mesh object that shows one isosurface of its volume, lit by its bake.
 
-The mesh remembers which surface it holds, so that a stale one is noticed after undo, redo and
-loading a file: they bring back mesh and memory together.
+Properties of the mesh describe its surface. Undo, redo and loading restore both together, so that a
+stale mesh is detected.
 """
 
 import json
@@ -18,22 +18,23 @@ from ..store import bake_files
 from . import display, isosurface, lamps, preview, surface_material
 from .fill import colour, fill
 
-# About how many a surface has at most while its isovalue moves.
+# Approximate limit of the triangles of a surface while its isovalue moves.
 MOVING_TRIANGLES = 150_000
 
 _SHOWN = "leaflight_shown"
 _ISOVALUE = "leaflight_isovalue"
-# Whether detail is missing, and about how many triangles the isosurface has between voxels.
+# Properties of a mesh: True if detail is missing, and the approximate number of triangles of the
+# isosurface between voxels.
 _COARSE = "leaflight_coarse"
 _TRIANGLES = "leaflight_triangles"
 
-# What made() returns of a surface that could not be made.
+# Result of made() for a surface that could not be made.
 _NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}, 0
 
-# Full name of an object -> why its surface could not be shown, for the panel.
+# Full name of an object -> reason why its surface could not be shown, for the panel.
 problems = session.remembered()
 
-# Full name of an object -> the state in which the files of its bake were all right.
+# Full name of an object -> the state for which the files of its bake were found.
 _looked_after = session.remembered()
 
 
@@ -57,7 +58,10 @@ class _Shown:
 
     @staticmethod
     def of(mesh):
-        """None for a mesh without a label, or with one of an earlier Leaflight."""
+        """Returns the state of a mesh.
+
+        Returns None for a mesh without a label, or with a label of an earlier Leaflight.
+        """
         try:
             return _Shown(**json.loads(label_of(mesh) or ""))
         except (ValueError, TypeError):
@@ -65,9 +69,10 @@ class _Shown:
 
 
 def create(context, volume, size):
-    """A mesh object in the active collection for the volume, its longest side `size` units long.
+    """Adds a mesh object for a volume to the active collection.
 
-    The object's origin is the middle of the volume, above the middle of the grid floor.
+    Its longest side is `size` units long. Its origin is the middle of the volume, above the middle
+    of the grid floor.
     """
     obj = new(context, volume.name)
     low, high = np.asarray(volume.field().bounds, np.float64)
@@ -79,23 +84,23 @@ def create(context, volume, size):
 
 
 def new(context, name):
-    """An empty mesh object in the active collection."""
+    """Adds an empty mesh object to the active collection."""
     obj = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     context.collection.objects.link(obj)
     return obj
 
 
 def update(obj, isovalue, moving=False):
-    """Shows the isosurface, unless the mesh holds it already. A failure goes to `problems`.
+    """Shows an isosurface unless the mesh already holds it. A failure goes to `problems`.
 
-    moving: whether a coarser one will do, of about MOVING_TRIANGLES, since it will not stay; what
-    it lacks is made afterwards (whole_detail.py).
+    moving: True if a coarse surface of about MOVING_TRIANGLES is enough for now. The full detail
+    follows later (whole_detail.py).
     """
     _look_after_files(obj)
     wanted, shown = _wanted(obj, isovalue), _Shown.of(obj.data)
     if shown == wanted and (moving or not is_coarse(obj.data)):
         return
-    # A failure is tried again once its problem may be gone: after loading, undo or relocating.
+    # Try again after a failure only if its problem may be gone: after loading, undo or relocating.
     if shown == replace(wanted, failed=True) and obj.name_full in problems:
         return
     if obj.library is not None:
@@ -109,13 +114,13 @@ def update(obj, isovalue, moving=False):
     try:
         halvings = _halvings_in_motion(obj, isovalue) if moving else None
         surface = isosurface.isosurface_of(obj, isovalue, halvings)
-        # The vertices of all detail take longer to light and to draw than coarse ones to make.
+        # Lighting and drawing all vertices takes longer than making a coarse surface.
         wants_coarse = bool(moving and halvings and wanted.moved)
         if surface.grid is not None and _serves(obj.data, shown, wanted, wants_coarse):
             _color(obj, wanted.label(), surface)
             return
         made = surface.made()
-        # A bake that could not be read has lit nothing: here it says why.
+        # Raise the error of a bake that could not be read.
         isosurface.is_lit(obj, isovalue)
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
@@ -124,20 +129,20 @@ def update(obj, isovalue, moving=False):
 
 
 def _serves(mesh, shown, wanted, coarse):
-    """Whether the vertices of a mesh are those of the wanted state, with other light.
+    """True if the wanted state differs from that of a mesh only in its light.
 
-    coarse: whether those of coarse isosurfaces are wanted.
+    coarse: True if the vertices of a coarse isosurface are wanted.
     """
     if shown is None or shown.failed or shown.isosurface != wanted.isosurface:
         return False
     if is_coarse(mesh) != coarse:
         return False
-    # The light of a moved scene will not stay: the vertices of any other light will do.
+    # The light of a moved scene is temporary, so the vertices of any light are good enough.
     return bool(wanted.moved) or shown.light == wanted.light
 
 
 def _color(obj, label, surface):
-    """Gives the mesh of an object the light of an Isosurface at its vertices, as it is now."""
+    """Gives the present vertices of an object's mesh the light of an Isosurface."""
     _own_mesh(obj)
     mesh = obj.data
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
@@ -150,18 +155,18 @@ def _color(obj, label, surface):
 
 
 def update_all(volume, moving=False, as_coarse=False):
-    """Shows a volume's isosurface and those that were added to it as they are lit now.
+    """Shows a volume's isosurface and the added isosurfaces with their present light.
 
-    moving: as of update(). as_coarse: whether those that are coarse may stay so.
+    moving: see update(). as_coarse: True if coarse surfaces may stay coarse.
     """
     for obj in display.surfaces_of(volume):
         update(obj, shown_isovalue(obj), moving or (as_coarse and is_coarse(obj.data)))
 
 
 def coarsen_all(volume):
-    """Leaves a volume's isosurfaces the detail that they have while an isovalue moves.
+    """Reduces a volume's isosurfaces to the detail that they have while an isovalue moves.
 
-    It comes back as it does then. A failure stays for the next update to tell.
+    The full detail returns as after a move. The next update reports failures.
     """
     for obj in display.surfaces_of(volume):
         if is_coarse(obj.data) or obj.library is not None or obj.mode != "OBJECT":
@@ -174,21 +179,21 @@ def coarsen_all(volume):
 
 
 def finish(obj, surface, made):
-    """Shows an Isosurface that was made of an object, in place of one of other detail."""
+    """Replaces the mesh of an object by an Isosurface of other detail, which was made before."""
     _put(obj, label_of(obj.data), surface.isovalue, surface, made)
 
 
 def is_coarse(mesh):
-    """Whether it holds less than the whole detail of its isosurface."""
+    """True if a mesh has less than the full detail of its isosurface."""
     return bool(mesh.get(_COARSE))
 
 
 def _halvings_in_motion(obj, isovalue):
-    """Returns how often to halve the detail of an isosurface that moves. Raises LeaflightError."""
+    """Returns how often to halve the detail of a moving isosurface. Raises LeaflightError."""
     triangles, halvings = obj.data.get(_TRIANGLES, 0), 0
     if shown_isovalue(obj) != isovalue or not triangles:
         estimate = isosurface.estimate_triangles(isosurface.volume_of(obj), isovalue)
-        # The count of an isosurface nearby is better, and noise has many times as many.
+        # Prefer the count of a near isosurface, unless one of the two is noise with many more.
         if not 0.25 * estimate < triangles < 4.0 * estimate:
             triangles = estimate
     while triangles > MOVING_TRIANGLES:
@@ -197,7 +202,7 @@ def _halvings_in_motion(obj, isovalue):
 
 
 def _put(obj, label, isovalue, surface, made):
-    """Fills the mesh of an object with what was made of an Isosurface, or with nothing."""
+    """Fills the mesh of an object with the result of Isosurface.made(), or with nothing."""
     _own_mesh(obj)
     mesh = obj.data
     vertices, triangles, radiance, count = made
@@ -210,12 +215,12 @@ def _put(obj, label, isovalue, surface, made):
 
 
 def forget():
-    """After undo or saving: looks after the files of all bakes again."""
+    """Makes the next updates find the files of all bakes again, after undo or saving."""
     _looked_after.clear()
 
 
 def _look_after_files(obj):
-    """Finds the bake of an object and its atlases where they are now, once for each state."""
+    """Finds the files of an object's bake and atlases, once for each state."""
     volume = display.volume_object(obj)
     settings = volume.leaflight
     state = (settings.bake_id, settings.bake_index, settings.bake_path, bpy.data.filepath)
@@ -233,9 +238,9 @@ def _look_after_files(obj):
 
 
 def _own_mesh(obj):
-    """Gives a linked duplicate or a library override a mesh of its own before it is changed.
+    """Gives a linked duplicate or a library override a separate mesh before it is changed.
 
-    They share one for as long as they show the same.
+    They share a mesh while they show the same surface.
     """
     mesh = obj.data
     if mesh.library is None and mesh.users < 2:
@@ -246,24 +251,24 @@ def _own_mesh(obj):
 
 
 def shown_isovalue(obj):
-    """The isovalue of the surface that the mesh holds, by its object if it holds none yet."""
+    """Returns the isovalue of an object's mesh, or that of its settings before the first mesh."""
     return obj.data.get(_ISOVALUE, obj.leaflight.isovalue)
 
 
 def label_of(mesh):
-    """A key, different for each thing that meshes show: None before the first surface."""
+    """Returns a key of the surface and light in a mesh, None before the first surface."""
     return mesh.get(_SHOWN)
 
 
 def mark_shown(mesh, other):
-    """Marks a mesh as showing what the other shows, so that it is left alone."""
+    """Copies the state of another mesh, so that no update replaces this one."""
     mesh[_SHOWN], mesh[_ISOVALUE] = other[_SHOWN], other[_ISOVALUE]
 
 
 def shade(obj):
-    """Gives the object the material of its state: baked radiance, or plain and unlit by the bake.
+    """Gives an object the material for its state: baked radiance, or unlit.
 
-    A material that the user put there instead stays. A failure goes to `problems`.
+    A material that the user has chosen stays. A failure goes to `problems`.
     """
     current = obj.data.materials[0] if obj.data.materials else None
     if not surface_material.may_replace(obj, current):
@@ -281,13 +286,13 @@ def shade(obj):
 
 
 def shade_all(volume):
-    """shade() for a volume and the isosurfaces that were added to it."""
+    """Calls shade() for a volume and its added isosurfaces."""
     for obj in display.surfaces_of(volume):
         shade(obj)
 
 
 def forget_passes():
-    """Shows what lit the objects before the passes of a bake did."""
+    """Shows objects without the passes of a bake: lit by their last bake, or unlit."""
     for name in preview.forget():
         obj = next((obj for obj in bpy.data.objects if obj.name_full == name), None)
         if obj is None or not obj.leaflight.is_volume:
@@ -299,7 +304,7 @@ def forget_passes():
 
 
 def _wanted(obj, isovalue):
-    """The _Shown of an object whose mesh is up to date."""
+    """Returns the _Shown of an up-to-date mesh of an object."""
     volume_object = display.volume_object(obj)
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"

@@ -16,7 +16,7 @@ from .overridable import (
 )
 
 _UNKNOWN = "UNKNOWN"
-# Identifiers of Blender are ASCII.
+# Units as (symbol, identifier, description). Blender's identifiers are ASCII.
 _NAMED_UNITS = [
     ("mm", "mm", "Millimeters, as CT and MRI have"),
     ("µm", "um", "Micrometers, as microscopes have"),
@@ -36,17 +36,17 @@ _UNIT_KEYS = [key for key, _, _ in UNIT_ITEMS]
 
 
 def unit_of(key):
-    """The unit, a key of METERS or an empty text, of an item."""
+    """Returns the unit of an item: a key of METERS or an empty text."""
     return _UNITS[_UNIT_KEYS.index(key)]
 
 
 def unit_number(unit):
-    """The number of the item of a unit."""
+    """Returns the index of the item of a unit."""
     return _UNITS.index(unit)
 
 
 def unit_at(number):
-    """The unit of the item of a number."""
+    """Returns the unit of the item at an index."""
     return _UNITS[number]
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls with the light of the present isosurface: shadows and color bleeding on walls.
+"""The display of walls with the light of the present isosurface: shadows and color bleeding.
 
-A bake that lights the walls holds their radiance for every isosurface. A display object for each
-mesh that was baked shows it in place of the original, which is hidden meanwhile and marked so that
-the next bake still sees it.
+A bake that lights the walls holds their radiance for every isosurface. A display object shows it in
+place of each baked mesh. The original is hidden meanwhile and marked, so that the next bake still
+sees it.
 """
 
 import threading
@@ -31,19 +31,19 @@ _completing = threading.Lock()
 
 
 def is_hidden(obj):
-    """Whether an object, which renders otherwise, is hidden behind its display."""
+    """True if an object is hidden because its display renders in its place."""
     return _HIDDEN in obj
 
 
 def forget_names(scene):
-    """After a new bake, which has seen all objects under their present names."""
+    """Removes the baked names from all objects, after a bake under their present names."""
     for obj in scene.objects:
         if _BAKED_AS in obj:
             del obj[_BAKED_AS]
 
 
 def refresh(scene):
-    """Shows the lit walls, or the objects themselves, as the user chose."""
+    """Shows the lit walls or the original objects, as the user has chosen."""
     _clear(scene)
     leader = _leader(scene)
     if leader is not None and scene.leaflight.show_walls:
@@ -57,7 +57,7 @@ def refresh(scene):
 
 
 def show_pass(scene):
-    """Lights the walls by the pass of a bake that lights the volumes, where it has their light."""
+    """Lights the walls with the pass that lights the volumes, if it has their light."""
     leader = _leader(scene)
     if leader is None or not _pass_with_walls(leader):
         return
@@ -75,9 +75,9 @@ def _has_as_many_vertices(obj, bake):
 
 
 def complete(scene):
-    """Shows the lit walls that waited for the light of a bake.
+    """Shows the lit walls once a bake has their light.
 
-    A render and the window come here at the same time, in threads of their own.
+    A render and the window may call it at the same time, in different threads.
     """
     with _completing:
         if _displays(scene):
@@ -87,7 +87,7 @@ def complete(scene):
 
 
 def finish(scene):
-    """complete() for a render, which waits for that light where walls show another or none."""
+    """Shows the lit walls for a render, and waits if their present light is missing or old."""
     leader, displays = _leader(scene), _displays(scene)
     if leader is None:
         return
@@ -99,7 +99,7 @@ def finish(scene):
 
 
 def are_left_alone(scene):
-    """Whether the volume that lit the displays of a scene is gone, as when it was deleted."""
+    """True if the volume that lit the displays of a scene is gone."""
     return any(not any(map(_leader, obj.users_scene)) for obj in _displays(scene))
 
 
@@ -110,7 +110,7 @@ def remove_left_alone():
 
 
 def update(scene):
-    """Lights the displays for the isosurface that is shown, unless they show it already."""
+    """Lights the displays for the present isosurface unless they already show its light."""
     displays = _displays(scene)
     leader = _leader(scene) if displays else None
     stale = _stale(displays, leader) if leader is not None else []
@@ -128,7 +128,7 @@ def update(scene):
     c = min(max(_common_isovalue(leader, bake, index), low), high)
     for obj in stale:
         if of_pass:
-            # They may have moved.
+            # The vertices of a pass may have moved.
             vertices = bake.walls.mesh(obj[_INDEX])[0]
             obj.data.vertices.foreach_set("co", vertices.ravel())
         for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
@@ -143,7 +143,7 @@ def _displays(scene):
 
 
 def _stale(displays, leader):
-    """Those that show another light than the present isosurface's."""
+    """Returns the displays that do not show the light of the present isosurface."""
     return [obj for obj in displays if obj.data.get(_SHOWN) != _label(leader)]
 
 
@@ -156,7 +156,7 @@ def _label(leader):
 
 
 def _leader(scene):
-    """The volume whose bake has lit the walls, None without such a bake."""
+    """Returns the volume whose bake or pass has lit the walls, or None."""
     volumes = [obj for obj in scene.objects if _pass_with_walls(obj)] or [
         obj for obj in scene.objects if obj.leaflight.bake_walls
     ]
@@ -170,7 +170,10 @@ def _pass_with_walls(obj):
 
 
 def _bake_of(leader):
-    """(bake, which of its volumes the leader is) that lights the walls. Raises LeaflightError."""
+    """Returns (bake that lights the walls, index of the leader's volume in it).
+
+    Raises LeaflightError.
+    """
     if _pass_with_walls(leader):
         shown = preview.of(leader)
         return shown.walls, shown.index
@@ -194,7 +197,7 @@ def _build(scene, leader):
     shared = material()
     for index, mesh in enumerate(bake.scene.meshes):
         original = _original(scene, mesh.name)
-        # What a mirror or glass shows depends on where it is seen from: these stay as they are.
+        # Leave mirrors and glass as they are, because their radiance depends on the view.
         if original is None or mesh.scattering != "diffuse":
             continue
         collection.objects.link(_display(bake, index, mesh.name, shared))
@@ -203,13 +206,13 @@ def _build(scene, leader):
 
 
 def _original(scene, name):
-    """The object that was baked under a name, whatever it is called now, or None."""
+    """Returns the object that was baked under a name, even if it was renamed, or None."""
     marked = (obj for obj in scene.objects if obj.get(_BAKED_AS) == name)
     return next(marked, None) or scene.objects.get(name)
 
 
 def material():
-    """The one of all displays."""
+    """Returns the material that all displays share."""
     return shader.shared_material(_WALL_MATERIAL, "Leaflight Wall", RADIANCE, RADIANCE_BACK)
 
 
@@ -227,13 +230,13 @@ def _display(bake, index, name, shared):
 
 
 def _hide(scene, obj):
-    """Hides an object that renders; one that has several materials comes here more than once."""
+    """Hides an object that renders. The call is repeated for objects with several materials."""
     if not (is_hidden(obj) or obj.hide_render):
         display.hide(scene, obj, _HIDDEN)
 
 
 def _clear(scene):
-    """Removes the displays and shows what they hid."""
+    """Removes the displays and shows the original objects."""
     for obj in _displays(scene):
         bpy.data.meshes.remove(obj.data)
     for collection in [c for c in scene.collection.children if _COLLECTION in c]:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The whole detail of surfaces that were coarse while their isovalue moved.
+"""The full detail of surfaces that were coarse while their isovalue moved.
 
-In a window a surface is as coarse as the hand asks for while its isovalue moves. A moment after the
-last move its whole detail is made in the background; the next move comes first. While lamps or
-objects move it waits for sharp light (../bake/live.py). Renders have it before their frame, and
-without a window nothing ever is coarse.
+In a window a surface is coarse while its isovalue moves. A moment after the last move a thread
+makes its full detail. The next move has priority. While lamps or objects move, the work waits for
+sharp light (../bake/live.py). Renders get full detail before each frame. Without a window no
+surface is ever coarse.
 """
 
 import time
@@ -15,27 +15,27 @@ from .. import session
 from ..operators import failures, jobs
 from . import isosurface, surface_object
 
-# Seconds from the last move to the work, and between two looks at it.
+# Seconds from the last move to the start of the work, and between two polls.
 PAUSE = 0.08
 POLL = 0.03
 
-# Name of an object of this file -> its _Job.
+# Name of an object in this file -> its _Job.
 _jobs = session.remembered()
 
-# Whether no work may start, since what is shown will not stay.
+# True if no work may start, because the present surfaces will not stay.
 _is_held = False
 
 
 def may_follow(depsgraph=None):
-    """Whether surfaces may be coarse for now.
+    """True if surfaces may be coarse for now.
 
-    depsgraph: that shows them, or None before it is evaluated, which renders do not announce.
+    depsgraph: the one that shows them, or None before its evaluation. Renders have no such event.
     """
     return not bpy.app.background and (depsgraph is None or depsgraph.mode == "VIEWPORT")
 
 
 def watch(objects):
-    """Starts work in the background for the surfaces of the objects that are coarse."""
+    """Starts background work for the coarse surfaces among these objects."""
     if bpy.app.background:
         return
     coarse = {obj.name: obj for obj in objects if _is_to_be_made(obj)}
@@ -49,20 +49,20 @@ def watch(objects):
 
 
 def make_now(objects):
-    """Makes it at once where it is missing. Failures go to the problems of the surfaces."""
+    """Makes missing detail at once. Failures go to surface_object.problems."""
     for obj in filter(_is_to_be_made, objects):
         _jobs.pop(obj.name, None)
         surface_object.update(obj, surface_object.shown_isovalue(obj))
 
 
 def hold(is_held):
-    """Has work wait until the next call, or no longer."""
+    """Stops new work if True, and allows it again if False."""
     global _is_held
     _is_held = is_held
 
 
 def forget():
-    """Leaves all surfaces as they are."""
+    """Drops all work and leaves the surfaces as they are."""
     _jobs.clear()
 
 
@@ -87,7 +87,7 @@ class _Job:
 
     def __init__(self, obj):
         self._label = surface_object.label_of(obj.data)
-        # From the first look at it on, when the last move has been drawn, however long that took.
+        # Time of the first poll, which comes after the last move was drawn.
         self._since = None
         self._work = self._making = None
 
@@ -95,7 +95,7 @@ class _Job:
         return obj is not None and surface_object.label_of(obj.data) == self._label
 
     def step(self, obj):
-        """Starts what is due and shows what was made; False when that is done."""
+        """Starts the work when it is due, and shows its result. Returns False once it is done."""
         if self._since is None:
             self._since = time.monotonic()
         if self._work is None:

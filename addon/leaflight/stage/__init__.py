@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's scene, built and read: walls, lights, materials, and all as the bake sees it."""
+"""Blender's scene, built and read: walls, lights, materials, and exported to the bake."""

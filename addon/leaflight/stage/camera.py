@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A camera that has isosurfaces in its frame, and the points that it and a stage are fitted to."""
+"""A camera that frames isosurfaces, and the points to which it and a stage are fitted."""
 
 import math
 
@@ -10,13 +10,13 @@ import numpy as np
 
 from ..show import display, isosurfaces
 
-# Of view, across the frame's shorter side: a portrait's lens.
+# Angle of view across the frame's shorter side, as of a portrait lens.
 _ANGLE = math.radians(26.0)
 
-# The shares of the frame's height and width that are filled at most; one of them is.
+# Largest shares of the frame's height and width that the points fill. They reach one of the two.
 HEIGHT, WIDTH = 0.62, 0.7
 
-# As many points show the outline of any isosurface.
+# Number of points that is enough for the outline of any isosurface.
 _POINTS = 100_000
 
 
@@ -29,15 +29,15 @@ def new(scene):
 
 
 def frame(camera, scene, points, direction, elevation):
-    """Moves a camera, which keeps its lens, so that world points (n, 3) are in the middle.
+    """Moves a camera so that world points (n, 3) fill its frame, and keeps its lens.
 
-    direction: from the points to the camera, in radians counterclockwise from -y; elevation: from
-    where it looks down, in radians.
+    direction: from the points to the camera, in radians counterclockwise from -y.
+    elevation: of the camera above the points, in radians.
     """
     around, up = (
         mathutils.Matrix.Rotation(a, 3, x) for a, x in ((direction, "Z"), (elevation, "X"))
     )
-    # Its local axes: to the right, upwards, and back to the camera.
+    # Columns are the camera's local axes: right, up, and toward the viewer.
     axes = np.array(around @ up.inverted() @ mathutils.Matrix.Rotation(math.pi / 2, 3, "X"))
     points = points[:: max(1, len(points) // _POINTS)]
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
@@ -58,19 +58,19 @@ def frame(camera, scene, points, direction, elevation):
 
 
 def _half_frame(data, scene):
-    """Half the width and half the height of the frame at the distance 1."""
+    """Returns half the width and half the height of the frame at the distance 1."""
     corners = np.array([tuple(corner) for corner in data.view_frame(scene=scene)])
     return 0.5 * np.ptp(corners[:, :2], axis=0) / abs(corners[0, 2])
 
 
-# A part of an isosurface counts from this share of its largest part on, in triangles.
+# Smallest part of an isosurface that counts, as a share of the triangles of its largest part.
 _SHARE = 0.1
 
 
 def shown_points(volumes):
-    """World coordinates (n, 3) of the large parts of all isosurfaces that volume objects show.
+    """Returns world coordinates (n, 3) of the large parts of all visible isosurfaces.
 
-    A volume that shows nothing counts with the corners of its box. Raises LeaflightError.
+    A volume without visible isosurfaces gives the corners of its box. Raises LeaflightError.
     """
     points = []
     for volume in volumes:
@@ -98,7 +98,10 @@ def _large_parts(obj):
 
 
 def in_large_parts(count, triangles):
-    """Whether each of so many vertices is in a large part of a mesh; triangles: (m, 3)."""
+    """Returns a bool (count,): True for each vertex in a large part of a mesh.
+
+    count: number of vertices. triangles: (m, 3).
+    """
     if not len(triangles):
         return np.zeros(count, bool)
     part = _core.connected_parts(triangles, count)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes of a volume, and from where it is looked at: three quarters from its front, slightly
-from above.
+"""The axes of a volume, and the direction from which the camera of a stage looks at it.
+
+The camera stands at three quarters of the front, slightly above.
 """
 
 import math
@@ -25,18 +26,19 @@ ITEMS = [
 ]
 NAMES = list(AXES)
 
-# Of volumes without an orientation, and of patients: readers count right, front and up.
+# Front axis of volumes without an orientation, and of patients. Readers store a patient's axes as
+# right, front and up.
 FRONT, PATIENTS_FRONT = "NEG_Y", "POS_Y"
 
-# From the front towards the viewer's right, where the light comes from the left.
+# Angle from the front to the viewer's right. The light comes from the left.
 THREE_QUARTERS = math.radians(35.0)
 ELEVATION = math.radians(10.0)
 
 
 def direction(obj):
-    """The way to the camera of a stage, in radians counterclockwise from -y.
+    """Returns the direction to the camera of a stage, in radians counterclockwise from -y.
 
-    A front that stands askew is taken to be its nearest quarter.
+    The front is rounded to the nearest quarter turn.
     """
     front = np.array(obj.matrix_world, np.float64)[:3, :3] @ front_of(obj)
     if math.hypot(front[0], front[1]) < 1e-3 * np.linalg.norm(front):
@@ -46,26 +48,29 @@ def direction(obj):
 
 
 def vector(number):
-    """The axis (3,) of a number."""
+    """Returns the axis (3,) at an index of NAMES."""
     return AXES[NAMES[number]]
 
 
 def front_of(obj):
-    """The axis (3,), in the object's coordinates, that faces the viewer."""
+    """Returns the axis (3,), in the object's coordinates, that faces the viewer."""
     return vector(obj.leaflight_orientation.front_axis)
 
 
 def with_up(up, front, new):
-    """(up, front), each an axis (3,), with another axis up.
+    """Returns (up, front), each an axis (3,), with another axis up.
 
-    Where that was the front or the back, the volume tips over it.
+    If the new axis was the front or the back, the volume tips over.
     """
     toward = along(new, front)
     return new, scaled(up, -toward) if toward else front
 
 
 def with_front(up, front, new):
-    """(up, front) with another axis to the front; the volume tips where that was up or down."""
+    """Returns (up, front) with another axis in front.
+
+    If the new axis pointed up or down, the volume tips over.
+    """
     toward = along(new, up)
     return scaled(front, -toward) if toward else up, new
 

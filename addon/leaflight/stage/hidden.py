@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that a stage hides: out of sight and out of renders, until they are shown again."""
+"""Objects that a stage hides from the viewport and from renders until they are shown again."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ _HIDDEN = "leaflight_hidden_by_stage"
 
 
 def would_render(scene, kept):
-    """The objects of a scene that a bake would see, besides volumes and those in `kept`."""
+    """Returns the objects of a scene that a bake would see, except volumes and those in `kept`."""
     return [
         obj
         for obj in scene.objects
@@ -39,7 +39,7 @@ def all_hidden(scene):
 
 
 def names(objects):
-    """For sentences: up to three names."""
+    """Returns up to three names and the number of the others, for sentences."""
     text = ", ".join(obj.name for obj in objects[:3])
     more = len(objects) - 3
     return iface_("%s and %d more") % (text, more) if more > 0 else text
@@ -63,13 +63,13 @@ class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
         self.report({"INFO"}, f"Shown again: {names(objects)}")
 
 
-# Where Blender puts them; lengths of the cube's sides, power of the lamp.
+# Locations of the default cube and light of Blender, the cube's side and the light's power.
 _CUBE, _LAMP = (0.0, 0.0, 0.0), (4.0762, 1.0055, 5.9039)
 _SIDE, _POWER = 2.0, 1000.0
 
 
 def is_first_scene(scene):
-    """True if a scene has nothing to bake with its volumes but what Blender began with."""
+    """True if a scene has the default cube and, beside volumes, at most the default light."""
     objects = would_render(scene, ())
     return any(map(_is_cube, objects)) and all(_is_cube(o) or _is_lamp(o) for o in objects)
 

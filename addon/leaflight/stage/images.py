@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pixels of Blender's images as Cycles sees them: linear colours."""
+"""The pixels of Blender's images as linear colors, as Cycles uses them."""
 
 import hashlib
 import os
@@ -10,17 +10,17 @@ from leaflight import LeaflightError
 
 from .. import session
 
-# Spaces in which the numbers of an 8-bit image are linear as they are.
+# Color spaces in which the values of an 8-bit image are linear.
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}
 
-# (pixels, their SHA-256) by all that differs between two states of an image.
+# Cache: _key() of an image -> (pixels, their SHA-256).
 _pixels = session.remembered()
 
 
 def linear_pixels(what, image):
-    """The colours float32 [row, column, 3] of an image, bottom row first. Raises LeaflightError.
+    """Returns the colors of an image, float32 [row, column, 3], bottom row first.
 
-    what: who uses the image, for errors.
+    what: the user of the image, for errors. Raises LeaflightError.
     """
     _check(what, image)
     key = _key(image)
@@ -32,7 +32,7 @@ def linear_pixels(what, image):
 
 
 def digest(pixels):
-    """SHA-256 of an array; that of an image is computed once."""
+    """Returns the SHA-256 of an array, from the cache if the array is that of an image."""
     for known, value in _pixels.values():
         if known is pixels:
             return value
@@ -78,7 +78,7 @@ def _key(image):
         tuple(image.size),
         image.colorspace_settings.name,
         image.alpha_mode,
-        # Painting and pixels set by scripts show in nothing but the pixels.
+        # Only the pixels show that an image was painted or set by a script.
         _few_pixels(image) if image.is_dirty or image.source == "GENERATED" else b"",
     )
 
@@ -103,7 +103,7 @@ def _read(what, image):
     raw = raw.reshape(height, width, image.channels)
     colours = raw[..., :3] if image.channels >= 3 else np.repeat(raw[..., :1], 3, axis=2)
     if not image.is_float:
-        # Cycles multiplies 8-bit colours by their alpha while they are still encoded.
+        # Cycles multiplies 8-bit colors by their alpha before it decodes them.
         if image.channels == 4 and image.alpha_mode == "STRAIGHT":
             colours = colours * raw[..., 3:]
         if image.colorspace_settings.name == "sRGB":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's lights as lamps of the bake, in radiometric units."""
+"""Export of Blender's lights as lamps of the bake, in radiometric units."""
 
 import math
 
@@ -10,15 +10,15 @@ from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
 from .. import versions
 from . import nodes
 
-# From which error on a point light's softness is worth a warning.
+# Smallest relative error from a point light's softness that causes a warning.
 _SOFTNESS = 0.01
 
 
 def export_light(obj, matrix, boxes, warnings):
-    """The lamp of a light object, or None when it is black. Raises LeaflightError.
+    """Returns the lamp of a light object, or None if it is black. Raises LeaflightError.
 
     matrix: (4, 4), object to world. boxes: function without arguments that returns the volumes'
-    world boxes [(2, 3), ...]. warnings: a list that sentences are added to.
+    world boxes [(2, 3), ...]. warnings: a list to which sentences are added.
     """
     what = f'Light "{obj.name}"'
     light = obj.data
@@ -40,7 +40,7 @@ def export_light(obj, matrix, boxes, warnings):
 
 
 def _power(what, light):
-    """Power (3,) in watts; of a sun, irradiance."""
+    """Returns the power (3,) in watts, or the irradiance of a sun."""
     if not versions.is_normalized(light):
         raise LeaflightError(
             f"{what} has Normalize off, which the bake does not model: turn it on and adapt its "
@@ -54,7 +54,7 @@ def _power(what, light):
 
 
 def _tint(what, light):
-    """The factor (3,) that a light's nodes put on its colour."""
+    """Returns the factor (3,) that a light's nodes apply to its color."""
     tree = versions.node_tree(light)
     if tree is None:
         return np.ones(3)
@@ -93,7 +93,7 @@ def _area(what, name, light, axes, power):
             f"{what} is sheared by its parent, but the bake models rectangles and ellipses: apply "
             "or remove the parent's scale."
         )
-    # It shines along its local -Z, towards the cross product of the edges.
+    # The light shines along its local -Z, toward the cross product of the edges.
     if normal @ axes[:3, 2] > 0:
         edge_v = -edge_v
     ellipse = light.shape in {"DISK", "ELLIPSE"}

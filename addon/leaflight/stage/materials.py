@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the node trees of materials say in the terms of the bake."""
+"""Export of the node trees of materials to the bake."""
 
 from dataclasses import dataclass, field, replace
 
@@ -10,10 +10,10 @@ from leaflight import LeaflightError
 from .. import versions
 from . import nodes
 
-# The colour in which Cycles renders a mesh without a material.
+# Color in which Cycles renders a mesh without a material.
 DEFAULT_ALBEDO = (0.8, 0.8, 0.8)
 
-# Parts of the Principled BSDF that the bake models not at all, or leaves out with a warning.
+# Inputs of the Principled BSDF that stop the bake, and those that it leaves out with a warning.
 _FORBIDDEN = ("Subsurface", "Subsurface Weight", "Transmission Roughness")
 _GLOSSY = ("Specular", "Specular IOR Level", "Sheen", "Sheen Weight", "Clearcoat", "Coat Weight")
 _COATS = _GLOSSY[2:]
@@ -44,7 +44,10 @@ class Surface:
 
 
 def surface_of(owner, material):
-    """The Surface of a material, or of none, on the object `owner`. Raises LeaflightError."""
+    """Returns the Surface of a material, or of None, on the object `owner`.
+
+    Raises LeaflightError.
+    """
     if material is None:
         return Surface(DEFAULT_ALBEDO)
     tree = versions.node_tree(material)
@@ -114,7 +117,7 @@ def _principled(what, shader):
                 "in this Blender: set it to that, or use a Diffuse BSDF for a match"
             )
     elif metallic == 1 or (metallic == 0 and transmission == 1):
-        # A metal's transmission has no effect, and glass has no specular layer besides its own.
+        # A metal's transmission has no effect, and glass has no additional specular layer.
         left_out = _COATS + _FILM
         kind = "mirror" if metallic == 1 else "glass"
         _check_polished(what, shader, kind)
@@ -158,7 +161,7 @@ def _clear(what, shader, colour):
 
 
 def _left_out(what, shader, identifiers):
-    """A sentence on the parts of a shader that the bake leaves out, if it has any."""
+    """Returns a list with a sentence on the parts of a shader that the bake leaves out, if any."""
     found = [name for name in identifiers if nodes.number(shader, name) > 0]
     if not found:
         return []
@@ -191,7 +194,7 @@ def _emission(what, shader):
 
 
 def _sum(what, shader):
-    """Emission added to something that reflects; of two that reflect, the bake models one."""
+    """Returns the Surface of an Add Shader. The bake models at most one reflecting part."""
     parts = [nodes.source(end) for end in shader.inputs]
     surfaces = [_surface(what, part) for part in parts if part is not None]
     reflecting = [
@@ -220,7 +223,7 @@ def _radiance(what, colour, strength):
 
 
 def _check_polished(what, shader, kind):
-    # Until Blender 3.6 the distribution "Sharp" ignores the roughness.
+    # Up to Blender 3.6 the distribution "Sharp" ignores the roughness.
     roughness = nodes.number(shader, "Roughness")
     if getattr(shader, "distribution", "") == "SHARP" or roughness == 0:
         return
@@ -241,7 +244,7 @@ def _ior(what, shader):
 
 
 def _textured(what, end):
-    """(albedo, Picture or None) of a socket that may be fed by an image."""
+    """Returns (albedo, Picture or None) of a socket that an image may feed."""
     node = nodes.source(end)
     if node is None:
         return nodes.colour(what, end), None
@@ -264,7 +267,7 @@ def _picture(what, node):
 
 
 def _uv_map(what, end):
-    """(name, matrix) of what leads to a texture's Vector: a UV map, perhaps through a Mapping."""
+    """Returns (name, matrix) of the UV map that feeds a socket, perhaps through Mapping nodes."""
     node = nodes.source(end)
     if node is None:
         return "", np.eye(4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's meshes, and what becomes one, as walls of the bake."""
+"""Export of Blender's meshes, and of objects that convert to meshes, as walls of the bake."""
 
 from dataclasses import replace
 
@@ -11,9 +11,9 @@ from . import images, materials
 
 
 def export_meshes(obj, matrix, warnings):
-    """One Mesh per material slot in use, of an evaluated object with its modifiers.
+    """Returns one Mesh per used material slot of an evaluated object with its modifiers.
 
-    matrix: (4, 4), object to world. warnings: a list that sentences are added to. Raises
+    matrix: (4, 4), object to world. warnings: a list to which sentences are added. Raises
     LeaflightError.
     """
     mesh = obj.to_mesh()
@@ -21,7 +21,7 @@ def export_meshes(obj, matrix, warnings):
         mesh.calc_loop_triangles()
         if not mesh.loop_triangles:
             return []
-        # Mirroring by the object's scale turns the normals, which define the inside of glass.
+        # Swap corners if the object's scale mirrors: normals define the inside of glass.
         axes = np.array(matrix, np.float64)
         order = (0, 2, 1) if np.linalg.det(axes[:3, :3]) < 0 else (0, 1, 2)
         slots = _triangle_slots(obj, mesh)
@@ -58,7 +58,7 @@ def export_meshes(obj, matrix, warnings):
 def _triangle_slots(obj, mesh):
     slots = np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("material_index", slots)
-    # An index beyond the slots renders with the last one.
+    # Blender renders an index beyond the slots with the last slot.
     return np.clip(slots, 0, max(len(obj.material_slots) - 1, 0))
 
 
@@ -89,7 +89,7 @@ def _part(whole, chosen):
 
 
 def _uv(obj, mesh, surface, order):
-    """UV coordinates (triangles, 3, 2) of the surface's picture, None without one."""
+    """Returns the UV coordinates (triangles, 3, 2) of the surface's picture, None without one."""
     picture = surface.picture
     if picture is None:
         return None

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading node trees: nodes are found by type and sockets by identifier, since both stay the same
-in every language.
+"""Functions that read node trees.
+
+They find nodes by type and sockets by identifier, which are the same in every language.
 """
 
 import math
@@ -11,19 +12,19 @@ from leaflight import LeaflightError
 
 
 def linked(tree, identifier):
-    """The node that feeds a socket of the output which Cycles renders, or None."""
+    """Returns the node that feeds a socket of the output that Cycles renders, or None."""
     output = tree.get_output_node("CYCLES")
     return source(socket(output, identifier)) if output else None
 
 
 def source(end):
-    """The node that feeds a socket, seen through reroutes, or None."""
+    """Returns the node that feeds a socket, through reroutes, or None."""
     link = _link(end)
     return link.from_node if link else None
 
 
 def source_socket(end):
-    """The output that feeds a socket, seen through reroutes, or None."""
+    """Returns the output that feeds a socket, through reroutes, or None."""
     link = _link(end)
     return link.from_socket if link else None
 
@@ -42,7 +43,7 @@ def socket(node, identifier):
 
 
 def number(node, identifier, absent=0.0):
-    """The number at a socket; one that is fed by other nodes counts as above any limit."""
+    """Returns the number at a socket, or infinity if other nodes feed the socket."""
     end = socket(node, identifier)
     if end is None:
         return absent
@@ -50,7 +51,7 @@ def number(node, identifier, absent=0.0):
 
 
 def colour(what, end):
-    """The colour (r, g, b) at a socket. Raises LeaflightError when other nodes feed it."""
+    """Returns the color (r, g, b) at a socket. Raises LeaflightError if other nodes feed it."""
     if source(end):
         raise LeaflightError(
             f"{what} has a textured {end.name.lower()}, which the bake does not model there: "
@@ -60,7 +61,7 @@ def colour(what, end):
 
 
 def mapping(what, node):
-    """The matrix (4, 4) that a Mapping node applies to points. Raises LeaflightError."""
+    """Returns the matrix (4, 4) that a Mapping node applies to points. Raises LeaflightError."""
     values = {}
     for identifier in ("Location", "Rotation", "Scale"):
         end = socket(node, identifier)
@@ -87,7 +88,7 @@ def mapping(what, node):
 
 
 def is_rotation(matrix):
-    """Whether a matrix (4, 4) turns and neither moves, scales nor mirrors."""
+    """True if a matrix (4, 4) rotates and neither moves, scales nor mirrors."""
     turn = matrix[:3, :3]
     return (
         np.allclose(matrix[:3, 3], 0.0, atol=1e-6)

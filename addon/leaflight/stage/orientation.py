@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which axis of a volume points up, and which to the viewer: Object.leaflight_orientation.
+"""The axes of a volume that point up and to the viewer: Object.leaflight_orientation.
 
-The object's transform alone holds the one; the other is kept beside it, since a stage turns to
-the front of a patient rather than the patient to the stage.
+The object's transform gives the axis that points up. The front is stored as a property, because a
+stage turns to the front of a patient.
 """
 
 import bpy
@@ -59,7 +59,7 @@ def _choose(group, way, number):
 
 
 def _axes_of(group):
-    """(up, front), at a right angle however the volume was turned by hand."""
+    """Returns (up, front), at a right angle even after the user has rotated the volume."""
     up, front = vector(_up(group)), vector(_front(group))
     if along(up, front):
         front = AXES[FRONT] if not along(up, AXES[FRONT]) else AXES["NEG_X"]
@@ -101,7 +101,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         orientation = obj.leaflight_orientation
         up, front = _axes_of(orientation)
         left = tuple(np.cross(front, up).tolist())
-        # The axis that comes to the top, and the one that comes to the front.
+        # New (up, front) of each way.
         axes = {"TIP": (scaled(front, -1), up), "ROLL": (left, front), "TURN": (up, left)}
         _turn(obj, *axes[self.way])
         if was_lit:
@@ -109,7 +109,10 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
 
 
 def begin(obj, is_patient, up, front):
-    """Orients a volume that was imported; up, front: of AXES, or empty for those of its file."""
+    """Orients a volume after its import.
+
+    up, front: keys of AXES, or empty for the axes of the file.
+    """
     orientation = obj.leaflight_orientation
     orientation.front_axis = NAMES.index(PATIENTS_FRONT if is_patient else FRONT)
     orientation.is_unknown = not (is_patient or up or front)
@@ -123,22 +126,22 @@ def begin(obj, is_patient, up, front):
 
 
 def take_over(obj, other):
-    """Gives a volume the front of another one, to which it is registered."""
+    """Gives a volume the front of another volume, to which it is registered."""
     obj.leaflight_orientation.front_axis = _front(other.leaflight_orientation)
 
 
 def _turn(obj, up, front):
-    """orient(), and a stage that follows. A volume that is not yet one has none."""
+    """Orients a volume, and builds its stage again if it has one."""
     orient(obj, up, front)
     if obj.leaflight.is_volume:
         stage.follow(bpy.context, obj)
 
 
 def orient(obj, up, front):
-    """Turns a volume so that an axis points up and another, at a right angle, to -y.
+    """Rotates a volume so that the axis `up` points up and the axis `front` to -y.
 
-    up, front: (3,). Its box keeps its place on the floor. What was registered to it, and what cuts
-    it, turns with it.
+    up, front: (3,), at a right angle. The box of the volume keeps its place on the floor. Volumes
+    that are registered to it and its clip boxes rotate with it.
     """
     bpy.context.view_layer.update()
     before = obj.matrix_world.copy()
@@ -162,7 +165,7 @@ def orient(obj, up, front):
 
 
 def _turning_with(obj):
-    """The other volumes that share the transform of one."""
+    """Returns the other volumes whose files have the same coordinates as that of a volume."""
     volumes = {other for scene in obj.users_scene for other in isovalues.volumes(scene)}
     return [o for o in volumes - {obj} if o.parent is None and _is_same_space(o, obj)]
 

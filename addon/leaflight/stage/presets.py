@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Stage may put around the volumes: scene files of the package, fitted and turned.
+"""The presets of Stage: scene files of the package, fitted to the volumes.
 
-Scene.leaflight_stage is what a scene remembers of it.
+Scene.leaflight_stage stores the choices of a scene.
 """
 
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from leaflight.scene import scene
 
 MY_SCENE = "MY_SCENE"
 
-# How far above the floor of a scene file isosurfaces end, in its coordinates: where one touched it,
-# light would break off within a piece of the floor, in teeth.
+# Gap between the floor of a scene file and isosurfaces, in its coordinates. An isosurface on the
+# floor would end the light within a facet of the floor, in visible teeth.
 _GAP = 0.02
 
 
@@ -75,9 +75,9 @@ ITEMS = [
 
 
 def fitted(preset, points):
-    """The SceneDescription of a preset around points (n, 3), in their coordinates.
+    """Returns the SceneDescription of a preset around points (n, 3), in their coordinates.
 
-    It is fitted to their box, and moved so that they stand just above its floor.
+    The scene is fitted to the box of the points, which then stand just above its floor.
     """
     description = packaged_scene(PRESETS[preset].file)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -89,7 +89,7 @@ def fitted(preset, points):
 
 
 def moved(description, up):
-    """The description, in world coordinates, moved upwards."""
+    """Returns a description, in world coordinates, moved up by a distance."""
     offset = np.array([0.0, 0.0, up])
 
     def light(one):
@@ -122,7 +122,7 @@ class LeaflightStage(bpy.types.PropertyGroup):
     )
     albedo: FloatVectorProperty(name="Color That Stage Gave to the Volumes", size=3)
     warnings: StringProperty(name="What Would Spoil the Bake, a Sentence a Line")
-    # What the scene had before it was staged.
+    # World and camera of the scene before it was staged.
     own_world: PointerProperty(type=bpy.types.World)
     own_camera: PointerProperty(type=bpy.types.Object)
 

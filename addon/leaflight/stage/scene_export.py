@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads what a bake lights, and what lights it, from the Blender scene.
+"""Export of the Blender scene to the bake.
 
-What the renders show is what the bake sees: every object that renders. What the bake cannot model
-raises LeaflightError with one sentence that names the object.
+The export includes every object that renders. Anything that the bake cannot model raises
+LeaflightError, with one sentence that names the object.
 """
 
 import dataclasses
@@ -19,17 +19,15 @@ from . import images, lights, meshes, world
 
 _MESH_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
-# Which rays of Cycles hit an object; the bake's rays hit all.
+# Properties that hide an object from some rays of Cycles. The bake's rays hit all objects.
 _VISIBILITIES = ("visible_diffuse", "visible_glossy", "visible_transmission", "visible_shadow")
 
 
 def export_scene(context, isosurface):
-    """All that renders, in world space, with the volume object `isosurface` whether it renders or
-    not.
+    """Exports all objects that render, in world space, and always the volume object `isosurface`.
 
-    Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]); the volumes are in
-    the order of the description's isosurfaces, whichever of them `isosurface` is. Raises
-    LeaflightError.
+    Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]). The volumes have
+    the order of the description's isosurfaces. Raises LeaflightError.
     """
     _check_colours()
     depsgraph = context.evaluated_depsgraph_get()
@@ -100,7 +98,7 @@ def _warnings_of(volume):
 
 
 def check_light(description):
-    """Raises LeaflightError when nothing of a scene emits light."""
+    """Raises LeaflightError if nothing in a scene emits light."""
     emitters = [*description.meshes, *description.isosurfaces]
     glows = any(np.max(isosurfaces.colours(emitter.emission)) > 0 for emitter in emitters)
     if not (description.lights or description.environment or glows):
@@ -111,7 +109,7 @@ def check_light(description):
 
 
 def fingerprint(volumes, description):
-    """A hash of the volumes, their isovalue ranges and anything that lights them."""
+    """Returns a hash of the volumes' places and isovalue ranges, and of all that lights them."""
     digest = hashlib.sha256()
     for obj in volumes:
         _add(digest, np.array(obj.matrix_world, np.float64))
@@ -123,7 +121,7 @@ def fingerprint(volumes, description):
 
 
 def _add(digest, value):
-    """Adds plain data to a hash, all but the names of things."""
+    """Adds plain data to a hash, except names and sources."""
     if dataclasses.is_dataclass(value):
         for part in dataclasses.fields(value):
             if part.name not in {"name", "source"}:
@@ -140,7 +138,7 @@ def _add(digest, value):
 
 
 def volume_objects(context, isosurface):
-    """The volumes that a bake of `isosurface` lights: it, and all of the scene that render."""
+    """Returns the volumes that a bake lights: `isosurface`, and all volumes that render."""
     rendered = {}
     _collect(context.view_layer.layer_collection, rendered)
     chosen = [obj for obj in rendered.values() if obj.leaflight.is_volume]
@@ -150,7 +148,7 @@ def volume_objects(context, isosurface):
 
 
 def rendered_objects(view_layer, depsgraph):
-    """Yields (evaluated object, world matrix) of all that renders, instances included."""
+    """Yields (evaluated object, world matrix) of all objects and instances that render."""
     rendered = {}
     _collect(view_layer.layer_collection, rendered)
     for obj in rendered.values():

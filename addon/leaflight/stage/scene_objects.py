@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene descriptions as Blender objects, which the user may edit: meshes, lights, world."""
+"""Import of scene descriptions as Blender objects that the user may edit."""
 
 import math
 
@@ -14,9 +14,9 @@ from . import lights, world
 
 
 def build(context, description):
-    """Adds all of a scene description but its volumes to the scene, in a collection of its own.
+    """Adds the meshes, lights and world of a description to the scene, in a new collection.
 
-    Returns sentences on what Blender objects cannot take over.
+    Returns sentences on the parts that Blender objects cannot represent.
     """
     warnings = []
     collection = bpy.data.collections.new(description.name)
@@ -43,7 +43,7 @@ def build(context, description):
 
 
 def mesh_object(description):
-    """The object stands at the middle of its mesh, so that it turns and scales about it."""
+    """Returns a mesh object with its origin at the mean of its vertices."""
     middle = description.vertices.mean(axis=0)
     data = bpy.data.meshes.new(description.name)
     data.from_pydata((description.vertices - middle).tolist(), [], description.triangles.tolist())
@@ -62,7 +62,7 @@ def mesh_object(description):
 
 
 def _is_curved(mesh):
-    """Whether a mesh has no edges to be seen: all facets at a vertex look nearly the same way."""
+    """True if a mesh has no visible edges: the normals of facets at a vertex are nearly equal."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles].astype(np.float64), 1, 0)
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -103,7 +103,7 @@ def _area_light(description):
     light.color = radiance / radiance.max()
     light.energy = radiance.max() * light.size * light.size_y / versions.light_units().area
     obj = bpy.data.objects.new(description.name, light)
-    # It shines along its local -Z: the local axes are u, -v and -(u x v).
+    # An area light shines along its local -Z, so its local axes are u, -v and -(u x v).
     axes = np.array([u / np.linalg.norm(u), -v / np.linalg.norm(v), -np.cross(u, v)])
     axes[2] /= np.linalg.norm(axes[2])
     middle = np.array(description.corner) + 0.5 * (u + v)
@@ -113,7 +113,7 @@ def _area_light(description):
 
 
 def _turned(kind, name, direction, position=(0, 0, 0)):
-    """A light object that shines along a direction, its local -Z."""
+    """Returns a light object whose local -Z, along which it shines, has this direction."""
     obj = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
     turn = mathutils.Vector(direction).to_track_quat("-Z", "Y").to_matrix().to_4x4()
     obj.matrix_world = mathutils.Matrix.Translation(position) @ turn
@@ -121,7 +121,7 @@ def _turned(kind, name, direction, position=(0, 0, 0)):
 
 
 def _brighten(obj, wanted):
-    """Gives a light the power whose export is what is wanted (3,)."""
+    """Sets a light's color and power so that its export has the wanted values (3,)."""
     obj.data.color, obj.data.energy = wanted / wanted.max(), 1.0
     exported = lights.export_light(obj, obj.matrix_basis, lambda: [], [])
     names = ("radiance", "irradiance", "intensity")
@@ -130,7 +130,10 @@ def _brighten(obj, wanted):
 
 
 def surround(scene, environment):
-    """Gives the scene a world of one color, or a black one. The user's own stays in the file."""
+    """Gives the scene a world of one color, black without an environment.
+
+    The user's world stays in the file.
+    """
     if environment is None and (scene.world is None or world.is_dark(scene.world)):
         scene.world = scene.world or _new_world("Black World", (0.0, 0.0, 0.0))
         return

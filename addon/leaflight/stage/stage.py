@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: walls, lights and a camera around the volumes, as ordinary objects, and a lit viewport."""
+"""Stage: walls, lights and a camera around the volumes, and a lit viewport."""
 
 import math
 
@@ -17,7 +17,8 @@ from ..store import frame_bakes
 from ..translations import iface_
 from . import camera, facing, hidden, presets, scene_export, scene_objects, viewport
 
-# Marks what Stage has made, with its name then: a copy, or what the user has renamed, is theirs.
+# Property of data-blocks that Stage has made, with their name at that time. Copies and renamed ones
+# therefore belong to the user.
 _STAGED = "leaflight_stage"
 
 
@@ -78,7 +79,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
             self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
 
     def _own_collection(self):
-        """The collection of My Scene, None for another preset. Raises LeaflightError."""
+        """Returns the collection of My Scene, None for another preset. Raises LeaflightError."""
         if self.preset != presets.MY_SCENE:
             return None
         collection = bpy.data.collections.get((self.collection, None))
@@ -90,7 +91,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         return collection
 
     def _warn(self, context, isosurface):
-        """Says now what would stop or spoil the bake later, and what was hidden."""
+        """Reports problems that a bake would have, and the hidden objects."""
         try:
             description, _, warnings = scene_export.export_scene(context, isosurface)
             scene_export.check_light(description)
@@ -123,12 +124,11 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
 
 
 def build(context, isosurface, volumes, preset, own=None, hide_others=None):
-    """Puts a stage around the isosurfaces of volume objects, which face the camera as `isosurface`
-    does.
+    """Builds a stage around the isosurfaces of volume objects, with the front of `isosurface`.
 
     own: the collection of My Scene. hide_others: None leaves other objects as they are. Returns
-    whether a bake had lit the volumes: its light goes with the stage that it was made for. Raises
-    LeaflightError before anything changes.
+    True if a bake had lit the volumes, which lose its light. Raises LeaflightError before anything
+    changes.
     """
     scene = context.scene
     context.view_layer.update()
@@ -139,7 +139,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     was_lit = _put_out(scene, volumes)
     failures.forget()
     _remember(scene, preset, own)
-    # A viewport that looks through the camera of the stage before goes on to do so.
+    # Keep the camera of the previous stage, because viewports may look through it.
     kept = scene.camera if is_staged(scene.camera) and own is None else None
     _remove_stage(scene, kept)
     if hide_others is not None:
@@ -159,7 +159,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
 
 
 def follow(context, isosurface):
-    """Builds the stage of the scene anew, if it has one, around its volumes as they are now."""
+    """Builds the stage of the scene again, if it has one, around its present volumes."""
     scene = context.scene
     if is_built(scene) and isosurface.name in scene.objects:
         volumes = scene_export.volume_objects(context, isosurface)
@@ -167,17 +167,17 @@ def follow(context, isosurface):
 
 
 def is_built(scene):
-    """Whether the scene has walls or lamps that Stage has made."""
+    """True if the scene has a collection that Stage has made."""
     return any(is_staged(collection) for collection in scene.collection.children)
 
 
 def is_staged(thing):
-    """Whether an object, a collection or a world is of the stage, and not the user's."""
+    """True if Stage has made a data-block, and the user has not renamed it."""
     return thing is not None and thing.get(_STAGED) == thing.name
 
 
 def _remember(scene, preset, collection):
-    """Notes the choice, and what the scene had of its own before."""
+    """Stores the choice, and the world and camera that the user had before."""
     remembered = scene.leaflight_stage
     remembered.preset = preset
     if collection is not None:
@@ -189,9 +189,9 @@ def _remember(scene, preset, collection):
 
 
 def _remove_stage(scene, kept):
-    """Removes the stage before, but for one object, or None.
+    """Removes the previous stage. Objects that the user put into its collection stay.
 
-    What the user has put into its collection stays in the scene.
+    kept: an object of the stage that stays, or None.
     """
     for obj in [obj for obj in scene.objects if is_staged(obj) and obj != kept]:
         data = obj.data
@@ -213,7 +213,10 @@ def _remove_stage(scene, kept):
 
 
 def _put_out(scene, volumes):
-    """Shows the volumes, and what surrounds them, without the light of a bake; its file stays."""
+    """Shows the volumes and the walls without baked light. The file of the bake stays.
+
+    Returns True if a bake had lit the volumes.
+    """
     was_lit = any(obj.leaflight.bake_id for obj in volumes)
     for obj in isovalues.volumes(scene):
         obj.leaflight.bake_walls = False
@@ -227,9 +230,9 @@ def _put_out(scene, volumes):
 
 
 def _build(scene, description, turn, volumes, kept):
-    """Builds the objects of a description, turned about the origin, with its world and exposure.
+    """Builds the objects, world and exposure of a description. turn: matrix about the origin.
 
-    kept: the camera of the stage before, or None.
+    kept: the camera of the previous stage, or None.
     """
     collection = bpy.data.collections.new(description.name)
     collection[_STAGED] = collection.name
@@ -252,7 +255,7 @@ def _build(scene, description, turn, volumes, kept):
 
 
 def _color(scene, volumes, albedo):
-    """Gives volumes the color of a stage, where nobody has chosen another."""
+    """Gives volumes the color of a stage unless the user has chosen another."""
     remembered = scene.leaflight_stage
     for obj in volumes:
         settings = obj.leaflight
@@ -265,7 +268,7 @@ def _color(scene, volumes, albedo):
 
 
 def _use(scene, own):
-    """The objects, lights and the camera of a collection of the user's."""
+    """Links a collection of the user to the scene, and uses its camera."""
     if own.name not in {child.name for child in scene.collection.children_recursive}:
         scene.collection.children.link(own)
     found = next((obj for obj in own.all_objects if obj.type == "CAMERA"), None)
@@ -273,7 +276,7 @@ def _use(scene, own):
 
 
 def _use_camera(scene, isosurface, points):
-    """Frames points by the scene's camera, or by a new one."""
+    """Frames points with the scene's camera, or with a new one."""
     if scene.camera is None:
         scene.camera = camera.new(scene)
         staged = filter(is_staged, scene.collection.children)
@@ -282,12 +285,12 @@ def _use_camera(scene, isosurface, points):
     camera.frame(scene.camera, scene, points, facing.direction(isosurface), facing.ELEVATION)
 
 
-# The name that scene files give it.
+# Name of the backdrop in scene files.
 _BACKDROP = "backdrop"
 
 
 def paint_backdrop(scene, color):
-    """Gives a linear color (r, g, b) to the backdrop of the stage, where it has one."""
+    """Gives a linear color (r, g, b) to the backdrop of the stage, if it has one."""
     for obj in scene.objects:
         if is_staged(obj) and obj.name.partition(".")[0] == _BACKDROP:
             for material in obj.data.materials:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether the scene is still the one that was baked.
+"""The check for changes of the scene since the bake.
 
-The whole scene is read and hashed for this: at a call, or, for panels, when nothing has
-changed for a moment. Never while a panel draws or an isovalue moves.
+It exports and hashes the whole scene: at a call, or, for panels, when nothing has changed for a
+moment. It never runs while a panel draws or an isovalue moves.
 """
 
 import dataclasses
@@ -21,44 +21,44 @@ from . import lights, scene_export
 
 _OTHER = "The bake was made for another scene: bake again to light this one"
 _CHANGED = "The scene has changed since the bake: bake again"
-# What change_since_bake() says where the volumes are those of the bake, in another scene.
+# Results of change_since_bake() if the volumes are those of the bake, but the scene is not.
 OF_THE_SCENE = (_OTHER, _CHANGED)
 
-# The fingerprint of a bake that was loaded into a scene other than its own.
+# Fingerprint of a bake that was loaded into another scene.
 OTHER_SCENE = "another scene"
 
-# Seconds without a change before panels are drawn anew.
+# Seconds without a change before panels are redrawn.
 PAUSE = 0.5
 
-# (Full name of an object, its bake) -> what has changed, known until the next change; by the name
-# alone where it stood then.
+# Cache, until the next change: (full name of an object, its bake) -> result of change_since_bake().
 _changes = session.remembered()
+# Full name of an object -> its world matrix at the last check.
 _places = session.remembered()
 
-# The same as panels show it, by object and bake, though it may have been before the last change;
-# the names of the objects whose panels are drawn.
+# Results as panels show them, perhaps from before the last change. Names of the objects whose
+# panels are drawn.
 _shown = session.remembered()
 _wanted = session.remembered(set)
 _changed_at = 0.0
 
 
 def forget():
-    """After any change of the scene: the next question looks anew."""
+    """Clears the cached results after any change of the scene."""
     global _changed_at
     _changes.clear()
     _changed_at = time.monotonic()
 
 
 def stands_elsewhere(obj):
-    """Whether an object has moved since change_since_bake() looked."""
+    """True if an object has moved since the last check of change_since_bake()."""
     place = _places.get(obj.name_full)
     return place is not None and place != obj.matrix_world
 
 
 def change_since_bake(context, obj):
-    """A sentence when the bake is not that of the scene and of the volume's file, or "".
+    """Returns a sentence if the scene or the volume's file differs from the bake, or "".
 
-    Also when the bake itself cannot be found.
+    Returns a sentence, too, if the file of the bake cannot be found.
     """
     key = _key(obj)
     if key not in _changes:
@@ -68,12 +68,15 @@ def change_since_bake(context, obj):
 
 
 def known_change(obj):
-    """What change_since_bake() said unless something may have changed since; then ""."""
+    """Returns the cached result of change_since_bake(), or "" after any change of the scene."""
     return _changes.get(_key(obj), "")
 
 
 def change_to_show(obj):
-    """The last result of change_since_bake(), for panels, which are drawn anew if it changes."""
+    """Returns the last result of change_since_bake(), for panels.
+
+    Starts a check if the scene may have changed. Panels are redrawn if the result changes.
+    """
     if _key(obj) not in _changes and not bpy.app.background:
         _wanted.add(obj.name_full)
         if not bpy.app.timers.is_registered(_look):
@@ -82,7 +85,7 @@ def change_to_show(obj):
 
 
 def _key(obj):
-    """Another frame of a volume has another bake."""
+    """Returns a key with the bake, because each frame of a volume has another bake."""
     return obj.name_full, obj.leaflight.bake_id
 
 
@@ -122,7 +125,7 @@ def _change(context, obj):
 
 
 def _is_relit(obj, volumes, description):
-    """Whether but the strengths and colors of lamps have changed, which are shown as they are."""
+    """True if only the strengths and colors of lamps have changed, which relighting shows."""
     lights = lamps.as_baked(obj.leaflight, description.lights)
     if lights is None or not lamps.factors_of(obj.leaflight):
         return False
@@ -130,15 +133,15 @@ def _is_relit(obj, volumes, description):
     return scene_export.fingerprint(volumes, before) == obj.leaflight.bake_fingerprint
 
 
-# Single precision through a few products.
+# Relative tolerance of a few products in single precision.
 _TOLERANCE = 1e-4
 
-# What a description calls things, where they came from, and what only the bake's range says.
+# Fields that is_same() ignores: names, sources, and those that follow from the bake's range.
 _UNSEEN = {"name", "source", "reading", "coordinates", "isovalues"}
 
 
 def is_same(a, b):
-    """Whether plain data are equal, but for names, rounding, and the order of objects."""
+    """True if plain data are equal except for names, rounding and the order of objects."""
     if dataclasses.is_dataclass(a) and dataclasses.is_dataclass(b):
         return type(a) is type(b) and all(
             is_same(getattr(a, part.name), getattr(b, part.name)) for part in _parts(a)
@@ -155,12 +158,12 @@ def is_same(a, b):
 
 
 def in_order(a, b):
-    """The members of a in the order of those like them in b, which are as many."""
+    """Returns the members of a in the order of their equals in b, which has as many."""
     return [next(item for item in a if is_same(item, other)) for other in b]
 
 
 def _parts(description):
-    # The index of refraction is that of glass alone.
+    # Only glass has an index of refraction.
     unseen = _UNSEEN | (
         {"ior"} if getattr(description, "scattering", "glass") != "glass" else set()
     )
@@ -168,7 +171,7 @@ def _parts(description):
 
 
 def _same_members(a, b):
-    """Each of a has its like in b: objects of a scene have no order."""
+    """True if a and b have equal members in any order."""
     left = list(b)
     for item in a:
         like = next((other for other in left if is_same(item, other)), None)
@@ -185,25 +188,25 @@ def _close(a, b):
 
 
 def follow_lamps(scene, depsgraph):
-    """Looks at the lamps as they were evaluated; returns whether a bake is to be shown anew."""
+    """Relights bakes for the evaluated lamps. Returns True if a bake must be shown again."""
     lit = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
     if not lit:
         return False
     try:
         present = [light for light in _present_lamps(depsgraph) if light is not None]
     except LeaflightError:
-        # Of a kind that cannot be baked; the panel says why.
+        # The panel reports lamps that cannot be baked.
         present = None
     if present is None:
         return False
-    # A volume that came into a scene without any lamp is shown as it was baked.
+    # In a scene without any lamp, show volumes as they were baked.
     has_lamps = any(obj.type == "LIGHT" for obj in scene.objects)
     found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in lit]
     return any(found)
 
 
 def concerns_lamps(changed):
-    """Whether a data-block that was changed may be, or may hide, a lamp."""
+    """True if a changed data-block may be, or may hide, a lamp."""
     if isinstance(changed, bpy.types.Object):
         return changed.type == "LIGHT"
     kinds = (bpy.types.Light, bpy.types.ShaderNodeTree, bpy.types.Collection, bpy.types.Scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The viewport as it shows a stage: the picture alone, lit, and through the scene's camera."""
+"""The viewport of a stage: lit, without overlays, and through the scene's camera."""
 
 import bpy
 
@@ -8,10 +8,10 @@ from ..operators import jobs
 
 
 def show_stage(context):
-    """Lights the viewport in use, or the largest there is, and looks through the camera.
+    """Lights the viewport in use, or the largest viewport, and looks through the camera.
 
-    Material Preview with the scene's lights and world shows baked colors as renders do, with the
-    scene's exposure, whichever engine the scene renders with.
+    Material Preview with the scene's lights and world shows baked colors as renders do. It uses the
+    scene's exposure with any render engine.
     """
     _, area = _viewport(context)
     if area is None:
@@ -24,7 +24,7 @@ def show_stage(context):
 
 
 def show_light(context):
-    """Has the viewport in use show baked colors, where it shows none."""
+    """Switches the viewport in use to Material Preview if its shading shows no baked colors."""
     _, area = _viewport(context)
     if area is not None and area.spaces.active.shading.type in {"SOLID", "WIREFRAME"}:
         _show_materials(area.spaces.active.shading)
@@ -49,7 +49,7 @@ def look_through_camera(context):
 
 
 def _viewport(context):
-    """(window, area), or (None, None) where there is none."""
+    """Returns (window, area) of the viewport in use or the largest one, or (None, None)."""
     if context.area is not None and context.area.type == "VIEW_3D":
         return context.window, context.area
     return max(
@@ -57,7 +57,7 @@ def _viewport(context):
     )
 
 
-# A pixel: of Cycles, whose lamps still have grain before the bake, and of Eevee.
+# Samples per pixel of Cycles, whose lamps are noisy before the bake, and of Eevee.
 _CYCLES, _EEVEE = 64, 32
 
 

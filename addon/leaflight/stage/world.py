@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's world as the environment of the bake: one colour, or an image of all directions."""
+"""Export of Blender's world as the environment of the bake: one color or a panorama image."""
 
 import numpy as np
 from leaflight import LeaflightError
@@ -10,7 +10,7 @@ from . import images, nodes
 
 
 def export_world(world):
-    """The Environment of a world, None for a dark one or none. Raises LeaflightError."""
+    """Returns the Environment of a world, None for a dark or missing one. Raises LeaflightError."""
     if world is None:
         return None
     what = f'World "{world.name}"'
@@ -57,7 +57,7 @@ def export_world(world):
 
 
 def is_dark(world):
-    """Whether a world, or none, sends no light. One that cannot be modelled counts as bright."""
+    """True if a world emits no light or is None. False if the bake cannot model the world."""
     try:
         return export_world(world) is None
     except LeaflightError:
@@ -75,7 +75,7 @@ def _environment(what, name, radiance, image=None, world_to_image=np.eye(3)):
 
 
 def _world_to_image(what, end):
-    """The rotation (3, 3) by which Mapping nodes turn the directions of an image."""
+    """Returns the rotation (3, 3) that Mapping nodes apply to the directions of an image."""
     node = nodes.source(end)
     if node is None:
         return np.eye(3)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The slice atlases of bakes: images beside the bake, so that a scene renders without this add-on.
 
-Each holds the id of its bake, its volume and its side in the comments of its header. One that is
-missing or holds anything else is written again from the bake.
+The comments in the header of an atlas hold the id of its bake, its volume and its side. An atlas
+that is missing or holds other comments is written again from the bake.
 """
 
 import re
@@ -11,24 +11,27 @@ from pathlib import Path
 import numpy as np
 from leaflight import LeaflightError, _core
 
-# Larger float images exceed what graphics drivers and memory commonly hold.
+# Limit of width and height in pixels. Graphics drivers and memory rarely hold larger float images.
 LARGEST_ATLAS = 8192
 
 
 def label(identifier, index, back):
-    """What the header of an atlas holds."""
+    """Returns the comments in the header of an atlas."""
     return f"Leaflight {identifier} volume {index + 1} {'back' if back else 'front'}"
 
 
 def path_of(bake_path, index=0, back=False):
-    """The atlas beside a bake; index: of the volume in it; back: of the back."""
+    """Returns the path of the atlas beside a bake.
+
+    index: the volume in the bake; back: True for the back, False for the front.
+    """
     path = Path(bake_path)
     number = f"_{index + 1}" if index else ""
     return path.with_name(f"{path.stem}{number}_atlas{'_back' if back else ''}.exr")
 
 
 def beside(bake_path):
-    """The atlases that lie beside a bake."""
+    """Returns the paths of the atlases beside a bake."""
     path = Path(bake_path)
     name = re.compile(re.escape(path.stem) + r"(_\d+)?_atlas(_back)?\.exr")
     folder = path.parent
@@ -37,14 +40,14 @@ def beside(bake_path):
 
 
 def renamed(atlas, old_bake, new_bake):
-    """The name of an atlas when its bake gets a new one."""
+    """Returns the path of an atlas after its bake has moved from old_bake to new_bake."""
     return new_bake.with_name(new_bake.stem + atlas.name.removeprefix(old_bake.stem))
 
 
 def write(grid, bake_path, identifier, index):
-    """Writes the atlas of each side that was baked, unless it is too large.
+    """Writes the atlas of each baked side, unless it is too large.
 
-    Returns the tiles in a row of it, 0 when nothing was written. Raises LeaflightError.
+    Returns the number of tiles in a row, 0 if nothing was written. Raises LeaflightError.
     """
     nx, ny, nz = grid.resolution
     if nx * ny * nz > LARGEST_ATLAS**2:
@@ -59,9 +62,10 @@ def write(grid, bake_path, identifier, index):
 
 
 def require(grid, bake_path, identifier, index, back):
-    """The path of an atlas that holds what its label says; grid: a function that returns the grid.
+    """Writes an atlas unless its file already has the expected label.
 
-    Returns (path, whether it was written just now). Raises LeaflightError.
+    grid: a function that returns the grid. Returns (path, True if the atlas was written). Raises
+    LeaflightError.
     """
     path, expected = path_of(bake_path, index, back), label(identifier, index, back)
     try:
@@ -74,5 +78,5 @@ def require(grid, bake_path, identifier, index, back):
 
 
 def _write(pixels, path, comments):
-    # Blender's rows and the atlas's count from the bottom, those of EXR from the top.
+    # Rows of Blender and of the atlas count from the bottom. Rows of EXR count from the top.
     _core.write_exr(str(path), np.ascontiguousarray(pixels[::-1]), comments)

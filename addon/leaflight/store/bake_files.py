@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the files of bakes are, and which of them lights which object.
+"""The paths of bake files, and the file that lights each object.
 
-A bake has an id, which is made of all that it depends on and is written in its file. Every bake is
-a file of its own, NAME_ID.vdb with the first digits of the id: baking again never overwrites what
-undo, an older .blend or another .blend in the same folder still shows. An object remembers the id;
-its path is only where to look first. A file counts for the id that it holds, not for its name or
-its place, so one that was moved is found again and another bake in its place is not taken for it.
+A bake has an id, a hash of all its inputs, which its file contains. Each bake has a separate file,
+NAME_ID.vdb, with the first digits of the id. Baking again therefore never overwrites a bake that
+undo, an older .blend or another .blend in the folder still shows. An object stores the id of its
+bake and the path to try first. A file is identified by the id in it, not by its name or folder. A
+moved bake is therefore found again, and another bake in its place is not mistaken for it.
 
 Bakes of a .blend that was never saved lie in the user's Leaflight folder, in a folder of this
-session; saving moves them into leaflight/ beside the .blend, and their paths are relative from then
-on. Blender adapts such paths neither on Save As nor on append: the folder where a bake was last
-found is remembered as well.
+session. Saving moves them into leaflight/ beside the .blend and makes their paths relative. Blender
+adapts such paths neither on Save As nor on append. Objects therefore also store the folder where
+their bake was last found.
 
-Nothing is deleted unless the user asks for it (Remove Unused Bakes): whether undo or another .blend
-needs a bake cannot be known.
+Only the user deletes bakes (Remove Unused Bakes), because undo or another .blend may need them.
 """
 
 import os
@@ -30,26 +29,29 @@ from leaflight.io.output import replaced
 from .. import session
 from . import atlases, frame_bakes, preferences
 
-# Beside the .blend.
+# Folder of bakes beside the .blend.
 FOLDER = "leaflight"
 
-# Digits of the id in a file's name.
+# Number of digits of the id in a file's name.
 _DIGITS = 12
 
-# The folders of sessions begin with it.
+# Prefix of the folders of sessions.
 _UNSAVED = "unsaved_"
 
-# After so many seconds an unsaved .blend whose bakes nobody touched counts as given up.
+# Seconds without a change after which the folder of an unsaved .blend counts as abandoned.
 _GIVEN_UP = 7 * 24 * 3600
 
 _SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
-# Path -> (the state of the file, its id or the LeaflightError on reading it).
+# Cache: path -> (state of the file, its id or the LeaflightError on reading it).
 _ids = session.remembered()
 
 
 def user_folder():
-    """The user's Leaflight folder, which outlives updates of the add-on, or the one chosen."""
+    """Returns the folder from the preferences, or else the user's Leaflight folder.
+
+    Updates of the add-on leave the folder as it is.
+    """
     chosen = preferences.cache_folder()
     if chosen is not None:
         return chosen
@@ -60,12 +62,12 @@ def user_folder():
 
 
 def session_folder():
-    """Where bakes lie for as long as their .blend is not saved."""
+    """Returns the folder for bakes of a .blend that is not yet saved."""
     return user_folder() / _SESSION
 
 
 def folders_of_unsaved():
-    """The folders of this session and of those whose .blend was given up unsaved."""
+    """Returns the folders of this session and of abandoned sessions."""
     user = user_folder()
     folders = sorted(user.glob(f"{_UNSAVED}*")) if user.is_dir() else []
     oldest = time.time() - _GIVEN_UP
@@ -73,13 +75,13 @@ def folders_of_unsaved():
 
 
 def remove_if_empty(folder):
-    """Removes a folder of an unsaved .blend once nothing is left in it. Raises OSError."""
+    """Removes a folder of an unsaved .blend if it is empty. Raises OSError."""
     if folder.parent == user_folder() and not any(folder.iterdir()):
         folder.rmdir()
 
 
 def folder_for(obj):
-    """The folder for new bakes of an object: the one chosen, or the default."""
+    """Returns the folder for new bakes of an object: the chosen one or the default."""
     chosen = obj.leaflight.bake_folder
     if chosen:
         return Path(bpy.path.abspath(chosen))
@@ -89,7 +91,7 @@ def folder_for(obj):
 
 
 def make_folder(folder):
-    """Makes a folder for files, unless it is there. Raises LeaflightError."""
+    """Makes a folder for files unless it exists. Raises LeaflightError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -99,7 +101,10 @@ def make_folder(folder):
 
 
 def path_for(folder, name, identifier):
-    """The file in a folder for a bake of an object of this name: free, or of the same bake."""
+    """Returns a path in a folder for a bake of an object of this name.
+
+    The path is free or has the same bake.
+    """
     full = f"{stem(name)}_{identifier[:_DIGITS]}"
     path, number = folder / f"{full}.vdb", 1
     while path.exists() and not holds(path, identifier):
@@ -109,12 +114,12 @@ def path_for(folder, name, identifier):
 
 
 def stem(name):
-    """The name of an object as names of files can have it."""
+    """Returns the name of an object with underscores for characters that file names lack."""
     return re.sub(r"[^\w.-]+", "_", name)
 
 
 def state_of(path):
-    """The state of a file, different after each change, None where there is none."""
+    """Returns the inode, size and time of change of a file, or None if there is no file."""
     try:
         state = os.stat(path)
     except OSError:
@@ -123,7 +128,7 @@ def state_of(path):
 
 
 def id_in(path):
-    """The id that a file holds. Raises LeaflightError when it is no bake."""
+    """Returns the id of the bake in a file. Raises LeaflightError if the file is no bake."""
     path, state = str(path), state_of(path)
     if path not in _ids or _ids[path][0] != state:
         try:
@@ -137,7 +142,7 @@ def id_in(path):
 
 
 def holds(path, identifier):
-    """Whether a file is there and holds the bake of this id."""
+    """True if a file exists and holds the bake of this id."""
     try:
         return id_in(path) == identifier
     except LeaflightError:
@@ -145,7 +150,7 @@ def holds(path, identifier):
 
 
 def locate(obj):
-    """The file of the bake that lights an object. Raises LeaflightError when none is found."""
+    """Finds the file of the bake that lights an object. Raises LeaflightError if there is none."""
     settings = obj.leaflight
     looks = _remembered(obj)
     for path in looks:
@@ -157,7 +162,7 @@ def locate(obj):
                 return path
     for path in looks:
         if path.is_file():
-            id_in(path)  # says why it is no bake
+            id_in(path)  # raises the reason if the file is no bake
             raise LeaflightError(
                 f'{path}: this file holds another bake than the one that lights "{obj.name}": '
                 "relocate the bake, or bake again."
@@ -169,20 +174,22 @@ def locate(obj):
 
 
 def remember(obj, path):
-    """Notes where the bake of an object lies; relative to the .blend where that is saved."""
+    """Stores the path of an object's bake, relative to the .blend if that is saved."""
     if obj.library is not None:
         return
     settings = obj.leaflight
     values = {"bake_path": portable(path), "bake_home": path.parent.as_posix()}
     for name, value in values.items():
-        # Each assignment is a change that Blender propagates.
+        # Assign only new values, because Blender propagates each assignment as a change.
         if getattr(settings, name) != value:
             setattr(settings, name, value)
 
 
 def portable(path):
-    """A path as a .blend has it: with slashes, which every system reads, and relative to a .blend
-    that is saved and on the same drive."""
+    """Returns a path with slashes, which every system reads.
+
+    It is relative to the .blend if that is saved on the same drive.
+    """
     if bpy.data.filepath:
         try:
             return bpy.path.relpath(str(path)).replace(os.sep, "/")
@@ -192,7 +199,7 @@ def portable(path):
 
 
 def bakes_in(folder):
-    """All bakes in a folder, each a path; none where it does not exist."""
+    """Returns the paths of all bakes in a folder, which need not exist."""
     found = []
     for path in sorted(folder.glob("*.vdb")) if folder.is_dir() else ():
         try:
@@ -204,20 +211,20 @@ def bakes_in(folder):
 
 
 def places(obj):
-    """The folders that may hold the bake of an object."""
+    """Returns the existing folders that may hold the bake of an object."""
     folders = [path.parent for path in _remembered(obj)]
     for base in _bases(obj):
         folders += [base / FOLDER, base]
     if obj.leaflight.bake_folder:
         folders.append(folder_for(obj))
     user = user_folder()
-    # Those that begin with a dot hold files that are being written.
+    # Skip folders that begin with a dot: they hold files that are being written.
     folders += sorted(user.glob("[!.]*")) if user.is_dir() else []
     return [folder for folder in dict.fromkeys(folders) if folder.is_dir()]
 
 
 def _remembered(obj):
-    """Where the bake was last, seen from each file whose `//` its path could mean."""
+    """Returns the last paths of the bake, with `//` resolved for each .blend of the object."""
     settings = obj.leaflight
     if settings.bake_path.startswith("//"):
         paths = [bpy.path.abspath(settings.bake_path, start=str(base)) for base in _bases(obj)]
@@ -229,9 +236,9 @@ def _remembered(obj):
 
 
 def _bases(obj):
-    """Folders of the .blend files that an object may come from, its library's first.
+    """Returns the folders of the .blend files that an object may come from, libraries first.
 
-    A property of a library override is the library's until it is changed here.
+    A library override has the values of its library until a property is overridden.
     """
     libraries = [obj.library]
     if obj.override_library is not None and obj.override_library.reference is not None:
@@ -242,9 +249,9 @@ def _bases(obj):
 
 
 def move_along(objects):
-    """Moves the bakes of these objects out of the folder of this session to beside the .blend.
+    """Moves the bakes of these objects from the folder of this session to beside the .blend.
 
-    Returns (whether any path changed, {full name of an object: why its bake was not moved}).
+    Returns (True if any path changed, {full name of an object: why its bake was not moved}).
     """
     changed, problems = False, {}
     for obj in (obj for obj in objects for _ in frame_bakes.each_baked(obj)):
@@ -293,7 +300,10 @@ def _move(path, obj):
 
 
 def _copy(old, new):
-    """Under its final name it is whole or absent; on the same disk it is the same file."""
+    """Links a file if both paths are on one disk, or else copies it.
+
+    The new name appears only after the file is complete.
+    """
     with replaced(new) as partial:
         try:
             os.link(old, partial)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes and bakes in memory: bakes by their ids, volumes by what they are made of.
+"""The cache of bakes, by id, and of volumes, by their source or bake.
 
-Nothing here is saved with the scene or refers to a Blender object, so neither undo nor loading a
-file can invalidate it: what is missing is read again from its file.
+Nothing here is saved with the scene or refers to a Blender object. Neither undo nor loading a file
+can therefore invalidate it. Missing entries are read again from their files.
 """
 
 from contextlib import suppress
@@ -20,23 +20,23 @@ from . import bake_files, reading, source_files
 
 _volumes = session.remembered()
 _bakes = session.remembered()
-# Bakes without the light of their walls, by id, while a thread computes it.
+# Readings by bake id, while a thread computes the light of the walls.
 _readings = session.remembered()
-# Functions that are called by and by while the walls of a bake are lit, with the Progress of that,
-# and at its end with None.
+# Functions that a timer calls with the Progress while the walls of a bake are lit, and with None
+# at the end.
 watching = []
 
-# Bytes of voxels, beyond which what is not shown now is freed: frames that were played are many.
+# Bytes of voxels above which unused volumes and bakes are freed. Playback loads many frames.
 _MOST = 2 << 30
 
-# Path -> (the state of the file, why it could not be read).
+# Cache: path -> (state of the file, why it could not be read).
 _damaged = session.remembered()
 
 
 def volume_of(obj):
-    """The volume that an object shows, in its local coordinates. Raises LeaflightError.
+    """Returns the volume that an object shows, in local coordinates. Raises LeaflightError.
 
-    It is that of the bake, whatever has become of the file that it was read from.
+    The volume of the bake takes precedence over the source file, which may have changed.
     """
     key = _baked_key(obj)
     if key is not None:
@@ -47,38 +47,41 @@ def volume_of(obj):
 
 
 def world_volume(obj):
-    """volume_of() in world space."""
-    # Exactly the one that was baked where the object stands as it did then.
+    """Returns volume_of() in world space."""
+    # If the object has not moved since the bake, return exactly the baked volume.
     if _baked_key(obj) is not None and _flat(obj.matrix_world) == list(obj.leaflight.bake_matrix):
         return light_of(obj).volumes[obj.leaflight.bake_index]
     return _in_world(obj, volume_of(obj))
 
 
 def volume_to_bake(obj):
-    """The volume in world space for a new bake: read again if its file has changed since the last.
+    """Returns the volume in world space for a new bake. Raises LeaflightError.
 
-    Raises LeaflightError.
+    The file is read again if it has changed since the last bake.
     """
     if obj.leaflight.bake_id and source_files.changed_since_bake(obj):
         return _in_world(obj, _source_volume(obj))
     volume = world_volume(obj)
-    # A bake that was loaded names itself as the source.
+    # The source of a loaded bake's volume is the bake itself; the object may store a better one.
     return replace(volume, source=source_files.source_of(obj.leaflight) or volume.source)
 
 
 def placed(volume, index_to_world):
-    """A volume in coordinates of Blender, which are no patient's and have no unit of a file."""
+    """Returns a volume in Blender's coordinates, which have neither a patient's axes nor a unit."""
     return replace(volume, index_to_world=index_to_world, unit="", patient=False)
 
 
 def keep_volume(obj, volume):
-    """Keeps the volume that was read for an object, which is not yet baked."""
+    """Caches the volume that was read for an object without a bake."""
     settings = obj.leaflight
     _volumes[source_files.key_of(settings)] = _in_object(settings, volume)
 
 
 def bake_of(obj):
-    """The bake that lights an object, None before the first. Raises LeaflightError."""
+    """Returns the bake that lights an object, with lit walls. Raises LeaflightError.
+
+    Waits for the light of the walls. Returns None before the first bake.
+    """
     bake = light_of(obj)
     if lacks_walls(obj):
         _finish(obj.leaflight.bake_id)
@@ -87,9 +90,10 @@ def bake_of(obj):
 
 
 def light_of(obj):
-    """bake_of(), but in a window perhaps still without walls, whose light takes up to a minute.
+    """Returns the bake that lights an object, perhaps without the light of its walls.
 
-    A thread makes it meanwhile. Raises LeaflightError.
+    In a window, a thread computes the light of the walls, which takes up to a minute. Returns None
+    before the first bake. Raises LeaflightError.
     """
     identifier = obj.leaflight.bake_id
     if not identifier:
@@ -104,7 +108,7 @@ def light_of(obj):
 
 
 def _open(identifier, path, waits):
-    """waits: whether the walls are lit before it returns."""
+    """Reads a bake into the cache. waits: True if it returns only after the walls are lit."""
     if waits or bpy.app.background:
         _bakes[identifier] = _load(path, leaflight.load_bake)
         return
@@ -117,16 +121,17 @@ def _open(identifier, path, waits):
 
 
 def whole_of(obj):
-    """A function that returns bake_of(): it waits in any thread, until a Progress is cancelled.
+    """Returns a function that takes a Progress and returns the bake with lit walls.
 
-    Raises LeaflightError; so does the function.
+    The function may run in any thread and waits until the Progress is canceled. Both raise
+    LeaflightError.
     """
     bake, begun = light_of(obj), _readings.get(obj.leaflight.bake_id)
     return begun.result if begun is not None else lambda _progress: bake
 
 
 def lacks_walls(obj):
-    """Whether the walls of the bake that lights an object are still to be lit."""
+    """True if the walls of the bake that lights an object are not yet lit."""
     return obj.leaflight.bake_id in _readings
 
 
@@ -137,7 +142,7 @@ def stop_readings():
 
 
 def _await(identifier, begun):
-    """A timer's function."""
+    """Polls a reading from a timer, and returns the seconds until the next call."""
     is_wanted = _readings.get(identifier) is begun
     goes_on = is_wanted and begun.is_alive()
     if not is_wanted:
@@ -151,7 +156,7 @@ def _await(identifier, begun):
 
 
 def _finish(identifier):
-    # It stays until its end: a render waits for it in another thread than _await() looks at it.
+    # Keep the reading until it ends. A render may wait for it in another thread than _await().
     begun = _readings.get(identifier)
     if begun is None:
         return
@@ -165,7 +170,10 @@ def _finish(identifier):
 
 
 def grid_of(obj):
-    """The radiance grid of an object's bake, None before the first. Raises LeaflightError."""
+    """Returns the radiance grid of an object's bake, None before the first.
+
+    Raises LeaflightError.
+    """
     bake = light_of(obj)
     return bake.grids[obj.leaflight.bake_index] if bake is not None else None
 
@@ -175,12 +183,12 @@ def keep_bake(bake):
 
 
 def values_sha256(bake, index):
-    """The hash of a volume's values in a bake, by leaflight.bake.provenance.values_sha256."""
+    """Returns the hash of a volume's values in a bake (leaflight.bake.provenance.values_sha256)."""
     return bake.provenance.volumes[index].values_sha256
 
 
 def forget_unused():
-    """Frees what no object of the file refers to any more."""
+    """Frees volumes and bakes that no object of the file refers to."""
     settings = [obj.leaflight for obj in bpy.data.objects if obj.leaflight.is_volume]
     volumes = {source_files.key_of(s) for s in settings} | {_key_in_bake(s) for s in settings}
     bakes = {s.bake_id for s in settings}
@@ -196,7 +204,7 @@ def _make_room():
 
 
 def _load(path, read):
-    """Reads a bake. A damaged one is read but once, however often it is asked for."""
+    """Reads a bake. A damaged file is read again only after it has changed."""
     state = bake_files.state_of(path)
     known, error = _damaged.get(path, (None, None))
     if known is None or known != state:
@@ -224,12 +232,15 @@ def _source_volume(obj):
 
 
 def _in_object(settings, volume):
-    """A volume of a file in the coordinates of its object."""
+    """Returns a volume of a file in the coordinates of its object."""
     return replace(volume, index_to_world=source_files.from_file(settings) @ volume.index_to_world)
 
 
 def _baked_key(obj):
-    """A key of the volume that a bake holds; None where the bake cannot give the volume."""
+    """Returns a key of the volume in an object's bake.
+
+    Returns None if the object has no readable bake or shows its volume otherwise than baked.
+    """
     settings = obj.leaflight
     try:
         bake = light_of(obj)

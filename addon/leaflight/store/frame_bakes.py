@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a file that holds several volumes over time, each of which has a bake of its own.
+"""The frames of a file with several volumes over time, and the bake of each frame.
 
-An object shows one frame at a time, with what it remembers of that frame's bake; what it remembers
-of the others is kept beside it, as JSON.
+An object shows one frame at a time. Its properties describe that frame's bake. The properties of
+the other frames are stored as JSON.
 """
 
 import json
 
-# Properties that change with the frame, beside those that begin with bake_.
+# Properties that change with the frame, in addition to those that begin with bake_.
 _MORE = ("atlas_columns", "comparison")
 _OF_ALL = ("bake_folder",)
 
 
 def wanted(settings):
-    """The frame that the slider, keyframes or a driver ask for, within those of the file."""
+    """Returns the frame that the slider, keyframes or a driver choose, clamped to the file."""
     return min(max(settings.shown_frame, 0), settings.frames - 1)
 
 
 def is_behind(obj, evaluated):
-    """Whether an object shows another frame than it is to, by its evaluated self."""
+    """True if an object does not yet show the frame of its evaluated copy."""
     settings = obj.leaflight
     return settings.frames > 1 and wanted(evaluated.leaflight) != settings.frame
 
 
 def switch(obj, frame):
-    """Makes a frame the one that the object shows, lit by its own bake or by none.
+    """Switches an object to a frame and to the properties of that frame's bake, if it has one.
 
-    Returns whether it was another before. The mesh is for others to update.
+    Returns True if the object showed another frame before. Callers update the mesh.
     """
     settings = obj.leaflight
     if settings.frames < 2 or frame == settings.frame or obj.library is not None:
@@ -47,16 +47,16 @@ def switch(obj, frame):
 
 
 def forget(settings):
-    """Lets a volume remember no bake, of any frame. Their files stay."""
+    """Clears the properties of the bakes of all frames. Their files stay."""
     for name in _names(settings):
         settings.property_unset(name)
     settings.frame_bakes = ""
 
 
 def each_baked(obj):
-    """Lets an object show each frame that is baked, one after the other, and then as before.
+    """Switches an object to each baked frame in turn, and then back to its first frame.
 
-    Yields nothing: what it remembers of the bake is in its settings meanwhile, and may be changed.
+    Yields None at each. Meanwhile its settings describe that frame's bake and may be changed.
     """
     settings = obj.leaflight
     first = settings.frame
@@ -69,12 +69,12 @@ def each_baked(obj):
 
 
 def count_baked(settings):
-    """How many of the frames have a bake."""
+    """Returns the number of frames that have a bake."""
     return len(json.loads(settings.frame_bakes or "{}")) + bool(settings.bake_id)
 
 
 def bakes_of(settings):
-    """The ids of the bakes of all frames."""
+    """Returns the ids of the bakes of all frames."""
     kept = json.loads(settings.frame_bakes or "{}").values()
     return {bake["bake_id"] for bake in kept} | ({settings.bake_id} - {""})
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the user has chosen for all files: Edit > Preferences > Add-ons > Leaflight."""
+"""The user's settings for all files: Edit > Preferences > Add-ons > Leaflight."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from leaflight import limit_memory
 
-# The name under which Blender has the add-on.
+# Name of the add-on's module in Blender.
 PACKAGE = __package__.rpartition(".")[0]
 
 
@@ -68,7 +68,7 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
 
 
 def cache_folder():
-    """The folder chosen for the bakes of unsaved files, a Path, or None."""
+    """Returns the folder chosen for the bakes of unsaved files, a Path or None."""
     chosen = _chosen()
     if chosen is None or not (chosen.own_cache_folder and chosen.cache_folder):
         return None
@@ -76,13 +76,13 @@ def cache_folder():
 
 
 def threads():
-    """How many threads may bake at once; 0 for all."""
+    """Returns the number of threads that may bake at once, 0 for all."""
     chosen = _chosen()
     return chosen.threads if chosen is not None and chosen.limit_threads else 0
 
 
 def _chosen():
-    """The preferences, None where the add-on runs without any."""
+    """Returns the add-on's preferences, or None if it has none."""
     addon = bpy.context.preferences.addons.get(PACKAGE)
     return addon.preferences if addon is not None else None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake that was read from its file, but for the light of its walls."""
+"""A bake whose file is read and whose walls get their light in a thread."""
 
 import threading
 
@@ -23,7 +23,7 @@ class Reading:
     def _run(self):
         try:
             self._whole = with_walls(self.bake, self._walls, self.progress)
-        except BaseException as error:  # result() raises it again, in the main thread
+        except BaseException as error:  # result() raises it in the caller's thread
             self._error = error
 
     def is_alive(self):
@@ -33,7 +33,10 @@ class Reading:
         self.progress.cancel()
 
     def result(self, progress=None):
-        """Waits for the whole bake. Raises LeaflightError, or Cancelled as soon as progress is."""
+        """Waits for the bake with lit walls, and returns it.
+
+        Raises LeaflightError, or Cancelled once the progress is canceled.
+        """
         if progress is not None:
             progress.begin("Lighting walls")
         while self.is_alive():

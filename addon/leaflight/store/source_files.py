@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files that volumes were read from, and whether they are still what was baked."""
+"""The source files of volumes, and their changes since the bake."""
 
 import hashlib
 import os
@@ -17,8 +17,8 @@ from leaflight.volume import smoothing
 
 from .. import session
 
-# The properties that say which volume of a file was read, and how; of a frame or a channel -1 is
-# none chosen.
+# Properties that choose the volume in a file and the way to read it. A frame or a channel of -1 is
+# no choice.
 CHOICES = (
     "dims",
     "value_type",
@@ -34,29 +34,29 @@ CHOICES = (
     "smooth",
     "smooth_normals",
 )
-# Those that say so by a number above this one.
+# Properties that are in effect above this number.
 _NONE = {"frame": -1, "channel": -1, "downsample": 1, "smooth": 0, "smooth_normals": 0}
-# Those of them that say how values, and normals alone, are smoothed.
+# Properties for the smoothing of values and of normals alone.
 SMOOTHING = CHOICES[-2:]
 
-# A key_of() -> the hash of its values, so that a file is read once for it.
+# Cache: key_of() -> hash of the values, so that each file is read only once for it.
 _hashes = session.remembered()
-# The same -> whether its coordinates are a patient's.
+# Cache: key_of() -> True if the coordinates are a patient's.
 _patients = session.remembered()
 
 
 def path_of(settings):
-    """The file, or the folder of slices, of a volume's settings; empty without one."""
+    """Returns the path of a volume's file or folder of slices, empty if it has none."""
     return bpy.path.abspath(settings.source, library=settings.id_data.library)
 
 
 def read(settings):
-    """The volume in the file of an object's settings. Raises LeaflightError."""
+    """Reads the volume in the file of an object's settings. Raises LeaflightError."""
     return read_volume(path_of(settings), **choices_of(settings))
 
 
 def choices_of(settings):
-    """What read_volume() takes beside the path, by the names that properties have for it."""
+    """Returns the arguments of read_volume() beside the path, by the names of the properties."""
     return {name: _plain(getattr(settings, name)) for name in CHOICES}
 
 
@@ -65,7 +65,7 @@ def _plain(value):
 
 
 def read_volume(path, progress=None, **choices):
-    """Reads a volume with those of CHOICES that its kind of file takes. Raises LeaflightError."""
+    """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError."""
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     with _in_words_of_blender():
@@ -73,25 +73,28 @@ def read_volume(path, progress=None, **choices):
 
 
 def probe(path, **choices):
-    """The StoredVolume of a file, from its header. Raises LeaflightError."""
+    """Reads the StoredVolume of a file from its header. Raises LeaflightError."""
     with _in_words_of_blender():
         return readers.probe(path, **_options(path, choices))
 
 
 def is_patient(settings):
-    """Whether the coordinates of a volume are a patient's, by the header of its file."""
+    """True if a volume has a patient's coordinates by the header of its file."""
     key = key_of(settings)
     if key not in _patients:
         try:
             _patients[key] = probe(path_of(settings), **choices_of(settings)).patient
         except LeaflightError:
-            # It is gone, or the volume was never in a file.
+            # The file is gone, or the volume was never in a file.
             _patients[key] = False
     return _patients[key]
 
 
 def format_of(path):
-    """The Format of a file or folder; a file of an unknown kind may be one without a header."""
+    """Returns the Format of a file or folder.
+
+    A file of an unknown format counts as RAW, which has no header. Raises LeaflightError.
+    """
     try:
         return readers.format_of(path)
     except LeaflightError:
@@ -101,10 +104,10 @@ def format_of(path):
 
 
 def _options(path, choices):
-    """Those that say where in a file its volume is."""
+    """Returns the options that locate a volume in its file."""
     takes = format_of(path).options if Path(path).exists() else ()
     options = {}
-    # Until they are given, the reader or the suffix says what is missing.
+    # Without dimensions, let the reader report what is missing.
     if "type" in takes and any(choices["dims"]):
         names = {"dims": "dims", "type": "value_type", "endian": "endian", "skip": "skip"}
         options = {name: choices[choice] for name, choice in names.items()}
@@ -119,7 +122,7 @@ def _options(path, choices):
 
 @contextmanager
 def _in_words_of_blender():
-    """What to do about an absent package, where nobody works in a terminal."""
+    """Turns MissingPackage into a LeaflightError with the command that installs the package."""
     try:
         yield
     except readers.MissingPackage as missing:
@@ -132,35 +135,38 @@ def _in_words_of_blender():
 
 
 def install_command(wanted, of_debian=None):
-    """The command that gives packages of PyPI, or one of Debian, to Blender's Python."""
+    """Returns the command that installs packages of PyPI or Debian for Blender's Python."""
     # Debian's Blender uses the system's Python.
     if sys.prefix == "/usr" and of_debian:
         return f"'sudo apt install {of_debian}'"
-    # Without what they depend on: another NumPy would take the place of Blender's own.
+    # Leave out dependencies: another NumPy would replace that of Blender.
     target = bpy.utils.user_resource("SCRIPTS", path="modules")
     return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
 
 
 def from_file(settings):
-    """The matrix (4, 4) from the coordinates of a volume's file to those of its object."""
+    """Returns the matrix (4, 4) from the coordinates of a volume's file to those of its object."""
     matrix = np.eye(4)
     matrix[:3, 3] -= settings.origin
     return matrix
 
 
 def place_of_file(obj):
-    """The matrix (4, 4) from the coordinates of a volume's file to the world."""
+    """Returns the matrix (4, 4) from the coordinates of a volume's file to world space."""
     return np.array(obj.matrix_world, np.float64) @ from_file(obj.leaflight)
 
 
 def key_of(settings):
-    """A key, different for the volumes of different files, and after each change of a file."""
+    """Returns a key of a volume, which changes with its file and with each option of reading."""
     choices = (*choices_of(settings).values(), settings.capped, *settings.origin)
     return (path_of(settings), *choices, file_state(settings))
 
 
 def file_state(settings):
-    """A text that differs once the file, or one of a folder of slices, was written; else empty."""
+    """Returns a hash of the names, sizes and times of the volume's file or slices.
+
+    Returns an empty text if they cannot be read.
+    """
     path = Path(path_of(settings))
     try:
         files = sorted(path.iterdir()) if path.is_dir() else [path]
@@ -172,20 +178,23 @@ def file_state(settings):
 
 
 def source_of(settings):
-    """The file of an object's volume and what was done to its values, for the bake's record."""
+    """Returns the file of a volume and its smoothing, as text for the record of a bake."""
     if not settings.source:
         return ""
     return smoothing.source_of(path_of(settings), settings.smooth, settings.smooth_normals)
 
 
 def smoothing_changed(settings):
-    """Whether the values, or the normals alone, are smoothed otherwise than they were baked."""
+    """True if the smoothing of values or of normals alone has changed since the bake."""
     now = [getattr(settings, name) for name in SMOOTHING]
     return now != list(settings.bake_smoothing)
 
 
 def changed_since_bake(obj):
-    """Whether the volume's file holds other values than were baked; one that is gone does not."""
+    """True if the volume's file holds other values than were baked.
+
+    False if the file is gone.
+    """
     settings = obj.leaflight
     now = file_state(settings) if settings.source else ""
     if not now or now == settings.bake_file_state:
@@ -195,7 +204,7 @@ def changed_since_bake(obj):
         try:
             volume = read(settings)
         except LeaflightError:
-            # It was a volume when it was imported.
+            # The file was readable when it was imported, so it has changed.
             return True
         _hashes[key] = values_sha256(volume.capped() if settings.capped else volume)
     return _hashes[key] != settings.bake_values

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels, lists, and what follows Blender's events."""
+"""Panels, lists, and handlers of Blender's events."""

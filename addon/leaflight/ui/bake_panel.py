@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of the bake: how good, how long, go; what has come of it; options, and files."""
+"""The panels of the bake: quality, time, start, result, options and files."""
 
 import bpy
 
@@ -51,7 +51,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             self._draw_result(context, settings)
 
     def _draw_quality(self, context, settings):
-        """The three qualities, and beneath each the time that it takes."""
+        """Draws the three qualities, and below each its estimated time."""
         column = self.layout.column(align=True)
         row = column.row(align=True)
         for quality in bake_properties.QUALITIES:
@@ -80,7 +80,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         row.operator(stopped.LEAFLIGHT_OT_throw_bake_away.bl_idname, icon="TRASH")
 
     def _draw_result(self, context, settings):
-        """One line; all else is under Details."""
+        """Draws one line about the bake. The panel Details has the rest."""
         layout, obj = self.layout, active_volume(context)
         change = staleness.change_to_show(obj)
         work = live.at_work()
@@ -139,7 +139,7 @@ def _shows_result(settings):
 
 
 def _name_of_quality(settings):
-    """Of the one that was asked for, which may not be the present one."""
+    """Returns the name of the baked quality, which may differ from the present choice."""
     for key, name, _ in bake_properties.QUALITY_ITEMS:
         if abs(bake_properties.QUALITIES.get(key, -1.0) - settings.bake_target) < 1e-3:
             return iface_(name)
@@ -170,7 +170,7 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
     bl_label = "Files"
 
     def draw(self, context):
-        """What bakes take of the disk, and where else they may lie."""
+        """Draws the operators for bake files, and the disk space of the bakes."""
         column = self.layout.column(align=True)
         column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
         column.operator(load_bake.LEAFLIGHT_OT_relocate_bake.bl_idname, icon="VIEWZOOM")

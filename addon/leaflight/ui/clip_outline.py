@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The outline of the clip box, drawn while its panel is open and the overlays of Blender are off.
+"""The outline of the clip box, drawn while its panel is open and Blender's overlays are off.
 
-Stage switches overlays off, and with them the Empty that is the box.
+Stage turns overlays off, which hides the Empty of the clip box.
 """
 
 import bpy
@@ -16,15 +16,15 @@ from ..show import look
 _COLOR = (1.0, 0.6, 0.15, 1.0)
 _EDGES = [(a, a ^ bit) for bit in (1, 2, 4) for a in range(8) if not a & bit]
 
-# Addresses of the areas whose sidebar showed the panel when it was drawn last, and of those whose
-# viewport was drawn anew for it.
+# Addresses of the areas whose sidebar showed the panel at its last draw, and of those whose
+# viewport was redrawn for it.
 _shown: set[int] = set()
 _outlined: set[int] = set()
 _handles = []
 
 
 def begin_sidebar(context):
-    """Notes that a sidebar is drawn anew, from its head: its panels may be closed by now."""
+    """Forgets that the panel is open in a sidebar, at the start of each draw of the sidebar."""
     if context.area is None:
         return
     area = context.area.as_pointer()
@@ -35,7 +35,7 @@ def begin_sidebar(context):
 
 
 def panel_is_open(context):
-    """Notes that the panel of the clip box is drawn."""
+    """Records that the panel of the clip box is drawn, and redraws the viewport if needed."""
     if context.area is None:
         return
     area = context.area.as_pointer()

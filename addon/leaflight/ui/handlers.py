@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps every surface at its isovalue: after slider, keyframe, driver, undo and loading a file.
+"""Handlers of Blender's events.
 
-And keeps the files of the bakes with the .blend when it is saved.
+They keep every surface at its isovalue: after a move of the slider, keyframes, drivers, undo and
+loading. When the .blend is saved they move the files of its bakes along.
 """
 
 import bpy
@@ -24,9 +25,9 @@ from ..store import bake_files, cache, frame_bakes
 
 
 def _follow(scene, depsgraph, by_hand):
-    """Shows the isosurfaces of the scene as they were evaluated; returns those that have moved.
+    """Shows the isosurfaces of the scene as they were evaluated. Returns those that have moved.
 
-    Lamps are taken to be as strong as when staleness.follow_lamps() was called last.
+    Lamps have the strengths of the last call of staleness.follow_lamps().
     """
     moved = isovalues.update(scene, depsgraph, by_hand)
     for volume in isovalues.volumes(scene):
@@ -43,12 +44,12 @@ def _after_frame(scene, depsgraph):
 
 
 def _plays():
-    """Whether frames pass in a window; otherwise one was chosen, and may be rendered next."""
+    """True if a window plays or scrubs. Otherwise the frame was chosen and may be rendered."""
     screens = [window.screen for window in bpy.context.window_manager.windows]
     return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
 
 
-# Volumes whose isovalue was seen to move before Blender evaluated the change.
+# Isosurfaces that were moved before Blender evaluated the change.
 _moved = session.remembered(list)
 
 
@@ -63,7 +64,7 @@ def _after_change(scene, depsgraph):
         checks.remember_active(scene, depsgraph.view_layer.objects.active)
     moved = list(_moved)
     _moved.clear()
-    # At once: Blender may free its updates by the changes below.
+    # Copy the updates first, because Blender may free them during the changes below.
     changes = [_Change(update) for update in depsgraph.updates]
     shown_anew = any(_is_isosurface(change.what) for change in changes)
     if shown_anew:
@@ -76,7 +77,7 @@ def _after_change(scene, depsgraph):
         for volume in isovalues.volumes(scene):
             data_faces.update_cut(volume, depsgraph)
     if shown_anew or relit or moved:
-        # Blender draws anew where the isovalue was moved; it stands in two places.
+        # Blender redraws only the region in which the isovalue was moved, but two regions show it.
         jobs.redraw_panels()
     for obj in filter(display.is_isosurface, isovalues.known()):
         if obj.library is None and not surface_material.shows_its_view(obj):
@@ -94,9 +95,9 @@ def _left_alone():
 
 
 def _remove(remove):
-    """Calls a function that removes objects, in a window once the handler is over.
+    """Calls a function that removes objects. In a window it runs after the handler has ended.
 
-    Others may read the same updates, and Blender 5.2 crashes where undo has just read objects.
+    Other handlers may read the same updates. Blender 5.2 crashes if undo has just read objects.
     """
     if bpy.app.background:
         remove()
@@ -130,7 +131,7 @@ def _concerns_bakes(scene, change, moved):
     if changed in moved:
         return staleness.stands_elsewhere(changed)
     if isinstance(changed, bpy.types.Object):
-        # Of what it moves, each object reports its own update.
+        # Objects that an Empty moves report updates of their own.
         if changed.type == "EMPTY" and changed.instance_type == "NONE":
             return False
         return elsewhere or (change.geometry and not _is_ours(changed))
@@ -141,19 +142,20 @@ def _concerns_bakes(scene, change, moved):
 
 
 def _is_ours(obj):
-    """Whether Leaflight makes the geometry of an object."""
+    """True if Leaflight makes the geometry of an object."""
     return obj.leaflight.is_volume or display.is_display(obj)
 
 
-# Name of an isosurface -> what was taken off it before undo.
+# Name of an isosurface -> its materials that were removed before undo.
 _taken_off = session.remembered()
 
 
 @persistent
 def _before_undo(*_):
-    """Undo removes materials that passes of a bake have made after the step was stored.
+    """Removes the materials of isosurfaces before undo, for _after_undo() to restore.
 
-    Blender 5.2 keeps meshes that refer to them nevertheless, and crashes.
+    Undo removes materials that a bake has made after the step was stored. Blender 5.2 keeps meshes
+    that refer to them and crashes.
     """
     own = [obj for obj in bpy.data.objects if obj.library is None and display.is_isosurface(obj)]
     _taken_off.update({obj.name: surface_material.take_off(obj) for obj in own})
@@ -169,7 +171,7 @@ def _put_on():
 
 @persistent
 def _after_undo(scene, _depsgraph):
-    """Undo may bring back an isovalue without its surface, made after the step was stored."""
+    """Updates all surfaces, because undo may restore an isovalue without its surface."""
     _put_on()
     failures.forget()
     staleness.forget()
@@ -180,17 +182,16 @@ def _after_undo(scene, _depsgraph):
     staleness.follow_lamps(scene, depsgraph)
     _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
     for obj in isovalues.isosurfaces(scene):
-        # A mesh that lies before the step that was undone is kept, and the material that a pass of
-        # a bake in progress has given it since is not.
+        # Undo keeps older meshes, but not the materials that a bake in progress has given them.
         if obj.library is None and obj.data.materials and obj.data.materials[0] is None:
             surface_object.shade(obj)
     live.changed(scene)
 
 
 def _light_walls(progress):
-    """Shows how far the light of a bake's walls is, and at its end (None) that light.
+    """Shows the progress of the light of a bake's walls, and at the end (None) that light.
 
-    The status bar is that of the work in progress, if there is any.
+    Work in progress has priority in the status bar.
     """
     is_lit = progress is None
     if jobs.running() is None:
@@ -219,7 +220,10 @@ def _before_load(*_):
 
 @persistent
 def _after_save(*_):
-    """Blender has the new place only once the .blend is written: hence it is written again."""
+    """Moves the bakes along with the .blend, and saves it again with their new paths.
+
+    Blender has the new path of the .blend only after it was saved.
+    """
     ours = [o for o in bpy.data.objects if o.library is None and frame_bakes.bakes_of(o.leaflight)]
     changed, problems = bake_files.move_along(ours)
     surface_object.forget()
@@ -243,7 +247,7 @@ def _after_load(*_):
             isovalues.lock_interface(scene)
     scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
     staleness.follow_lamps(scene, depsgraph)
-    # The files of bakes may have gone or come meanwhile.
+    # Update all surfaces, because files of bakes may have appeared or disappeared.
     _follow(scene, depsgraph, whole_detail.may_follow())
     live.changed(scene)
 

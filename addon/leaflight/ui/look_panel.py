@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panels of how isosurfaces look, of what is beside them, of animations and comparisons."""
+"""The panels of looks, clip box, slices, animations, labels and comparisons."""
 
 import bpy
 from leaflight import LeaflightError
@@ -96,7 +96,7 @@ class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
 
 
 _AXES = ("X", "Y", "Z")
-# Across the axes of a patient's coordinates.
+# Names of the slices across the axes of a patient.
 _OF_A_PATIENT = ("Sagittal", "Coronal", "Axial")
 
 
@@ -120,7 +120,7 @@ class LEAFLIGHT_PT_slices(ClosedPanel, bpy.types.Panel):
 
 
 def _place(volume, axis):
-    """Of a slice, as a text in the unit of the file."""
+    """Returns the position of a slice as text, in the unit of the file."""
     try:
         return f"{data_faces.slice_position(volume, axis):.4g} {volume.leaflight.unit}".rstrip()
     except LeaflightError:

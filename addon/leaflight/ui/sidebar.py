@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of the Leaflight tab share: their place, and sentences that wrap."""
+"""Common code of the panels in the Leaflight tab: their place, and sentences that wrap."""
 
 from ..operators.checks import active_volume
 from ..translations import draw_wrapped
 
-# Pixels that a letter takes on average, and those beside the text, both at a scale of 1.
+# Mean width of a letter, and space beside the text, in pixels at an interface scale of 1.
 _LETTER, _MARGIN = 6.6, 66
 
 
@@ -29,20 +29,20 @@ class ClosedPanel(VolumePanel):
 
 
 def split(layout):
-    """Names left, values right, as in Blender's own panels."""
+    """Puts names left and values right, as in Blender's panels."""
     layout.use_property_split = True
     layout.use_property_decorate = False
 
 
 def sentence(context, layout, text, icon="NONE"):
-    """A text that is translated already, as wide as the sidebar."""
+    """Draws a translated text, wrapped to the width of the sidebar."""
     scale = context.preferences.system.ui_scale
     width = max(16, int((context.region.width / scale - _MARGIN) / _LETTER))
     draw_wrapped(layout.column(align=True), text, width, icon)
 
 
 def optional(layout, settings, switch, value):
-    """A value that counts only where its switch is on, on one line with it."""
+    """Draws a switch and, on the same line, the value that it enables."""
     name = settings.bl_rna.properties[switch].name
     row = layout.row(align=True, heading=name)
     row.prop(settings, switch, text="")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of what surrounds the volumes, and the strip above the viewport: no tab to find."""
+"""The Stage panel, and the strip above the viewport, which works without the sidebar."""
 
 import bpy
 
@@ -37,7 +37,7 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             layout.prop(context.scene.leaflight, "show_walls")
 
     def _draw_orientation(self, context):
-        """Which way the volume stands, and the turns by 90 degrees that change it."""
+        """Draws the orientation of the volume, and the buttons that rotate it by 90 degrees."""
         orientation = active_volume(context).leaflight_orientation
         if orientation.is_unknown:
             text = iface_("The file has no orientation: choose Up and Front")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The head of the tab: the isovalue of the active volume, or how to get a volume; and its data."""
+"""The top of the tab: the isovalue and data of the active volume, or operators to import one."""
 
 import bpy
 
@@ -56,7 +56,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
 
     def _draw_added(self, context, obj):
-        """An isosurface that is shown beside the volume's own."""
+        """Draws the properties of an added isosurface."""
         box = self.layout.box()
         row = box.row(align=True)
         row.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
@@ -76,7 +76,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             sentence(context, box, look.OWN_COLOR, icon="INFO")
 
     def _draw_partners(self, context, obj):
-        """What the volumes that are baked together show."""
+        """Draws the common isovalue, and the isovalues of the linked volumes."""
         settings = obj.leaflight
         row = self.layout.row()
         c = isovalues.common_isovalue(settings, settings.isovalue)
@@ -87,7 +87,8 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             column.label(text=f"{other.name}: {other.leaflight.isovalue:g}", icon="VOLUME_DATA")
 
 
-# Pixels of an icon of scale 1, and of the sidebar beside the picture, in an unscaled interface.
+# Size of an icon at scale 1, and sidebar width beside the picture, in pixels of an unscaled
+# interface.
 ICON, BESIDE = 20, 40
 
 
@@ -123,7 +124,7 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
                 layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
 
     def _draw_frames(self, settings):
-        """Which frame of a series is shown, and how many are baked."""
+        """Draws the shown frame of a series, and the number of baked frames."""
         layout = self.layout
         layout.prop(settings, "shown_frame", text=iface_("Frame (0 to %d)") % (settings.frames - 1))
         baked = frame_bakes.count_baked(settings)
