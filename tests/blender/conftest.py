@@ -94,8 +94,8 @@ class Blender:
     def show(self, script, *arguments, size=(1024, 640)):
         """Runs a script that drives Blender in a window; returns its exit status and its output.
 
-        Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
-        with the program when it hangs. size: of the window and of the screen, in pixels.
+        Skips the test without a window, or without xvfb-run, which provides a screen. Ends the
+        program and its screen when it hangs. size: the window and the screen, in pixels.
         """
         if self.about["module"]:
             pytest.skip("This Blender is a Python module, which has no window.")
@@ -188,9 +188,9 @@ def ball(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def results(blender):
-    """The folder of what came of the checks in this Blender, for validation/compatibility.
+    """Returns the folder of the results of this Blender's checks, for validation/compatibility.
 
-    Of several runs together, as long as package and checks are the same.
+    It collects the results of several runs while the package and the checks stay the same.
     """
     about = blender.about
     system = "-windows" if about["windows"] else ""

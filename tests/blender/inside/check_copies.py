@@ -236,7 +236,7 @@ def check_walls_are_known_after_a_rename_and_in_a_copy_of_the_scene(saved):
         copy.leaflight.show_walls = shown
         assert len(_displays(copy)) == (count if shown else 0)
         assert len(_displays(scene)) == count
-    # Baked anew the object that now has the name is the one that counts.
+    # A new bake takes the object that now has the name.
     bpy.context.window.scene = scene
     bpy.data.objects["ground"].hide_render = False
     impostor.data = bpy.data.objects["ground"].data

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume that changes over time: frames of its file play, each with a bake of its own."""
+"""A volume that changes over time: the frames of its file play, and each has one bake."""
 
 import bpy
 import nibabel

@@ -108,7 +108,7 @@ def change(obj):
 
 
 def baked_anew(obj):
-    """What Bake would make of the present scene."""
+    """Returns a new bake of the present scene."""
     job = live.LiveJob(bpy.context, obj)
     return leaflight.bake(**job._arguments)
 
@@ -263,10 +263,10 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.context.object
-    # The bake of the earlier place, which the panel says.
+    # The bake belongs to the earlier place, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED
-    # Of half precision in the file.
+    # The file stores half precision.
     close(colours_of(obj), before, 1e-3 * before.max())
     # Live goes on by itself.
     to_passes()

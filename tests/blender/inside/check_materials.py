@@ -121,7 +121,7 @@ def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_pa
 
 
 def check_thin_films_and_thin_walls():
-    """Where this Blender has them, from 4.2, 4.5, 5.0 or 5.2 on."""
+    """Checks each input that this Blender has; they came with 4.2, 4.5, 5.0 and 5.2."""
     white = {"Base Color": (1, 1, 1, 1), "Roughness": 0.0}
     film = {"Thin Film Thickness": 400.0}
     for material, inputs in (

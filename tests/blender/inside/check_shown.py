@@ -122,7 +122,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     assert_lit_by_the_bake(display.added_to(baked)[1], 50.0)
     opacities = [o.data.materials[0].node_tree.nodes["opacity"] for o in (obj, own)]
     assert [round(node.outputs[0].default_value, 4) for node in opacities] == [0.5, 0.9]
-    # What is taken from it stays away; what is deleted goes alone.
+    # Removed isosurfaces do not come back. A deleted volume takes only its own along.
     for isosurface in (own, other):
         bpy.ops.leaflight.remove_isosurface(name=isosurface.name)
     bpy.context.view_layer.update()

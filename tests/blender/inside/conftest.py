@@ -46,7 +46,7 @@ def bumps(bump_file, tmp_path):
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
     obj.leaflight.error, obj.leaflight.resolution = 20.0, N
-    # In files beside the bake, unlike what is shown by default.
+    # Colors in files beside the bake. This is not the default.
     obj.leaflight.shading = "ATLAS"
     bpy.context.view_layer.update()
     return obj
@@ -77,7 +77,7 @@ def unsaved(boxed):
 
 @pytest.fixture
 def saved(boxed, tmp_path):
-    """The boxed bumps, baked in a .blend in a folder of its own."""
+    """The boxed bumps, baked in a .blend in a new folder."""
     boxed.leaflight.bake_folder = ""
     return open_saved(tmp_path / "here" / "scene.blend", bake=True)
 

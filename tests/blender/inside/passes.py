@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the checks of bakes in passes share."""
+"""Helpers of the checks of bakes in passes."""
 
 import math
 import os

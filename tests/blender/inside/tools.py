@@ -145,7 +145,7 @@ def rest():
         time.sleep(0.005)
 
 
-# What start() has started in this check.
+# Work that start() has started in this check.
 _started = []
 
 

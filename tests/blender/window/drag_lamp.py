@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
-the Studio over a baked volume with the mouse, with Live on, stops the light by Esc, moves it again.
+the Studio over a baked volume with the mouse. Live is on; Esc stops it before the last move.
 
 Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
 moves to light.
@@ -90,7 +90,7 @@ def press(key, x, y):
 def drive():
     view = area().spaces.active
     view.show_region_ui = False
-    # Without a graphics card all else takes seconds for each picture.
+    # Without a graphics card, other shading takes seconds for each picture.
     view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
     view.overlay.show_overlays = False
     view.region_3d.view_perspective = "CAMERA"
@@ -102,7 +102,7 @@ def drive():
     found["bake"] = time.perf_counter() - start
     found["triangles"] = len(volume().data.polygons)
     found["points"] = len(volume_bake().grid.direct.light_points)
-    # Of a small volume, too, isosurfaces are coarse while the lamp moves. The light adds triangles
+    # Isosurfaces of a small volume, too, are coarse while the lamp moves. The light adds triangles
     # to those of its nodes.
     live._QUICK_MAPS = 0
     limit = min(surface_object.MOVING_TRIANGLES, found["triangles"] // 8)
@@ -130,7 +130,7 @@ def at_rest():
 
 
 def drag():
-    """With G and the mouse; what is shown meanwhile."""
+    """Drags the light with G and the mouse, and records the display meanwhile."""
     x, y = region().x + 0.3 * region().width, region().y + 0.6 * region().height
     labels, times, before, triangles = set(), [], label(), found["triangles"]
     place = tuple(key_light().location)
@@ -224,7 +224,7 @@ def picture(name):
 
 
 def pixels(path):
-    """Of a picture, bottom row first."""
+    """Returns the 8-bit RGB pixels of a picture, bottom row first."""
     image = bpy.data.images.load(path)
     width, height = image.size
     read = np.empty(width * height * 4, np.float32)

@@ -18,7 +18,7 @@ def steps(number):
         yield _STEP
 
 
-# Which of Blender's windows the hand is over.
+# Number of the Blender window under the pointer.
 _window = 0
 
 

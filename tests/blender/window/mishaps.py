@@ -192,7 +192,7 @@ def see_the_clip_box():
 
 
 def open_volume(stages=False):
-    """The factory scene with the bump box, as a user has them who has begun anew."""
+    """Opens the factory scene and imports the bump box, as a new user would."""
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield from stepwise.wait(0.5)
     with over_viewport():

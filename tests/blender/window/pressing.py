@@ -26,7 +26,7 @@ bpy.types.WorkSpace.status_text_set = lambda _workspace, text: _status.append(te
 
 
 class Failed(Exception):
-    """What does not hold, a sentence."""
+    """A check that failed; its text is a sentence."""
 
 
 class Pressing:
@@ -120,7 +120,7 @@ class Pressing:
             bpy.ops.ed.undo_push(message=_STEP)
         yield from self._to_half_way()
         for _ in range(2):
-            # What the file browser executes is a step of its own.
+            # An operator that the file browser executes pushes a separate undo step.
             if _STEP in bpy.context.scene:
                 yield from hand.key("Z", ctrl=True)
                 yield from hand.steps(_FEW)
@@ -256,7 +256,7 @@ class Pressing:
     # ---- At the end ----
 
     def _is_free(self):
-        """What holds after each way."""
+        """Checks that Blender is free for the next work; every way ends with this."""
         if hand.areas("FILE_BROWSER"):
             raise Failed("the file browser is still open")
         yield from self._decide()
