@@ -17,9 +17,9 @@ namespace {
 
 using Corners = std::array<double, 8>;
 
-// How many regions the samples on one side of the isosurface form, in the whole cell or on its
-// faces alone: at least, if samples that touch at a corner hang together, and at most, if only
-// those do that lie side by side.
+// Bounds on the number of regions that the samples on one side of the isosurface form, in the cell
+// or on its faces. `least` connects samples that touch at a corner; `most` connects only neighbors
+// along an axis.
 struct Regions {
   int least = 0, most = 0;
 };
@@ -239,7 +239,7 @@ TEST(ContourTopology, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// What a mesh held before leaves no trace, nor does it matter whether normals are wished.
+// A filled mesh does not depend on its earlier content, and its triangles not on normals.
 TEST(ContourTopology, MemoryIsUsedAgain) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   IsosurfaceMesh mesh;

@@ -117,7 +117,7 @@ TEST(MeshDirectLight, KnowsShadowsOfMeshesAndLightOfMeshes) {
   expect_agreement<3>("glow", scene, 0.06);
 }
 
-// Of two volumes either blocks the way, each by its own isovalue of the common isovalue.
+// Each of two volumes casts a shadow, with its own isovalue for the common isovalue.
 TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
   Scene<3> scene = over_floor<3>(
       AreaLight<3>{"lamp", {0.2, 0.2, 1.8}, {Vec3(0, 0.3, 0), Vec3(0.3, 0, 0)}, Rgb(1)});

@@ -7,8 +7,8 @@ namespace leaflight {
 namespace {
 
 constexpr int voxels = 9;
-// Positions in index coordinates are rounded to 1.1e-16 of 3 times the size of the domain, and h
-// changes by at most the range, 1, along each axis of a cell.
+// Tolerance of h for ties. Positions in index coordinates are rounded to 1.1e-16 of 3 times the
+// size of the domain. h changes by at most the range, 1, along each axis of a cell.
 constexpr double tie = 3 * 3 * voxels * 1.2e-16 * 4;
 
 struct Count {

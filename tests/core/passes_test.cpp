@@ -150,7 +150,7 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
               test::sanitized ? 0.05 : 0.02);
 }
 
-// Whether the error that bakes report is the one they make, beside the mean of other bakes.
+// Compares the error that bakes report with their difference from the mean of other bakes.
 TEST(Passes, ContinuedKnowTheirError) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
@@ -203,7 +203,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   coarse.resolution = {9, 9, 9};
   Progress progress;
   const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
-  // A first picture has other texels, too: the bake begins anew.
+  // A first picture has other texels, too, so the bake starts from the beginning.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
@@ -294,7 +294,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 way = lamp - x;
     const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
-    // What a texel's width changes of it.
+    // The tolerance is for the width of a texel.
     EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
   });
 }
@@ -315,8 +315,8 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   int count = 0;
   for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
     if (c > 0.8) return;  // texels are wide for so small a sphere
-    // The inside receives I / r^2 and, as a sphere sees itself alike everywhere, as much again from
-    // itself as it reflects: a / (1 - a) I / (pi r^2) with the albedo a of a half.
+    // The inside receives I / r^2. A sphere also lights itself equally everywhere, so that it
+    // reflects a / (1 - a) I / (pi r^2). The albedo a is a half.
     const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
     EXPECT_LT(baked.grids[0].radiance[s].x, 0.02 * expected);
     ratio += baked.grids[0].radiance_back[s].x / expected;

@@ -60,8 +60,8 @@ inline std::vector<Side> cube_sides(double low, double high) {
   return {{a, y, z}, {a, z, x}, {a, x, y}, {b, -z, -y}, {b, -x, -z}, {b, -y, -x}};
 }
 
-// A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
-// everything in it, if the isosurfaces are white, has the radiance emission / (1 - albedo).
+// Returns a closed box around a field of the unit cube; its walls emit `emission` and reflect
+// `albedo`. If the isosurfaces are white, the radiance is emission / (1 - albedo) everywhere.
 inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Real emission,
                         Real albedo) {
   Scene<3> scene = scene_of(std::move(field), Rgb(1), isovalue_range);

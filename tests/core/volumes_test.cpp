@@ -28,7 +28,7 @@ Scene<3> two_balls() {
   return scene;
 }
 
-// Of a volume and side of a bake against the path tracer at points of its isosurface.
+// Compares one side of a volume of a bake with the path tracer, at points of its isosurface.
 test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool back,
                                double c) {
   const Field<3>& field = scene.volumes[volume].field;

@@ -31,7 +31,7 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).resolve().parents[2]
-# Flatland's is of a kind of its own.
+# Names of the scene files, without Flatland's, which have another format.
 SHIPPED = sorted(
     path.name for path in (ROOT / "scenes").glob("*.json") if "flatland" not in path.name
 )

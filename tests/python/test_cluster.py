@@ -67,7 +67,7 @@ def test_workers_that_die(volume, alone, workers):
     def kill(_bake):
         alive = []
         while not alive:
-            # Of the one before it may not be known yet that it is dead.
+            # The client may not know yet that the last killed worker is dead.
             found = workers.client.run(os.getpid, on_error="ignore")
             alive = [pid for pid in found.values() if pid not in killed]
         killed.append(alive[0])
@@ -112,7 +112,7 @@ def never_done():
 
 @pytest.mark.slow
 def test_cancel_goes_through(volume, workers):
-    """What workers do for a bake ends with it, and they are free for the next."""
+    """Checks that workers stop with a cancelled bake, and are free for the next."""
     workers.client.run(never_done)
     progress, outcome = Progress(), []
 

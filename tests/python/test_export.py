@@ -101,7 +101,7 @@ def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_pat
     mesh = contour.GetOutput()
     points = vtk_to_numpy(mesh.GetPoints().GetData())
     found = vtk_to_numpy(mesh.GetPointData().GetArray("radiance"))
-    # Of the texels, in units of which the box is 22 wide.
+    # Radiance of the texels. The box is 22 texel spacings wide.
     radiance = finer.grid.dense("radiance")
     places = 22 * points.T[::-1]
     expected = np.stack([map_coordinates(radiance[..., k], places, order=1) for k in range(3)], -1)

@@ -149,7 +149,7 @@ def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
 
 
 def test_open_isosurfaces_show_their_shape_inside():
-    """Whatever the lamps; a back that was not baked has no light of its own."""
+    """Checks this with any lamps; a back that was not baked has no baked light."""
     values = np.hypot(*(np.mgrid[:24, :24].astype(np.float32) - 11.5))
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")
@@ -168,7 +168,7 @@ def test_bins_hold_the_same_number_of_steps():
     assert bin_width(steps.astype(np.float32) / 1000, -5e-4, 0.2555) == pytest.approx(
         1e-3, rel=1e-3
     )
-    # Of 3000 integers, 12 in each of at most 256 bins.
+    # Bins of 3000 integers: at most 256, with 12 integers in each.
     assert bin_width(np.arange(3000), -0.5, 2999.5) == 12.0
     # Other numbers have bins that suit how many there are.
     numbers = np.random.default_rng(1).normal(size=100_000)

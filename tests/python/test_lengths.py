@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError
 
-# Of a head, in the millimeters of its scan.
+# Longest side of a head in millimeters, the unit of its scan.
 SIDE = 220.0
 
 
@@ -43,7 +43,7 @@ def gltf_of(path):
 
 
 def longest_side_in_meters(path):
-    """Of a .glb: that of the first mesh, times the scale of the root above it."""
+    """Returns the longest side of the first mesh of a .glb, times the scale of its root."""
     file = gltf_of(path)
     (root,) = file["scenes"][0]["nodes"]
     mesh = file["meshes"][0]["primitives"][0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a bake errs as much as it says, on each isosurface of its isovalue range."""
+"""The estimated error of a bake against the true one, on each isosurface of its isovalue range."""
 
 import leaflight
 import numpy as np

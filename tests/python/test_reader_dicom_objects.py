@@ -260,7 +260,7 @@ def test_segments_of_highdicom(tmp_path, masks):
 
 
 def test_a_real_dose():
-    """Of pydicom, as its own pixel_array has it."""
+    """Compares a dose file of pydicom's with pydicom's own pixel_array."""
     from pydicom.data import get_testdata_file
 
     path = get_testdata_file("rtdose.dcm", download=False)

@@ -279,7 +279,7 @@ def test_nexus(tmp_path, values, style):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert volume.unit == "µm"
-    # Of z the file has the edges, of which the middles count.
+    # The file stores edges along z; voxels lie at their midpoints.
     np.testing.assert_allclose(
         volume.index_to_world[:3], [[1.5, 0, 0, 3], [0, 0.5, 0, 0], [0, 0, 2, 1]]
     )
@@ -348,7 +348,7 @@ def test_missing_data(tmp_path, values):
 
 @quick
 def test_absent_chunks_hold_no_chance_values(tmp_path):
-    """Where a file has neither the chunks nor a fill value, they are 0."""
+    """Checks that absent chunks of a file without a fill value are 0."""
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
         how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)

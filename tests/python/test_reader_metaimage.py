@@ -114,7 +114,7 @@ def test_text(tmp_path, values, name, data, kind):
 
 @pytest.mark.parametrize("size, before", [(7, 7), (-1, 9), (0, 0)])
 def test_headers_of_the_values(tmp_path, values, size, before):
-    """Of so many bytes, or of all that is not needed for the values."""
+    """Checks headers of a given size; -1 skips all bytes before the values at the end."""
     values = values.astype("<i2")
     path = write(tmp_path / "x.mhd", values, "MET_SHORT", "x.raw", None, f"HeaderSize = {size}")
     (tmp_path / "x.raw").write_bytes(bytes(range(before)) + values.tobytes())

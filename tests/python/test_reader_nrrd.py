@@ -178,7 +178,7 @@ FOURTH = [
 @pytest.mark.parametrize("encoding", ["raw", "gzip"])
 @pytest.mark.parametrize("sizes, fields, role, place, note", FOURTH)
 def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, note):
-    """Of diffusion, segmentations and series."""
+    """Checks the fourth axis of diffusion data, segmentations and series."""
     count = 2 if role else 1
     data = np.stack([shorts + i for i in range(count)], axis=place if place < 1 else 1)
     assert data.shape == sizes[::-1]

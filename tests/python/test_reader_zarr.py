@@ -173,7 +173,7 @@ def test_names_of_a_plain_array(tmp_path, values):
 
 @pytest.mark.skipif(_ZARR < 3, reason="zarr 2 does not write Zarr 3")
 def test_shards(tmp_path, values):
-    """Of which some, and some of their chunks, are absent."""
+    """Checks shards of which some are absent, and some lack chunks."""
     path = tmp_path / "x.zarr"
     group = zarr.open_group(str(path), mode="w", zarr_format=3)
     array = group.create_array(

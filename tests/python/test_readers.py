@@ -86,7 +86,7 @@ def test_tiff_as_microscopes_compress_it(tmp_path, values, compression):
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression=compression)
     if compression == "jpeg":
-        # What it keeps, by its own decoder.
+        # JPEG is lossy: the values that remain, by Pillow's decoder.
         with Image.open(path) as file:
             values = np.stack([np.asarray(page) for page in ImageSequence.Iterator(file)])
     found = read_volume(path).values.astype(float)

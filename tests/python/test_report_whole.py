@@ -120,7 +120,7 @@ def test_curves_fall(short):
         assert tuple(point.samples for point in points) == wanted
         assert points[-1].error < points[0].error and points[-1].noise < points[0].noise
         for point in points:
-            # Noise is part of the error; the reference's is a part of its own.
+            # Noise is part of the error; the noise of the reference is another part.
             assert 0 < point.noise < 1.1 * point.error < 60
             assert len(point.costs) == 2 and 0 < point.seconds
             assert all(cost.rays > 0 and cost.file > 10_000 < cost.peak for cost in point.costs)
@@ -172,13 +172,13 @@ def test_data_sets(data):
     assert absent == [one.name for one in DATA_SETS[4:]]
     for row in rows:
         assert 0 < row.noise and 0 < row.error < 60 and row.direct > 0 and row.vertices > 0
-        # A tenth of the nodes leaves errors of a few percent, and the bake says so.
+        # With a tenth of the nodes, errors are a few percent, and the bake estimates them.
         assert row.texels > 0 and 0 < row.estimated < 60
         assert row.break_even == row.cost.seconds / row.direct
 
 
 def test_hidden_vertices_are_not_judged():
-    """Those inside the other volume's isosurface, which no light reaches."""
+    """Checks that no judged point lies inside the other volume's isosurface, without light."""
     volumes = generated(nucleons, 101)(None, 0.2)
     scene = packaged_scene("nucleons.json")
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
@@ -291,7 +291,7 @@ def test_files(written):
 
 
 def test_interrupted(tmp_path, curves, monkeypatch):
-    """What is cancelled after hours of work leaves no file behind."""
+    """Checks that a report cancelled after hours of work leaves no file behind."""
 
     def cancelled(*_, **__):
         raise Cancelled("data sets cancelled")

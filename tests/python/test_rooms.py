@@ -18,7 +18,7 @@ from leaflight.thesis.settings import FixedSamples, SampleOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# From the ground up. What stands in no room is below all of them, save the faces at the top.
+# Rooms from the bottom up. Files in no room are below all rooms, except FACES at the top.
 PACKAGE = (
     "volume",
     "scene",

@@ -38,7 +38,7 @@ def test_volumes_shade_each_other(lapr_scene):
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, isosurfaces=lapr_scene.isosurfaces[:1])
-    # Of a single volume the scene's isovalues are the isovalue range.
+    # With a single volume, the scene's isovalues are the isovalue range.
     single = leaflight.bake(dirt, alone, **settings)
     assert single.isovalues == (50, 200)
     points = single.surface(100.0).vertices

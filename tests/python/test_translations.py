@@ -30,7 +30,7 @@ _TEXTS = {
     "draw_wrapped": 1,
     "draw_progress": 2,
 }
-# Of a unit, as in "12 s", there is nothing to translate.
+# A unit, as in "12 s", has nothing to translate.
 _WORD = re.compile(r"[A-Za-z]{3}")
 
 
@@ -59,7 +59,7 @@ def values(tree, expression):
 def untranslatable(expression):
     """Words of an expression that no catalog can hold: put together where it is run."""
     if isinstance(expression, ast.Call):
-        # What a function says is its own matter; what is given to iface_() must be constant.
+        # The result of a function is checked elsewhere; the argument of iface_() must be constant.
         if getattr(expression.func, "id", "") == "iface_":
             return [] if isinstance(expression.args[0], ast.Constant) else ["iface_()"]
         return []

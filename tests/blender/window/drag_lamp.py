@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
-the Studio over a baked volume with the mouse. Live is on; Esc stops it before the last move.
+the Studio over a baked volume with the mouse, with Live on. Then stops the light by Esc and moves
+the lamp again.
 
 Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
 moves to light.

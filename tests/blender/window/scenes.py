@@ -22,7 +22,7 @@ _EASY, _UNREACHED = 20.0, 0.01
 
 
 class Scenes:
-    """The saved scenes. folder: holds the files to import, and receives the folders of the scenes."""
+    """The saved scenes. folder: the files to import, and the place of the folders of scenes."""
 
     def __init__(self, folder):
         self._folder = folder

@@ -89,9 +89,9 @@ def reopen():
 def beside_walls():
     """The file has just been opened: the walls of its bake have no light before it is there.
 
-    Returns the calls that "waited" for that light in Blender's main thread, the "box", the "size"
-    of a page and whether "live" was at work. "walls" are their numbers when they are wanted, after
-    a rendering and at the end; "status" are the texts of the status bar.
+    Returns the steps that "waited" for that light in a thread of Blender, the "box", the "size" of
+    a page and whether "live" was at work. "walls" are their numbers when they are wanted, after a
+    rendering and at the end; "status" are the texts of the status bar.
     """
     may_go_on, with_walls, result = threading.Event(), reading.with_walls, reading.Reading.result
     step, waited, status, shown = "", [], [], {}
