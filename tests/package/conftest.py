@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def call(*command, timeout=HANG, **options):
-    """What a program prints; fails the test when the program fails or hangs."""
+    """Returns the output of a program; fails the test if the program fails or hangs."""
     done = subprocess.run(
         list(map(str, command)),
         stdout=subprocess.PIPE,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is in the packages, and what must not be."""
+"""The contents of the packages, and the files that they must not contain."""
 
 import ast
 import base64

@@ -149,7 +149,7 @@ def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
 
 
 def test_open_isosurfaces_show_their_shape_inside():
-    """Checks this with any lamps; a back that was not baked has no baked light."""
+    """Checks that a back without baked light is shaded, for a sun that cannot reach it."""
     values = np.hypot(*(np.mgrid[:24, :24].astype(np.float32) - 11.5))
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")

@@ -172,13 +172,13 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
 
 
 def part_of(level, point):
-    """Of the range of codes, as web/src/shaders/direct.glsl reads it."""
+    """Returns the part 0..1 of the range of codes, decoded as in web/src/shaders/direct.glsl."""
     shift = point * 0.6180339887 % 1.0
     return np.clip((level - 1.5 + shift) / 12, 0, 1)
 
 
 def of_27(values):
-    """The least and the greatest of the voxels about each."""
+    """Returns the minimum and the maximum of the 27 voxels around each voxel."""
     padded = np.pad(values, 1, "edge")
     n = [range(3)] * 3
     shifted = [

@@ -20,7 +20,7 @@ KEYS = (["Home", "PageUp", "PageUp", "PageUp"], ["PageUp", "ArrowRight"], ["Page
 
 
 def linear(colors):
-    """Of uint8 sRGB."""
+    """Returns the linear values of uint8 sRGB colors."""
     encoded = colors / 255.0
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
@@ -209,7 +209,7 @@ def test_the_page(browser, bakes, pages):
         browser.click(selector)
         off = (browser.picture() != before).any(axis=-1).mean()
         assert off > 0.02, selector
-    # What is cut open shows values as gray.
+    # The cut shows values as gray.
     colors = browser.picture()
     gray = (colors[..., 3] == 255) & (np.ptp(colors[..., :3].astype(int), axis=-1) <= 1)
     assert gray.mean() > 0.002
