@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
 REFERENCE = SCRIPT.with_suffix(".png")
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
-# Of 255: white, and what nobody takes for lit.
+# Levels of 255: white, and a level too dark to look lit.
 WHITE, BLACK = 250, 8
 
 pytestmark = pytest.mark.slow

@@ -27,7 +27,7 @@ def smooth(values):
 
 
 def expected_normals(values, vertices):
-    """Of values at the voxels (x, y, z), by central differences, interpolated."""
+    """Returns normals by central differences of the values at voxels (x, y, z), interpolated."""
     gradients = np.stack(np.gradient(values)[::-1], axis=-1)
     at = np.minimum(vertices.astype(int), np.array(values.shape[::-1]) - 2)
     local = vertices - at
@@ -106,7 +106,7 @@ def test_light_does_not_see_the_stairs_of_masks():
     is_inside = np.all(np.abs(surface.vertices[:, :2] - 11.5) < 6, axis=1)
     light = surface.radiance[is_inside].mean(axis=1)
     plane = 0.5 / np.pi * 2 / 20**0.5
-    # Of the shadows that stairs throw on each other, some stay.
+    # Some of the shadows that stairs cast on each other stay.
     assert len(light) > 300 and np.mean(light < 0.9 * plane) < 0.1
     # Single texels are lit by few lines, since few values of a mask lie between zero and one.
     assert np.quantile(light, 0.99) < 1.07 * plane

@@ -18,7 +18,7 @@ from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("scripting", "export", "clusters", "validation")
-# What other programs must be there for, and where that is tested.
+# Place of the tests of snippets that need other programs, by a word in the snippet.
 ELSEWHERE = {
     "blender": "tests/blender/inside/check_scripting.py, test_examples.py",
     "obj.": "tests/blender/inside/check_scrub.py",

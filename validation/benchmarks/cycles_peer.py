@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles, baking one isosurface into its vertices: how far it errs, in how many seconds.
+"""Cycles baking one isosurface into its vertices: its error and its seconds.
 
-Its error is that against many more samples of its own, at the same vertices with other seeds. The
-noise of these is known from their spread and taken out.
+The reference is Cycles with many more samples, at the same vertices with other seeds. The noise of
+the reference is known from its spread and subtracted.
 """
 
 from dataclasses import dataclass

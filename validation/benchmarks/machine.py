@@ -44,7 +44,7 @@ def _processor():
 
 
 def _git(*arguments):
-    """What git says in the folder of this file; nothing without git or a repository."""
+    """Returns the output of git in this file's folder; empty without git or a repository."""
     try:
         done = subprocess.run(
             ["git", *arguments], cwd=HERE.parent, capture_output=True, text=True, timeout=10

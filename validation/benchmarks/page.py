@@ -52,7 +52,7 @@ def write_page(path, name, result):
 
 
 def _split(path, name):
-    """What stands before the tables of `bench NAME`, and after; the marks are in it."""
+    """Returns the text before the tables of `bench NAME` and the text after, with the marks."""
     path = Path(path)
     try:
         text = path.read_text() if path.exists() else PAGE

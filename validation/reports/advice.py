@@ -39,7 +39,7 @@ def advice(curves, analysis, data_rows):
 
 
 def budget_rows(curves):
-    """What errs least within a budget of seconds, of the estimators and strategies measured."""
+    """Returns the measured estimators and strategies that err least within budgets of seconds."""
     own = [curve for curve in curves.curves if curve.group != "Cycles"]
     most = max(point.seconds for curve in own for point in curve.points)
     rows = []
@@ -55,7 +55,7 @@ def budget_rows(curves):
                 "next": second.name,
                 "its RMS %": other.error,
             }
-            # A larger budget that buys nothing more is none of its own.
+            # A larger budget with the same choices gets no row.
             if not rows or {**rows[-1], **row} != rows[-1]:
                 rows.append({"seconds at most": budget, **row})
         if budget >= most:

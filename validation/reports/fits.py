@@ -91,11 +91,12 @@ def samples_for(error, fit):
 
 
 def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
-    """The Estimate of how many isosurfaces a bake of so many seconds and this error is worth.
+    """Returns the Estimate of the number of isosurfaces that such a bake is worth.
 
-    fit, costs: Fits of the error and of the seconds with which one isosurface is computed without
-    a bake; varying: by which share seconds of either may differ from one run to the next (95 %).
-    The value is 0 where that does not reach the error.
+    error, seconds: error and seconds of the bake
+    fit, costs: Fits of the error and of the seconds of one isosurface computed without a bake
+    varying: share by which the seconds of either may differ between runs (95 %)
+    The value is 0 if one isosurface without a bake never reaches the error.
     """
     rng = np.random.default_rng(seed)
 
@@ -113,7 +114,7 @@ def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
 
 
 def _samples_for(error, coefficients, power):
-    """Of coefficients (n, 2); noise and floor are not below 0."""
+    """Returns the samples for an error by coefficients (n, 2); noise and floor are not below 0."""
     floor_squared, a = np.maximum(coefficients, 0.0).T
     above = error**2 - floor_squared
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -5,7 +5,7 @@ import numpy as np
 
 from leaflight.io.images import display_colours
 
-# From where isosurfaces are shown, with y up.
+# Direction of view towards isosurfaces, with y up.
 TOWARDS = (0.3, 0.45, -1.0)
 SIZE = 600
 BACKGROUND = 40
@@ -39,7 +39,7 @@ def surface_picture(vertices, triangles, radiance, exposure):
     image = Image.new("RGB", (SIZE, SIZE), (BACKGROUND,) * 3)
     draw = ImageDraw.Draw(image)
     colours = display_colours(radiance[triangles].mean(axis=1), exposure)
-    # What is nearer is painted over what is farther.
+    # Nearer triangles are painted over farther ones.
     for t in np.argsort(-seen[triangles, 2].mean(axis=1), kind="stable"):
         draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colours[t].tolist()))
     return np.asarray(image)

@@ -11,7 +11,7 @@ from .curves import GATHER
 # Okabe and Ito's colours, which colour-blind eyes distinguish.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
-# Of curves that both panels show.
+# Styles of the curves that both panels show.
 STYLES = {
     "bake": {"color": "black", "linewidth": 2.5},
     "Cycles": {"color": "0.45", "linestyle": "--", "marker": "."},

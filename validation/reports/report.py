@@ -49,7 +49,7 @@ class ReportEffort:
     cycles: CyclesEffort = CyclesEffort()
 
 
-# Less than `--tables --quick` alone: all tables and all else take ten minutes.
+# Less work than `--tables --quick` alone, so that the whole report takes ten minutes.
 QUICK_TABLES = replace(
     QUICK,
     flat_reference_samples=2_560_000,
@@ -62,10 +62,13 @@ QUICK_REPORT = ReportEffort(QUICK_TABLES, QUICK_CURVES, QUICK_DATA, QUICK_CYCLES
 def report(folder, effort, run, data=None, tables=TABLES):
     """Measures everything; writes folder/report.md, folder/images/*.png and folder/csv/*.csv.
 
-    effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
-    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and none
-    against Cycles is exceeded), "rows" as those of report_tables, and "curves", "slopes",
-    "break_even", "data_sets", "bakes_against_cycles", "against_cycles", "memory": lists of dicts.
+    effort: a ReportEffort
+    run(work, label): see experiments.py
+    data: the folder of the real data sets, or None
+
+    Returns a dict: "out", "seed", "passed" (no row of the tables failed, and no row against Cycles
+    is exceeded), and "rows" as in report_tables. "curves", "slopes", "break_even", "data_sets",
+    "bakes_against_cycles", "against_cycles" and "memory" are lists of dicts.
     Raises LeaflightError, Cancelled, and then writes nothing.
     """
     folder = _prepared(folder, "report.md")
@@ -217,7 +220,7 @@ def _result(folder, seed, tables=(), judged=()):
 
 
 def _reductions(effort):
-    """What is less than in the full report, as a paragraph, if anything is."""
+    """Returns a paragraph on the efforts below those of the full report, if there are any."""
     full, parts = ReportEffort(), []
     titles = {"data": "data sets", "cycles": "against Cycles"}
     for name in (field.name for field in fields(effort)):

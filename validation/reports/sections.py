@@ -48,7 +48,7 @@ def analysed(curves, seed):
 
 
 def _sampled(curves):
-    """Those along which samples grow."""
+    """Returns the curves along which samples grow."""
     return [curve for curve in curves.curves if curve.name != BAKE]
 
 
@@ -228,7 +228,7 @@ def data_text(rows, absent, effort):
 
 
 def memory_rows(curves, rows):
-    """Of each curve with the most samples, and of each data set."""
+    """Returns a row for the last point of each curve, and for each data set."""
     result = []
     for curve in curves.curves:
         point = curve.points[-1]
