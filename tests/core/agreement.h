@@ -14,7 +14,7 @@
 
 namespace leaflight::test {
 
-// Sanitized builds look for errors of memory and undefined behaviour, some ten times slower. They
+// Sanitized builds look for errors of memory and undefined behavior, some ten times slower. They
 // run the same code with fewer photons and paths, and leave the statistics to the other builds.
 #ifdef LEAFLIGHT_SANITIZE
 inline constexpr bool sanitized = true;

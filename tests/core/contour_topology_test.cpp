@@ -104,7 +104,7 @@ Corners random_corners(Random& random, int kind) {
   Corners g;
   for (int i = 0; i < 8; ++i) {
     const double size = kind < 2 ? random.uniform() : std::exp(4 * random.uniform());
-    // Neighbours differ in the last kind: every face alternates.
+    // Neighbors differ in the last kind: every face alternates.
     const bool above = kind == 2 ? __builtin_parity(i) != 0 : random.uniform() < 0.5;
     g[i] = (above ? 1 : -1) * size;
   }

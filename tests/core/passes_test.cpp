@@ -245,7 +245,7 @@ TEST(Passes, AreCancelledWithinHalfASecond) {
   EXPECT_LT(seconds_to_cancel_passes(), test::sanitized ? 5 : 0.5);
 }
 
-// The radiance of each texel's centre, whose isosurface is that of the centre.
+// The radiance of each texel's center, whose isosurface is that of the center.
 template <class Check>
 void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
   const RadianceGrid<3>& grid = baked.grids[0];
@@ -332,7 +332,7 @@ TEST(Passes, FurnaceIsUniform) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
-  settings.exposure = 0.2;  // so that no colour is white, whose noise would not count
+  settings.exposure = 0.2;  // so that no color is white, whose noise would not count
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   double sum = 0, square = 0;

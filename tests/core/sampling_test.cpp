@@ -272,7 +272,7 @@ TEST(Samplers, SphereLights) {
           {axis, 1.2 * (1 - cosine)},
           [&](Random& random) { return sample_light<D>(light, from, pair(random)); },
           [&](const Vec<D>& w) { return w.dot(axis) > cosine ? 1 / measure : 0; },
-          // Seen from afar its disc, or segment, has the intensity.
+          // Seen from afar its disk, or segment, has the intensity.
           [&](const Vec<D>&) { return 3 / (D == 3 ? pi * 0.09 : 0.6); });
     }
   });
@@ -348,7 +348,7 @@ std::shared_ptr<const Texture> sky_image() {
   return image;
 }
 
-// Density per angle of the sampled image: in proportion to the sum over a pixel and its neighbours,
+// Density per angle of the sampled image: in proportion to the sum over a pixel and its neighbors,
 // rows by the cosine of their middle.
 class SkyDensity {
  public:
@@ -486,7 +486,7 @@ TEST(Emission, SpheresAndSpots) {
   });
 }
 
-// Parallel light starts in a disc before the bounds.
+// Parallel light starts in a disk before the bounds.
 template <int D>
 std::vector<double> before(const BoundingSphere<D>& bounds, const EmittedPhoton<D>& photon) {
   const Vec<D> beside = (photon.origin - bounds.centre) / bounds.radius + photon.direction;

@@ -72,7 +72,7 @@ inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Rea
   return scene;
 }
 
-// A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
+// A box open towards -y with a colored wall on each side and a lamp below its ceiling.
 inline Scene<3> cornell(Field<3> field, const IsovalueRange& isovalue_range) {
   Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), isovalue_range);
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);

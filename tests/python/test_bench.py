@@ -73,7 +73,7 @@ def test_nothing_is_read_beyond_the_points():
 
 
 def test_errors_that_rise_by_chance():
-    """The first two neighbours around the error count, with the seconds of these."""
+    """The first two neighbors around the error count, with the seconds of these."""
     cost, _ = cost_at(3.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])
     assert 2.0 < cost < 4.0
     cost, _ = cost_at(4.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])

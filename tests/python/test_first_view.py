@@ -135,7 +135,7 @@ def test_less_than_a_hundredth_clips_whatever_the_lamps(times):
 
 
 def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
-    """And so are baked ones by local shading: the picture shows where colours come from."""
+    """And so are baked ones by local shading: the picture shows where colors come from."""
     camera = camera_around_bake(cornell_patient, zoom=0.45)
     picture = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1)
     assert (picture[..., 3] == 1).mean() > 0.6

@@ -17,7 +17,7 @@ def box(bump_scene):
 
 
 def found_percent(baked, isovalue):
-    """RMS of colours against the path tracer, whose noise is taken out."""
+    """RMS of colors against the path tracer, whose noise is taken out."""
     side = IsosurfaceSide(baked, isovalue)
     truth = side.path_traced(400, 512, 1, 0, None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)

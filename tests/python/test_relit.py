@@ -58,7 +58,7 @@ def light_of(bake):
 
 
 def test_with_one_lamp_it_is_a_new_bake(of_one, one_lamp):
-    # A power of two, and colours on the screen as before: the new bake takes the same decisions.
+    # A power of two, and colors on the screen as before: the new bake takes the same decisions.
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: 4})
     new = baked(lit_by(one_lamp, [(4, 4, 4)], exposure=0.25))

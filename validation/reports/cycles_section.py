@@ -8,7 +8,7 @@ from leaflight.io.markdown import table
 from volume_recipes import absent_text
 from .against_cycles import REACHED, EXCEEDED, REPORTED, TRUE_WITHIN
 
-# A mean colour below which a share of it says nothing.
+# A mean color below which a share of it says nothing.
 DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",

@@ -55,7 +55,7 @@ class Isosurfaces:
 
     @property
     def colour(self):
-        """The mean colour."""
+        """The mean color."""
         return float(np.clip(self.truth * self.exposure, 0, 1).mean())
 
     def seconds_to(self, error):

@@ -8,7 +8,7 @@ import numpy as np
 from leaflight._core import LeaflightError
 from .curves import GATHER
 
-# Okabe and Ito's colours, which colour-blind eyes distinguish.
+# Okabe and Ito's colors, which color-blind eyes distinguish.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
 # Styles of the curves that both panels show.

@@ -88,7 +88,7 @@ def _brightness(path, material, angle):
 
 
 def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
-    """Only what it reflects differs: 4 % at each face, which the bake colours as well."""
+    """Only what it reflects differs: 4 % at each face, which the bake colors as well."""
     principled = principled_material(Transmission=1.0, Roughness=0.0, IOR=1.5)
     found = surface(principled)
     assert len(found.warnings) == 1 and "Glass BSDF" in found.warnings[0]

@@ -62,7 +62,7 @@ def vertices_of(obj):
 
 
 def colours_of(obj, name="radiance"):
-    """Linear RGB (n, 3) of a colour attribute of the mesh of an object."""
+    """Linear RGB (n, 3) of a color attribute of the mesh of an object."""
     colours = np.empty(4 * len(obj.data.vertices), np.float32)
     obj.data.attributes[name].data.foreach_get("color", colours)
     return colours.reshape(-1, 4)[:, :3]
@@ -204,7 +204,7 @@ def require_eevee():
 
 
 def render_exr(path, engine="CYCLES", samples=1, size=48):
-    """Linear pixels (size, size, 4), top row first; each pixel is sampled at its centre."""
+    """Linear pixels (size, size, 4), top row first; each pixel is sampled at its center."""
     scene = bpy.context.scene
     scene.render.engine = require_eevee() if engine == "EEVEE" else engine
     scene.render.resolution_x = scene.render.resolution_y = size
@@ -318,14 +318,14 @@ def constant_material(kind, **inputs):
 
 
 def noise_image(width, height):
-    """A float image of random colours, the same each time."""
+    """A float image of random colors, the same each time."""
     return _image(np.random.default_rng(0).random((height, width, 3)), True)
 
 
 def smooth_image(width, height):
     """An 8-bit image that changes little from pixel to pixel, and nothing at its seam.
 
-    Between pixels Cycles interpolates 8-bit colours while they are still encoded.
+    Between pixels Cycles interpolates 8-bit colors while they are still encoded.
     """
     y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
     waves = [

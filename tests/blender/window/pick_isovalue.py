@@ -56,7 +56,7 @@ def steps():
         bpy.data.objects.remove(obj)
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
     area().spaces.active.show_region_ui = False
-    # A grey viewport, before which the mark's color stands out.
+    # A gray viewport, before which the mark's color stands out.
     volume().hide_set(False)
     found["imported"] = volume().leaflight.isovalue
     pick()
