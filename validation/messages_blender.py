@@ -58,7 +58,7 @@ def add_class(add, cls, context):
 
 
 def why_greyed(path):
-    """(text, line) of each reason that an operator gives, which Blender's extractor overlooks."""
+    """Yields (text, line) of each reason of an operator; Blender's extractor overlooks these."""
     for node in ast.walk(ast.parse(path.read_text())):
         if not isinstance(node, ast.Call):
             continue

@@ -72,7 +72,7 @@ def line_of(path, found):
 
 
 def row_of(found, folder):
-    """Both stills, and the two places where FLIP is largest, as (height, width, 3) of 0..255."""
+    """Returns both stills and the two places of largest FLIP, as (height, width, 3) of 0..255."""
     from leaflight import _core
     from leaflight.io.images import display_colours
     from leaflight.measure.flip import flip

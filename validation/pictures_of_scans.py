@@ -68,7 +68,7 @@ def render_viewport(path):
 
 
 def extremes(path):
-    """How many pixels of a picture are burnt, and how many are black."""
+    """Returns how many pixels of a picture are burnt, and how many are black."""
     image = bpy.data.images.load(path)
     pixels = 255 * np.array(image.pixels, np.float32).reshape(-1, 4)[:, :3]
     bpy.data.images.remove(image)

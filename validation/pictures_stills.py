@@ -118,7 +118,7 @@ def turned(volume, degrees):
 
 
 def render_slices(path, folder, picture):
-    """A translucent head with slices, the orientation cube and a scale bar."""
+    """Renders a translucent head with slices, the orientation cube and a scale bar."""
     from leaflight import blender
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)

@@ -56,7 +56,7 @@ def _at_the_origin(volume):
 
 
 def colin27(folder, _):
-    """The thesis's brain, from the folder or from where Debian has it."""
+    """Returns the thesis's brain, from the folder or from where Debian has it."""
     own = Path(folder) / COLIN27.name if folder else COLIN27
     path = own if own.exists() else COLIN27
     return [read_volume(str(path))] if path.exists() else None

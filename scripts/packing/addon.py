@@ -101,7 +101,7 @@ def legacy(own):
 
 
 def _addon_files():
-    """The add-on's files, without what only extensions have."""
+    """Returns the add-on's files, without what only extensions have."""
     files = (path for path in ADDON.rglob("*") if path.is_file())
     return sorted(path for path in files if path.suffix == ".py")
 

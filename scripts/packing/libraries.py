@@ -171,7 +171,7 @@ def _build(library, target):
 
 
 def _source(library, target):
-    """The unpacked sources; the archive is fetched once."""
+    """Returns the unpacked sources; the archive is fetched once."""
     archive = SOURCES / library.archive
     SOURCES.mkdir(parents=True, exist_ok=True)
     if not archive.exists():

@@ -54,7 +54,7 @@ def _symbols(path, which):
 
 
 def _system_library(name):
-    """The path of the library that programs on this machine get."""
+    """Returns the path of the library that programs on this machine get."""
     listed = subprocess.run(
         ["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True
     ).stdout

@@ -92,7 +92,7 @@ def unpack(path, folder):
 
 
 def pack(folder, out):
-    """The wheel of an unpacked one, with a new RECORD."""
+    """Returns the wheel of an unpacked one, with a new RECORD."""
     text = run("wheel", "pack", "--dest-dir", out, folder)
     return out / re.search(r"/([^/]+\.whl)\.\.\.OK", text)[1]
 

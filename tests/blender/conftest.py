@@ -66,7 +66,7 @@ class Blender:
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
 
     def run(self, *arguments):
-        """The output of Blender; fails the test when its script fails or hangs."""
+        """Returns the output of Blender; fails the test when its script fails or hangs."""
         options = ["--background", *self._addons, "--python-exit-code", "1"]
         result = subprocess.run(
             ["blender", *options, *map(str, arguments)],
@@ -137,7 +137,7 @@ class Blender:
 
 
 def package_of(*options):
-    """The paths of the packages that scripts/package makes."""
+    """Returns the paths of the packages that scripts/package makes."""
     done = subprocess.run(
         [ROOT / "scripts" / "package", *options], stdout=subprocess.PIPE, text=True, check=True
     )
@@ -179,7 +179,7 @@ def blender(request, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def ball(tmp_path_factory):
-    """A file of values that fall from 100 in the middle to 13.4 in the corners."""
+    """Returns a file of values that fall from 100 in the middle to 13.4 in the corners."""
     path = tmp_path_factory.mktemp("volume") / "ball.npy"
     z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
     np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))

@@ -101,7 +101,7 @@ def test_zip_holds_the_addon_with_its_core(legacy_zip):
 
 
 def enable(blender):
-    """(seconds of NumPy, seconds of the add-on, the modules that are loaded then)."""
+    """Returns (seconds of NumPy, seconds of the add-on, the modules that are loaded then)."""
     if blender.extends:
         pytest.skip("as an extension it is named by its repository")
     output = blender.run("--factory-startup", "--python-expr", ENABLE)

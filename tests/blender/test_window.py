@@ -20,7 +20,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.machine]
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
-    """(path, low, high): Colin27, or what is as large, and a window of isovalues."""
+    """Returns (path, low, high): Colin27, or what is as large, and a window of isovalues."""
     path = tmp_path_factory.mktemp("volume") / "volume.npy"
     if COLIN27.exists():
         np.save(path, leaflight.read_volume(str(COLIN27)).values.astype(np.uint8))

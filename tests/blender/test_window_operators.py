@@ -37,7 +37,7 @@ def _params(presses):
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """A folder of small files to import: of a patient, a second one, a series, an image."""
+    """Returns a folder of small files to import: of a patient, a second one, a series, an image."""
     folder = tmp_path_factory.mktemp("files")
     head = leaflight.bump_box(24).values.T
     other = head[::-1]

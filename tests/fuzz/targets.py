@@ -70,7 +70,7 @@ def check(target, folder, data, good=False):
 
 
 def _of_tests(name):
-    """The seeds that tests of damaged files use."""
+    """Returns the seeds that tests of damaged files use."""
 
     def seeds(folder):
         from test_damaged_files import FORMATS
@@ -556,7 +556,7 @@ BY_NAME = {target.name: target for target in TARGETS}
 
 
 def missing_library(target):
-    """The library without which a target cannot be tried here, or None."""
+    """Returns the library without which a target cannot be tried here, or None."""
     import tempfile
 
     import pytest

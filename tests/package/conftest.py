@@ -50,7 +50,7 @@ def plain_environment():
 
 @pytest.fixture(scope="session")
 def made():
-    """The packages, by what they are: wheel, sdist, extension, legacy."""
+    """Returns the packages, by what they are: wheel, sdist, extension, legacy."""
     # A compiler does not hang.
     last = call(ROOT / "scripts" / "package", "--quick", timeout=None).splitlines()[-1]
     paths = [ROOT / name for name in last.split()]
@@ -62,7 +62,7 @@ def made():
 
 @pytest.fixture(scope="session")
 def installed(made, tmp_path_factory):
-    """The Python of a fresh virtual environment with the wheel, installed as users do."""
+    """Returns the Python of a fresh virtual environment with the wheel, installed as users do."""
     folder = tmp_path_factory.mktemp("installed")
     call("/usr/bin/python3", "-m", "venv", folder)
     python = folder / "bin" / "python"

@@ -89,7 +89,7 @@ def bump_scene():
 
 @pytest.fixture(scope="session")
 def box_bake(bump_scene):
-    """The bump box with 20^3 nodes and as many texels in its scene."""
+    """Returns the bump box with 20^3 nodes and as many texels in its scene."""
     return leaflight.bake(leaflight.bump_box(20), bump_scene, resolution=20, **SMALL)
 
 
@@ -102,7 +102,7 @@ def box_file(box_bake, tmp_path_factory):
 
 @pytest.fixture(params=SHIPPED)
 def shipped(request):
-    """Each of the scene files that come with the program."""
+    """Returns each of the scene files that come with the program."""
     return leaflight.load_scene(ROOT / "scenes" / request.param)
 
 

@@ -15,7 +15,7 @@ _MEASURED = ("seconds", "peak_memory_bytes")
 
 
 def saved_alike(bake, path):
-    """The bytes of the file of a bake, without the seal that would detect every change."""
+    """Returns the bytes of the file of a bake, without the seal that would detect every change."""
     statistics = replace(bake.statistics, **dict.fromkeys(_MEASURED, 1))
     replace(bake, statistics=statistics).save(path)
     data = bytearray(path.read_bytes()[:-24])

@@ -197,6 +197,6 @@ def test_workers_hold_what_was_reported(workers):
 
 
 def resident():
-    """Bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    """Returns bytes that this process has held at most; ru_maxrss knows of who started it, too."""
     lines = open("/proc/self/status").read().splitlines()
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))

@@ -219,7 +219,7 @@ def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
 
 
 def gltf_of(path):
-    """(the JSON, a function from the number of an accessor to its array) of a .glb."""
+    """Returns (the JSON, a function from the number of an accessor to its array) of a .glb."""
     content = path.read_bytes()
     magic, version, length, size, kind = struct.unpack("<4sIII4s", content[:20])
     assert (magic, version, length, kind) == (b"glTF", 2, len(content), b"JSON")

@@ -25,7 +25,7 @@ def block(x, y, z, **options):
 
 
 def lit(volume, scene=None, **options):
-    """A bake of little light."""
+    """Returns a bake of little light."""
     scene = scene or SceneDescription("sun", [Isosurfaces("block", (0.8,) * 3)], 1.0, [], [SUN])
     settings = {"isovalues": (0.3, 0.7), "error": 20.0, "resolution": 16}
     return leaflight.bake(volume, scene, **settings, **options)

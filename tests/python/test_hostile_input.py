@@ -202,7 +202,7 @@ def test_small_voxels_are_saved(small, tmp_path):
 
 @pytest.fixture
 def foreign(box_bake, tmp_path):
-    """A .vdb without our seal, as other programs write."""
+    """Returns a .vdb without our seal, as other programs write."""
     path = tmp_path / "foreign.vdb"
     path.write_bytes(saved_alike(box_bake, path))
     return path

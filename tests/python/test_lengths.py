@@ -17,7 +17,7 @@ SIDE = 220.0
 
 @pytest.fixture(scope="module")
 def head_file(tmp_path_factory):
-    """A scan: 20^3 voxels, its longest side 220 mm."""
+    """Returns a scan: 20^3 voxels, its longest side 220 mm."""
     path = tmp_path_factory.mktemp("scan") / "head.nii.gz"
     values = leaflight.bump_box(20).values.T
     image = nibabel.Nifti1Image(values, np.diag([SIDE / 19] * 3 + [1.0]))
@@ -36,7 +36,7 @@ def head(head_file, bump_scene, tmp_path_factory):
 
 
 def gltf_of(path):
-    """The JSON of a .glb."""
+    """Returns the JSON of a .glb."""
     content = path.read_bytes()
     (length,) = struct.unpack("<I", content[12:16])
     return json.loads(content[20 : 20 + length])

@@ -12,12 +12,12 @@ ISOVALUES = (30.0, 70.0)
 
 @pytest.fixture(scope="module")
 def box(bump_scene):
-    """A coarse volume, where texels miss much."""
+    """Returns a coarse volume, where texels miss much."""
     return leaflight.bake(leaflight.bump_box(16), bump_scene, isovalues=ISOVALUES)
 
 
 def found_percent(baked, isovalue):
-    """RMS of colors against the path tracer, whose noise is taken out."""
+    """Returns RMS of colors against the path tracer, whose noise is taken out."""
     side = IsosurfaceSide(baked, isovalue)
     truth = side.path_traced(400, 512, 1, 0, None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)

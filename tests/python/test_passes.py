@@ -32,7 +32,7 @@ def box(bump_scene):
 
 
 def stopped_after(passes, box, **settings):
-    """(the bake that was stopped, the bakes of its passes)."""
+    """Returns (the bake that was stopped, the bakes of its passes)."""
     progress, seen = Progress(), []
 
     def look(baked):
@@ -164,7 +164,7 @@ def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path
 
 @pytest.fixture
 def estimated(bump_scene):
-    """(the Estimate of a bake, its statistics)."""
+    """Returns (the Estimate of a bake, its statistics)."""
     volume = leaflight.bump_box(16)
     arguments = {"isovalues": ISOVALUES, "error": 1.0}
     expected = leaflight.estimate(volume, bump_scene, **arguments)

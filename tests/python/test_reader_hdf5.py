@@ -290,7 +290,7 @@ def test_nexus(tmp_path, values, style):
 
 
 def scaled(path, values, names="zyx", **units):
-    """An array with dimension scales, as netCDF-4 has them."""
+    """Returns an array with dimension scales, as netCDF-4 has them."""
     steps = {"z": 2.5, "y": 0.9, "x": 1.2}
     with h5py.File(path, "w") as file:
         data = file.create_dataset("temperature", data=values)

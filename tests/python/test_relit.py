@@ -20,7 +20,7 @@ def baked(scene, **settings):
 
 
 def lit_by(scene, factors, exposure=1.0):
-    """The scene with its lamps brighter by factors (r, g, b)."""
+    """Returns the scene with its lamps brighter by factors (r, g, b)."""
     lights = [
         replace(light, radiance=tuple(np.multiply(light.radiance, factor)))
         if hasattr(light, "radiance")

@@ -88,7 +88,7 @@ def curves(short):
 
 @pytest.fixture
 def with_cycles(curves):
-    """The same with Cycles, which takes a tenth of the seconds for one isosurface."""
+    """Returns the same with Cycles, which takes a tenth of the seconds for one isosurface."""
     points = [
         Point(n, [Cost(0.05 + 0.01 * n, None, 2**28, None)] * 2, np.sqrt(1 + 100 / n), 10 / n**0.5)
         for n in (1, 2, 4, 8, 16)
@@ -103,7 +103,7 @@ def data():
 
 @pytest.fixture(scope="module")
 def written(curves, data, tmp_path_factory):
-    """The report's files from what the other fixtures measured."""
+    """Returns the report's files from what the other fixtures measured."""
     folder = tmp_path_factory.mktemp("report") / "new"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_module, "measure_curves", lambda *_, **__: curves)

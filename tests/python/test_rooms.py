@@ -146,7 +146,7 @@ def imports(folder):
 
 
 def functions():
-    """(place, node) of each function of the package and of the add-on."""
+    """Yields (place, node) of each function of the package and of the add-on."""
     files = [*(ROOT / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]
     assert len(files) > 200
     for file in files:

@@ -38,7 +38,7 @@ def files_of_at_most(count):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A file system of 64 KB."""
+    """Yields a file system of 64 KB."""
     folder = tmp_path / "disk"
     folder.mkdir()
     command = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]

@@ -15,7 +15,7 @@ SETTINGS = {"isovalues": (80.5, 150.5), "resolution": 20, "error": 20.0}
 
 @pytest.fixture(scope="module")
 def values():
-    """A noisy ball of bytes, cut in the middle."""
+    """Returns a noisy ball of bytes, cut in the middle."""
     z, y, x = (np.mgrid[:30, :30, :30] - 14.5) / 14.5
     ball = 200 - 130 * np.sqrt(x * x + y * y + z * z)
     ball += np.random.default_rng(8).normal(0, 6, ball.shape)

@@ -38,7 +38,7 @@ MODULES = {
 
 
 def good(path):
-    """The bytes of a small file of this name."""
+    """Returns the bytes of a small file of this name."""
     if path.name != "x.mtz":
         return FILES[path.name](path)
     pytest.importorskip("gemmi")

@@ -57,7 +57,7 @@ def blocks(page):
 
 
 def snippets(page):
-    """(commands, Python) of a page, each in its order."""
+    """Returns (commands, Python) of a page, each in its order."""
     commands, scripts = [], []
     for block in blocks(page):
         python = []

@@ -35,7 +35,7 @@ _WORD = re.compile(r"[A-Za-z]{3}")
 
 
 def shown_texts(tree):
-    """The expressions that a module gives to Blender as texts to show."""
+    """Yields the expressions that a module gives to Blender as texts to show."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
         place = _TEXTS.get(name)
@@ -46,7 +46,7 @@ def shown_texts(tree):
 
 
 def values(tree, expression):
-    """The expression, and what its module assigns to it where it is a name."""
+    """Yields the expression, and what its module assigns to it where it is a name."""
     yield expression
     for name in (node.id for node in ast.walk(expression) if isinstance(node, ast.Name)):
         for node in ast.walk(tree):

@@ -30,7 +30,7 @@ def template(tmp_path, monkeypatch):
 
 
 def body_of(text):
-    """The bytes of all elements of the data, in their order."""
+    """Returns the bytes of all elements of the data, in their order."""
     parts = re.findall('<script type="text/plain">(.*?)</script>', text, re.DOTALL)
     return b"".join(map(base64.b64decode, parts))
 

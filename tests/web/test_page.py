@@ -36,7 +36,7 @@ def difference_percent(picture, still, exposure):
 
 
 def camera_of(browser):
-    """The Camera of the page."""
+    """Returns the Camera of the page."""
     seen = browser.evaluate("leaflight.view.orbit.viewpoint")
     position, target, up = (tuple(seen[name]) for name in ("position", "target", "up"))
     return Camera(position, target, up, ANGLE)
@@ -78,7 +78,7 @@ LAMPS = {1: (0.5, None), 2: (2.0, "#20ff40"), 3: (0.0, None)}
 
 
 def with_lamps(bake, chosen):
-    """The bake with the lamps, by their numbers, as the page has them."""
+    """Returns the bake with the lamps, by their numbers, as the page has them."""
     factors = {}
     for number, (strength, color) in chosen.items():
         light = bake.scene.lights[number]

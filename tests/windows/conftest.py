@@ -49,7 +49,7 @@ def root():
 
 @pytest.fixture(scope="session")
 def made():
-    """The paths of the wheels, by version of Python, and of the extension."""
+    """Returns the paths of the wheels, by version of Python, and of the extension."""
     command = (ROOT / "scripts" / "package", "--platform", "windows-x64")
     # A compiler does not hang.
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)

@@ -48,7 +48,7 @@ class Peer:
         return len(self.mesh[0])
 
     def reference(self, samples, progress):
-        """(Truth, error): of REFERENCE_PASSES with so many samples each, and what one pass errs.
+        """Returns (Truth, error): of REFERENCE_PASSES with this many samples, and the error of a pass.
 
         The error is RMS in percent, as everywhere here.
         """
@@ -59,7 +59,7 @@ class Peer:
         return truth, noise * np.sqrt(REFERENCE_PASSES)
 
     def measured(self, counts, repetition, truth, progress):
-        """(errors, seconds) of passes with these counts of samples, float64 (n,) each.
+        """Returns (errors, seconds) of passes with these counts of samples, float64 (n,) each.
 
         Seconds are by the clock, without Blender's start and its building of the scene; a pass
         before them warms up. Seeds differ from the reference's and between repetitions.
@@ -70,7 +70,7 @@ class Peer:
         return np.array(errors), found.seconds[1:]
 
     def reference_samples(self, error, noise, paths):
-        """How many samples a pass of the reference takes, for about this error.
+        """Returns how many samples a pass of the reference takes, for about this error.
 
         noise: RMS in percent that so many paths at a point leave.
         """

@@ -59,7 +59,7 @@ def _bake(answer, nodes, seed, threads):
 
 
 def _peak(baked):
-    """The most bytes that this process has held.
+    """Returns the most bytes that this process has held.
 
     Linux's figures of its resources, which the statistics use, include the peak of the process that
     started it: exec keeps that.

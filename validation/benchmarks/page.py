@@ -70,7 +70,7 @@ def _split(path, name):
 
 
 def bake_lines(result):
-    """The section of `bench bake`, lines of Markdown."""
+    """Returns the section of `bench bake`, lines of Markdown."""
     rows = [
         {
             "bake": f"{row['name']} at {row['isovalue']:g}",
@@ -126,14 +126,14 @@ def bake_lines(result):
 
 
 def _why(row):
-    """Why a case has no break-even, and which side of what was measured it is."""
+    """Returns the reason why a case has no break-even, with the side of the measured points."""
     ends = row["cycles"][0] if row["outside"] == FEWER else row["cycles"][-1]
     bound = row["bake_seconds"] / ends["seconds"]
     return f"{'above' if row['outside'] == FEWER else 'below'} {bound:.2g}: {row['outside']}"
 
 
 def scale_lines(result):
-    """The section of `bench scale`, lines of Markdown."""
+    """Returns the section of `bench scale`, lines of Markdown."""
     rows = [
         {
             "bake": row["name"],
@@ -171,7 +171,7 @@ def scale_lines(result):
 
 
 def ray_lines(result):
-    """The section of `bench rays`, lines of Markdown."""
+    """Returns the section of `bench rays`, lines of Markdown."""
     rows = [
         {
             "isosurface": row["name"],
@@ -201,7 +201,7 @@ def ray_lines(result):
 
 
 def scrub_lines(result):
-    """The section of `bench scrub`, lines of Markdown."""
+    """Returns the section of `bench scrub`, lines of Markdown."""
     rows = [
         {
             "volume": f"{row['name']} at {row['isovalue']:g}",

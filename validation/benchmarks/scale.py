@@ -61,7 +61,7 @@ def measure_scale(effort, run, *, seed=0, threads=0):
 
 
 def _in_turns(items, work, often):
-    """The results of work(item) by item, one item after the other, and that again and again.
+    """Returns the results of work(item) by item; the items take turns.
 
     often(seconds): how often an item's turn comes, all of which have the first.
     """

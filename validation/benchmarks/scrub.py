@@ -110,7 +110,7 @@ def _case(effort, field, grid, isovalue, peer):
 
 
 def _ours(field, grid, isovalue):
-    """(milliseconds, triangles)."""
+    """Returns (milliseconds, triangles)."""
     start = time.perf_counter()
     triangles = grid.lit_contour(field, isovalue)[2]
     return 1e3 * (time.perf_counter() - start), len(triangles)

@@ -210,7 +210,7 @@ def _rows(case, volumes, effort, run, seed, threads):
 
 
 def _judged(side, effort, work, step):
-    """(paths, errors, their parts) of an IsosurfaceSide."""
+    """Returns (paths, errors, their parts) of an IsosurfaceSide."""
     at, exposure = f"at {side.isovalue:g}", side.bake.scene.exposure
 
     def errors(truth):

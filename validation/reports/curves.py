@@ -82,7 +82,7 @@ class Kind:
     slow: bool = False
 
     def efforts(self, effort):
-        """The samples along its curve."""
+        """Returns the samples along its curve."""
         if self.group == "bake":
             return effort.resolutions
         return [rays for rays in effort.rays if not self.slow or rays in effort.slow_rays]
@@ -143,12 +143,12 @@ class Curves:
     effort: CurveEffort
 
     def of(self, name):
-        """The Curve of a name, or None."""
+        """Returns the Curve of a name, or None."""
         return next((curve for curve in self.curves if curve.name == name), None)
 
 
 def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
-    """The Curves of the bump box in its scene; run(work, label): see experiments.py.
+    """Returns the Curves of the bump box in its scene; run(work, label): see experiments.py.
 
     cycles: whether Cycles gets a curve. Raises LeaflightError, Cancelled.
     """
@@ -188,7 +188,7 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
 
 
 def _work(volume, scene, kind, samples, **settings):
-    """work(progress) that returns a Bake of all isosurfaces, with so many samples (UNITS)."""
+    """Returns work(progress), which bakes all isosurfaces with this number of samples (UNITS)."""
     settings["isovalues"] = volume.data_range()
     if kind.group == "bake":
         return lambda progress: bake(
@@ -202,7 +202,7 @@ def _work(volume, scene, kind, samples, **settings):
 
 
 def _by_cycles(scene, reference, samples, seed, threads, run):
-    """(radiance at the points, Cost) for each number of samples; costs are those of one isosurface.
+    """Returns (radiance at the points, Cost of one isosurface) for each number of samples.
 
     A pass before the first one warms up. Neither Blender's start nor its building of the scene
     counts.

@@ -199,7 +199,7 @@ def _flat_trials(effort):
 
 
 def table_4_2(effort, run):
-    """An isosurface of the 3D bump box (thesis Table 4.2)."""
+    """Returns the rows of an isosurface of the 3D bump box (thesis Table 4.2)."""
     scene = packaged_scene("bump_box.json")
     volume = bump_box(effort.texels)
     box = _Isosurface("table 4.2", volume, scene, ISOVALUE, effort, run)
@@ -235,7 +235,7 @@ def table_4_2(effort, run):
 
 
 def _space_trials(effort, column, samples, rays):
-    """The rows of a column of thesis Table 4.2, numbered from 0.
+    """Returns the rows of a column of thesis Table 4.2, numbered from 0.
 
     The second has the thesis's filter alone.
     """
@@ -278,7 +278,7 @@ def _space_trials(effort, column, samples, rays):
 
 
 def table_4_9(effort, run):
-    """Importance against stratified samples on a neuron (thesis Fig. 4.9)."""
+    """Returns the rows of importance and stratified samples on a neuron (thesis Fig. 4.9)."""
     volume = neuron(effort.neuron_texels)
     surface = _Isosurface("figure 4.9", volume, cornell_box(), NEURON_ISOVALUE, effort, run)
 
@@ -306,7 +306,7 @@ def table_4_9(effort, run):
 
 
 def judged(rows):
-    """The rows with their verdicts; the first is that of uniform samples, with a printed error.
+    """Returns the rows with their verdicts; the first row has uniform samples and a printed error.
 
     Good strategies must not exceed the printed error of uniform samples, bad ones must be clearly
     worse than ours.
@@ -342,7 +342,7 @@ class _Isosurface:
         self.vertices = self._mesh.vertices
 
     def bake(self, trial):
-        """The Bake of a trial, whose samples in each texel are as many rays as it has in all."""
+        """Returns the Bake of a trial; the samples in each texel are as many rays as it has in all."""
         texels = self._volume.values.size
         rays = trial.rays if trial.scattered else max(1, trial.samples * trial.rays // texels)
 
@@ -376,7 +376,7 @@ class _Isosurface:
         )
 
     def picture(self, radiance):
-        """The isosurface with a radiance (n, 3) of its vertices."""
+        """Returns the isosurface with a radiance (n, 3) of its vertices."""
         return surface_picture(self.vertices, self._mesh.triangles, radiance, self._scene.exposure)
 
     def reference_picture(self):
@@ -384,7 +384,7 @@ class _Isosurface:
         return self.picture(self._lit(len(self.vertices), self._effort.picture_paths, label).truth)
 
     def _lit(self, vertices, paths, label):
-        """The Isosurfaces of this one alone."""
+        """Returns the Isosurfaces of this one alone."""
         isovalue_range, effort = self._volume.data_range(), self._effort
         return isosurfaces(
             [self._volume],

@@ -67,15 +67,15 @@ class Isosurfaces:
         return self.seconds * self.paths * self.noise**2 / own
 
     def radiance(self, baked):
-        """The radiance (n, 3) of a Bake at the points."""
+        """Returns the radiance (n, 3) of a Bake at the points."""
         return np.concatenate([baked.radiance(one.points, one.volume) for one in self.surfaces])
 
     def error(self, radiance):
-        """RMS error in percent (thesis Eq. 4.11, corrected) of a radiance (n, 3)."""
+        """Returns RMS error in percent (thesis Eq. 4.11, corrected) of a radiance (n, 3)."""
         return rms_percent(radiance, self.truth, self.exposure)
 
     def spread(self, radiances):
-        """RMS of the deviation, in percent, among bakes that differ by their seed alone."""
+        """Returns RMS of the deviation, in percent, among bakes that differ by their seed alone."""
         colours = np.clip(np.float64(radiances) * self.exposure, 0, 1)
         return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
 

@@ -13,18 +13,18 @@ GAP = 8
 
 
 def texture_picture(texture, exposure):
-    """A texture of radiance [y, x, RGB], y up, as it is displayed."""
+    """Returns a texture of radiance [y, x, RGB], y up, as it is displayed."""
     return display_colours(texture[::-1], exposure)
 
 
 def slice_picture(texture, exposure, zoom):
-    """The middle slice of a texture [z, y, x, RGB], y up, each texel a square of zoom pixels."""
+    """Returns the middle slice of a texture [z, y, x, RGB], y up; a texel is zoom pixels wide."""
     picture = texture_picture(texture[len(texture) // 2], exposure)
     return picture.repeat(zoom, axis=0).repeat(zoom, axis=1)
 
 
 def surface_picture(vertices, triangles, radiance, exposure):
-    """An isosurface with the radiance of its vertices, (n, 3) both, without perspective."""
+    """Returns an isosurface with the radiance of its vertices, (n, 3) both, without perspective."""
     from PIL import Image, ImageDraw
 
     forward = np.array(TOWARDS) / np.linalg.norm(TOWARDS)

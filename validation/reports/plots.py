@@ -25,7 +25,7 @@ def check_plotting():
 
 
 def error_against_seconds(curves):
-    """Two panels, estimators and strategies, over Cycles and the reference's noise."""
+    """Plots estimators and strategies in two panels, over Cycles and the reference's noise."""
     figure = _figure(11, 4.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     groups = (("estimators", "estimators"), ("strategies", "strategies of sampling (gather)"))
@@ -57,7 +57,7 @@ def error_against_seconds(curves):
 
 
 def convergence(curves, fits):
-    """Error and noise against samples, with the fits of noise and floor; a panel a curve.
+    """Plots error and noise against samples, with the fits of noise and floor; a panel a curve.
 
     fits: by the names of the curves that are shown, Fit of noise_and_floor.
     """
@@ -142,7 +142,7 @@ def _png(figure):
 
 
 def _figure(width, height):
-    """An empty figure of so many inches."""
+    """Returns an empty figure of so many inches."""
     try:
         from matplotlib.figure import Figure
     except ImportError:

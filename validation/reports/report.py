@@ -121,7 +121,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
 
 
 def _page(effort, parts, choices, tables):
-    """The text of the report. parts: lines by their title; choices: of advice()."""
+    """Returns the text of the report. parts: lines by their title; choices: of advice()."""
     lines = [
         "# Report",
         "",
@@ -195,7 +195,7 @@ def _against_cycles(judged):
 
 
 def _prepared(folder, name):
-    """The folder, made with those for images and figures, and able to hold a file of the name."""
+    """Makes the folder and those for images and figures; checks that it can hold the named file."""
     folder = Path(folder)
     try:
         for part in ("images", "csv"):
@@ -246,7 +246,7 @@ def _short(value):
 
 
 def _split(rows):
-    """Rows whose Estimates are cells of their own: value, low and high."""
+    """Returns rows with three cells for each Estimate: value, low and high."""
     return [
         {
             key: cell
@@ -262,7 +262,7 @@ def _split(rows):
 
 
 def _finite(found):
-    """Rows that JSON can hold: what is infinite or not known is None."""
+    """Returns rows that JSON can hold: infinite and unknown numbers are None."""
     return {
         name: [
             {
@@ -276,7 +276,7 @@ def _finite(found):
 
 
 def _cells(row):
-    """The COLUMNS of a row; what it has not is None."""
+    """Returns the COLUMNS of a row; absent ones are None."""
     trial, scattered = row.trial, row.trial.scattered
     cells = (
         trial.name,
@@ -315,7 +315,7 @@ def _table_files(tables, seed, each):
 
 
 def _small_png(picture):
-    """The bytes of a PNG file with 128 colours: a document does not need more."""
+    """Returns the bytes of a PNG file with 128 colors: a document does not need more."""
     from PIL import Image
 
     file = io.BytesIO()

@@ -45,7 +45,7 @@ def build(target):
 
 
 def _zig():
-    """The folder of the compiler, fetched once."""
+    """Returns the folder of the compiler, fetched once."""
     venv = WORK / "venv"
     stamp = venv / "requirements.txt"
     if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():

@@ -16,7 +16,7 @@ from tools import error_of, mesh_arrays
 
 @pytest.fixture
 def linked(saved, tmp_path):
-    """A volume linked into another .blend, in another folder."""
+    """Returns a volume linked into another .blend, in another folder."""
     blend, name = bpy.data.filepath, saved.name
     bpy.ops.wm.read_homefile(use_empty=True)
     (tmp_path / "main").mkdir()

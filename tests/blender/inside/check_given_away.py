@@ -24,7 +24,7 @@ print("RENDERED")
 
 
 def render_elsewhere(blend, path):
-    """Pixels of the scene as a Blender without the add-on renders it."""
+    """Returns pixels of the scene as a Blender without the add-on renders it."""
     if not bpy.app.binary_path:
         pytest.skip("Blender as a Python module has no program to start")
     nothing = {

@@ -31,7 +31,7 @@ def probe():
 
 @pytest.fixture
 def assert_probe_agrees(probe, tmp_path, record_property):
-    """A function that compares the radiance of the probe by Cycles with the bake's.
+    """Returns a function that compares the radiance of the probe by Cycles with the bake's.
 
     most: by how much they may differ, their noise included. It returns the scene description.
     """

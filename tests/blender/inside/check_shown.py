@@ -188,7 +188,7 @@ def check_tissues_have_names(bumps):
 
 
 def _seen_from_above(obj, path, engine):
-    """Pixels from above of some objects alone, in a black world."""
+    """Returns pixels from above of some objects alone, in a black world."""
     bpy.context.scene.world = None
     for other in bpy.context.scene.objects:
         other.hide_render = other not in obj and other.type != "LIGHT"

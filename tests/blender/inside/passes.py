@@ -37,7 +37,7 @@ def state():
 
 
 def begin(obj, passes=1, kind=bake.BakeJob):
-    """A bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
+    """Returns a bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
 
     The next pass waits until job.most allows it, or until the bake is cancelled.
     """

@@ -62,14 +62,14 @@ def vertices_of(obj):
 
 
 def colours_of(obj, name="radiance"):
-    """Linear RGB (n, 3) of a color attribute of the mesh of an object."""
+    """Returns linear RGB (n, 3) of a color attribute of the mesh of an object."""
     colours = np.empty(4 * len(obj.data.vertices), np.float32)
     obj.data.attributes[name].data.foreach_get("color", colours)
     return colours.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
-    """The same three of the core itself, for the volume and the bake of an object."""
+    """Returns the same three of the core itself, for the volume and the bake of an object."""
     field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
         vertices, _, triangles = leaflight._core.contour(field, isovalue)
@@ -88,7 +88,7 @@ def lit_mesh(obj, isovalue):
 
 
 def to_world(obj, points):
-    """Points (n, 3) in the coordinates of an object, in world space."""
+    """Returns points (n, 3) in the coordinates of an object, in world space."""
     matrix = np.array(obj.matrix_world, np.float64)
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
@@ -150,7 +150,7 @@ _started = []
 
 
 def start(job):
-    """A Job at work in a thread, which ends with the check, also where that fails."""
+    """Returns a Job at work in a thread, which ends with the check, also where that fails."""
     work = jobs.BackgroundWork(job)
     _started.append(work)
     return work
@@ -174,7 +174,7 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """The sentence with which an operator reports that it was cancelled."""
+    """Returns the sentence with which an operator reports that it was cancelled."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
     text = str(caught.value).strip()
@@ -197,14 +197,14 @@ def add_camera(location, rotation, orthographic=None):
 
 
 def require_eevee():
-    """The engine's name; skips the check where Eevee has no OpenGL."""
+    """Returns the engine's name; skips the check where Eevee has no OpenGL."""
     if sys.platform == "win32" and "DISPLAY" not in os.environ:
         pytest.skip("Wine has OpenGL on a screen alone: run it by xvfb-run.")
     return EEVEE
 
 
 def render_exr(path, engine="CYCLES", samples=1, size=48):
-    """Linear pixels (size, size, 4), top row first; each pixel is sampled at its center."""
+    """Returns linear pixels (size, size, 4), top row first; each pixel is sampled at its center."""
     scene = bpy.context.scene
     scene.render.engine = require_eevee() if engine == "EEVEE" else engine
     scene.render.resolution_x = scene.render.resolution_y = size
@@ -232,7 +232,7 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
 
 
 def build_probe(albedo):
-    """A tiny Lambertian square at the origin that faces up, in a black world.
+    """Returns a tiny Lambertian square at the origin that faces up, in a black world.
 
     A camera hangs closely above it; lights belong beside the camera, not above.
     """
@@ -271,7 +271,7 @@ def rendered_probe(path, samples, seed=0):
 
 
 def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
-    """A light object of the scene; settings: attributes of the light."""
+    """Returns a light object of the scene; settings: attributes of the light."""
     light = bpy.data.lights.new("Lamp", kind)
     for name, value in settings.items():
         setattr(light, name, value)
@@ -294,7 +294,7 @@ def plain_material(name, colour):
 
 
 def one_coloured_world(colour, name="World"):
-    """The same of a world."""
+    """Returns the same of a world."""
     world = bpy.data.worlds.new(name)
     world.color = colour
     tree = versions.node_tree(world)
@@ -305,7 +305,7 @@ def one_coloured_world(colour, name="World"):
 
 
 def constant_material(kind, **inputs):
-    """A material of one shader node of this kind, its inputs set by name."""
+    """Returns a material of one shader node of this kind, its inputs set by name."""
     material = bpy.data.materials.new("Material")
     nodes = versions.give_nodes(material).nodes
     nodes.clear()
@@ -318,12 +318,12 @@ def constant_material(kind, **inputs):
 
 
 def noise_image(width, height):
-    """A float image of random colors, the same each time."""
+    """Returns a float image of random colors, the same each time."""
     return _image(np.random.default_rng(0).random((height, width, 3)), True)
 
 
 def smooth_image(width, height):
-    """An 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+    """Returns an 8-bit image that changes little from pixel to pixel, and nothing at its seam.
 
     Between pixels Cycles interpolates 8-bit colors while they are still encoded.
     """
@@ -355,7 +355,7 @@ def look_down(height, width):
 
 
 def displayed_gray(shares):
-    """The linear gray, between nine colors, of shares of white as a display shows them."""
+    """Returns the linear gray, between nine colors, of shares of white as a display shows them."""
     shown = np.linspace(0.0, 1.0, 9)
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return np.interp(shares, shown, linear)

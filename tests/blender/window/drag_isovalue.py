@@ -199,7 +199,7 @@ def begin_bake(window):
 
 
 def bake_alone():
-    """A while of the bake, with passes that are shown, and nobody at the mouse."""
+    """Lets the bake show passes for a while, without the mouse."""
     pictures.clear()
     start, before, passes = time.perf_counter(), None, 0
     statuses = set()

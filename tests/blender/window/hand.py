@@ -40,7 +40,7 @@ def view():
 
 
 def in_view():
-    """A context of the viewport, as a button in it has."""
+    """Returns a context of the viewport, as a button in it has."""
     area = view()
     region = next(region for region in area.regions if region.type == "WINDOW")
     return bpy.context.temp_override(window=window(), area=area, region=region)

@@ -153,7 +153,7 @@ def note_passes():
 
 
 def take_pictures():
-    """The viewport as it is; through the camera with and without the volume."""
+    """Takes pictures of the viewport as it is, and through the camera with and without the volume."""
     with bpy.context.temp_override(window=the_window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
     yield from stepwise.wait(0.5)
@@ -258,7 +258,7 @@ def copy_and_delete():
 
 
 def play():
-    """An animation through the isovalue range, as it plays by itself."""
+    """Plays an animation through the isovalue range."""
     obj, scene = volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)
@@ -297,7 +297,7 @@ def view_area():
 
 
 def header_button(x):
-    """The place of a button above the viewport, so many pixels from its left."""
+    """Returns the place of a button above the viewport, so many pixels from its left."""
     region = next(r for r in view_area().regions if r.type == "TOOL_HEADER")
     return region.x + x, region.y + region.height // 2
 

@@ -129,7 +129,7 @@ class Pressing:
         yield from self._settle()
 
     def _closed(self):
-        """The second of two windows, in which the operator was pressed."""
+        """Presses the operator in a second window and closes that window meanwhile."""
         before = self._see()
         with hand.in_view():
             bpy.ops.wm.window_new()
@@ -171,7 +171,7 @@ class Pressing:
         self._beat.start()
 
     def _begin_bake(self):
-        """A bake at half way."""
+        """Runs up to the point halfway."""
         hand.bind(hand.PRESS, "leaflight.bake", {})
         gate.close("pass")
         yield from hand.key(hand.PRESS)

@@ -42,7 +42,7 @@ class Scenes:
         seen.set_folder(folder)
 
     def _made(self, name):
-        """The folder of a scene."""
+        """Returns the folder of a scene."""
         folder = self._folder / "scenes" / name
         if folder.exists():
             return folder

@@ -44,7 +44,7 @@ def until(is_so):
 
 
 def wait(seconds):
-    """Yields for at least so long, in which Blender comes to its own work several times."""
+    """Yields for at least these seconds, while Blender does its own work several times."""
     end, steps = time.perf_counter() + seconds, 0
     while time.perf_counter() < end or steps < 10:
         steps += 1
