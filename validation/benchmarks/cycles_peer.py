@@ -48,7 +48,7 @@ class Peer:
         return len(self.mesh[0])
 
     def reference(self, samples, progress):
-        """Returns (Truth, error): of REFERENCE_PASSES with this many samples, and the error of a pass.
+        """Returns (Truth of REFERENCE_PASSES with this number of samples, error of one pass).
 
         The error is RMS in percent, as everywhere here.
         """

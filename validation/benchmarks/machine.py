@@ -12,7 +12,7 @@ HERE = Path(__file__).resolve()
 
 
 def machine():
-    """Returns a dict: processor, cores, system, python, and load, the active processes of a minute.
+    """Returns a dict: processor, cores, system, python, and load, the mean of the last minute.
 
     Figures that the system does not have are None.
     """

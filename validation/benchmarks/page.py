@@ -126,7 +126,7 @@ def bake_lines(result):
 
 
 def _why(row):
-    """Returns the reason why a case has no break-even, with the side of the measured points."""
+    """Returns a text on a missing break-even: the side of the measured points that it is on."""
     ends = row["cycles"][0] if row["outside"] == FEWER else row["cycles"][-1]
     bound = row["bake_seconds"] / ends["seconds"]
     return f"{'above' if row['outside'] == FEWER else 'below'} {bound:.2g}: {row['outside']}"

@@ -27,7 +27,7 @@ class Coverage:
     reported_rms: float
 
     def within(self, quantile=QUANTILE):
-        """Returns the share whose interval of +- quantile errors contains the mean of other seeds."""
+        """Returns the share of the intervals of +- quantile errors with the other seeds' mean."""
         return float((np.abs(self.z) <= quantile).mean())
 
 

@@ -342,7 +342,7 @@ class _Isosurface:
         self.vertices = self._mesh.vertices
 
     def bake(self, trial):
-        """Returns the Bake of a trial; the samples in each texel are as many rays as it has in all."""
+        """Returns the Bake of a trial; samples in texels have the trial's total number of rays."""
         texels = self._volume.values.size
         rays = trial.rays if trial.scattered else max(1, trial.samples * trial.rays // texels)
 

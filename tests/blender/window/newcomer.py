@@ -153,7 +153,7 @@ def note_passes():
 
 
 def take_pictures():
-    """Takes pictures of the viewport as it is, and through the camera with and without the volume."""
+    """Takes pictures of the window, and of the camera's view with and without the volume."""
     with bpy.context.temp_override(window=the_window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
     yield from stepwise.wait(0.5)

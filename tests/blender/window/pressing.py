@@ -171,7 +171,7 @@ class Pressing:
         self._beat.start()
 
     def _begin_bake(self):
-        """Runs up to the point halfway."""
+        """Starts a bake and waits halfway, after its first pass."""
         hand.bind(hand.PRESS, "leaflight.bake", {})
         gate.close("pass")
         yield from hand.key(hand.PRESS)
