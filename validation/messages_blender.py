@@ -41,7 +41,7 @@ def main():
 
 
 def add_class(add, cls, context):
-    """Blender's extractor overlooks the operators of add-ons."""
+    """Adds the texts of a class; Blender's extractor overlooks the operators of add-ons."""
     place = f"bpy.types.{cls.__name__}"
     add(getattr(cls, "bl_label", ""), place, context)
     add(getattr(cls, "bl_description", ""), place)

@@ -69,7 +69,7 @@ def _finish(raw):
 
 
 def _add_licenses(folder):
-    """The licences of the libraries that came along, from their Debian packages."""
+    """Adds the licenses of the copied libraries, from their Debian packages."""
     (info,) = folder.glob("*.dist-info")
     listed = json.loads((info / "sboms" / "auditwheel.cdx.json").read_text())
     packages = {

@@ -82,9 +82,9 @@ class Blender:
         return result.stdout
 
     def in_window(self, script, *arguments, size=(1024, 640)):
-        """The result of a script that drives Blender in a window: the object of its line WINDOW.
+        """Runs a script that drives Blender in a window; returns the object of its line WINDOW.
 
-        Arguments are those of show().
+        It takes the arguments of show().
         """
         status, said = self.show(script, *arguments, size=size)
         lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]

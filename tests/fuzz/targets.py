@@ -418,7 +418,7 @@ def _microscope(name):
 
 
 def _bake(folder):
-    """Without the seal that would detect every change."""
+    """Returns bakes without the seal, which would detect every change."""
     import leaflight
     from same_bytes import saved_alike
 

@@ -28,7 +28,7 @@ def call(*command, timeout=HANG, **options):
 
 
 def environment(**more):
-    """The variables of this process without the paths and the settings of the user's own Python."""
+    """Returns the variables of this process without the paths and settings of the user's Python."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     return {**kept, "PYTHONNOUSERSITE": "1", **more}
 

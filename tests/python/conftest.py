@@ -113,7 +113,7 @@ def lapr_scene():
 
 @pytest.fixture(scope="session")
 def lapr_bake(lapr_scene):
-    """Two volumes, both sides and the walls; open at the border, so that light gets in."""
+    """Bakes two volumes, both sides and the walls; open at the border, so that light gets in."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
     return leaflight.bake(volumes, lapr_scene, error=5.0, both_sides=True, walls=True)
 
@@ -187,5 +187,5 @@ def script():
 
 @pytest.fixture
 def values():
-    """Values (4, 5, 6) that every integer type from uint8 on and every float type holds exactly."""
+    """Returns values (4, 5, 6) that integer types from uint8 on and float types hold exactly."""
     return np.random.default_rng(7).permutation(120).reshape(4, 5, 6).astype(np.float32)

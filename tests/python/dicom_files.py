@@ -23,7 +23,7 @@ SERIES = uid("leaflight")
 
 
 def write_slice(path, pixels, place, series=SERIES, **tags):
-    """A CT slice at the place z along the patient; its values are 2 pixels - 1000."""
+    """Writes a CT slice at the place z along the patient; its values are 2 pixels - 1000."""
     meta = FileMetaDataset()
     meta.MediaStorageSOPClassUID = CTImageStorage
     # The same bytes in every run.
@@ -48,7 +48,7 @@ def write_slice(path, pixels, place, series=SERIES, **tags):
 
 
 def write_series(folder, values, apart=2.0, **tags):
-    """A folder of slices whose values are those given."""
+    """Writes a folder of slices with the given values."""
     folder.mkdir(parents=True, exist_ok=True)
     tags = {"RescaleSlope": 1, "RescaleIntercept": 0, **tags}
     for k, plane in enumerate(values):
@@ -81,7 +81,7 @@ def item(**tags):
 
 
 def items(**sequences):
-    """One item with these sequences."""
+    """Returns one item with these sequences."""
     data = pydicom.Dataset()
     for name, value in sequences.items():
         setattr(data, name, value)

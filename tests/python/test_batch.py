@@ -19,7 +19,7 @@ pytest.importorskip("distributed")
 
 @pytest.fixture
 def scan(tmp_path):
-    """Two frames in time, as NIfTI has them."""
+    """Writes a NIfTI file of two frames in time."""
     z, y, x = np.mgrid[:12, :12, :12]
     frames = [np.sin(0.4 * x + t) + np.cos(0.5 * y) + 0.1 * z for t in range(2)]
     path = tmp_path / "scan.nii"

@@ -19,7 +19,7 @@ ISOVALUES = (40.0, 47.0, 60.0)
 
 @pytest.fixture(scope="module")
 def finer(bump_scene):
-    """Texels half as wide as voxels, and backs."""
+    """Bakes texels half as wide as voxels, and backs."""
     return leaflight.bake(
         leaflight.bump_box(12),
         bump_scene,
@@ -36,7 +36,7 @@ def surface(box_bake):
 
 
 def srgb(linear):
-    """As 8-bit images hold it."""
+    """Returns the sRGB values of 8-bit images."""
     linear = np.clip(linear, 0, 1)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return 255 * encoded

@@ -17,7 +17,7 @@ SIZES = ((320, 180), (180, 320))
 
 
 def block(x, y, z, **options):
-    """A volume with a block of so many voxels in its middle, whose sides are isosurfaces 0 to 1."""
+    """Returns a volume with a central block of so many voxels; its sides are isosurfaces 0 to 1."""
     values = np.zeros((32, 32, 32), np.float32)
     slices = (slice(16 - n // 2, 16 + n // 2) for n in (z, y, x))
     values[tuple(slices)] = 1.0

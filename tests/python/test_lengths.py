@@ -28,7 +28,7 @@ def head_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def head(head_file, bump_scene, tmp_path_factory):
-    """Its bake, from the file that keeps it."""
+    """Returns a bake of the scan, read from its file."""
     path = tmp_path_factory.mktemp("bake") / "head.vdb"
     volume = leaflight.read_volume(head_file)
     leaflight.bake(volume, bump_scene, error=8.0, isovalues=(30.0, 70.0)).save(path)
@@ -63,7 +63,7 @@ def test_info_says_it(cli, head_file):
 
 
 def expected_sides(surface):
-    """In meters, along x, y, z."""
+    """Returns the sides in meters, along x, y, z."""
     sides = np.ptp(surface.vertices, axis=0) / 1000
     assert 0.1 < sides.max() <= 0.22
     return sides

@@ -13,7 +13,7 @@ from pydicom.uid import generate_uid  # noqa: E402
 
 @pytest.fixture
 def folder(tmp_path, values):
-    """Four slices, 2 mm apart, whose names and numbers are of no help."""
+    """Writes four slices, 2 mm apart, whose names and numbers do not show their order."""
     folder = tmp_path / "scan"
     folder.mkdir()
     for k, name in enumerate("cadb"):

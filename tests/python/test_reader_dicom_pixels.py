@@ -20,7 +20,7 @@ def signed():
 
 
 def series_of(folder, values, **tags):
-    """Files whose stored words are those given."""
+    """Writes files with the given stored words."""
     return write_series(folder, values, **tags)
 
 

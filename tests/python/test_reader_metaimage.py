@@ -239,7 +239,7 @@ def test_files_of_vtk(tmp_path, values):
 
 
 def by_vtk(path, values):
-    """Its reader, which is that of ITK, agrees."""
+    """Checks that VTK's reader, which is ITK's, reads the same values."""
     try:
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkIOImage import vtkMetaImageReader

@@ -267,7 +267,7 @@ def test_files_of_pynrrd(tmp_path, shorts, encoding):
 
 
 def by_pynrrd(path, values):
-    """Its reader agrees."""
+    """Checks that pynrrd reads the same values."""
     try:
         import nrrd
     except ImportError:

@@ -51,7 +51,7 @@ def of_two(two_lamps):
 
 
 def light_of(bake):
-    """Radiance of an isosurface and of all walls, front sides."""
+    """Returns the radiance of an isosurface and of all walls, front sides."""
     points = bake.surface(47.0).vertices
     walls = [bake.walls.radiance(mesh, 47.0) for mesh in range(len(bake.scene.meshes))]
     return points, bake.radiance(points), np.concatenate(walls)

@@ -38,7 +38,7 @@ def box(bump_scene):
 
 @pytest.fixture
 def previous(box):
-    """A bake that was stopped after its first pass."""
+    """Returns a bake that was stopped after its first pass."""
     return box(error=0.3, **stopping(1))
 
 

@@ -117,7 +117,7 @@ def room(path):
 
 
 def includes(path):
-    """Our headers that a file of the core includes."""
+    """Returns our headers that a file of the core includes."""
     return [SOURCES / name for name in re.findall(r'#include "(.+)"', path.read_text())]
 
 
@@ -127,7 +127,7 @@ def floor(room, rooms):
 
 
 def imports(folder):
-    """(room, imported room, file, line) of all that the modules below a folder import of it."""
+    """Returns (room, imported room, file, line) of the imports within a folder of modules."""
     found = []
     for path in sorted(folder.rglob("*.py")):
         place = path.relative_to(folder).parts

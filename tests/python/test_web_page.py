@@ -60,7 +60,7 @@ def colors(header, body, number):
 
 
 def active_texels(header, body, texture):
-    """bool [z, y, x]: those that the blocks of a texture hold."""
+    """Returns a mask, bool [z, y, x], of the texels that the blocks of a texture hold."""
     bits = np.unpackbits(block(header, body, texture["active"], np.uint8), bitorder="little")
     texels = texture["texels"]
     return bits[: np.prod(texels)].reshape(texels[::-1]) == 1

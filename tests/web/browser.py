@@ -64,7 +64,7 @@ class Browser:
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
 
     def hide_panel(self, is_hidden):
-        """And waits until the view has taken its new size."""
+        """Hides or shows the panel and waits until the view has its new size."""
         hidden = str(is_hidden).lower()
         self.evaluate(f"document.querySelector('#panel').hidden = {hidden}; {FRAMES}")
 

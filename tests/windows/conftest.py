@@ -69,12 +69,12 @@ def numpy_version(python_version):
 
 @pytest.fixture(scope="session")
 def tag(python_version):
-    """As names of wheels have it."""
+    """Returns the version as in names of wheels."""
     return f"cp{python_version.replace('.', '')}"
 
 
 def windows_python(version, name, *packages):
-    """Windows' Python beside packages of PyPI's."""
+    """Installs Windows' Python and packages of PyPI."""
     program = (ROOT / "scripts" / "windows_python", version, f"{name}-{version}")
     packages = (f"numpy=={NUMPYS[version]}", "pytest", "colorama", *packages)
     return Path(call(*program, *packages).splitlines()[-1], "python")

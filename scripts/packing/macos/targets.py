@@ -37,7 +37,7 @@ TARGETS = {
 
 
 def build(target):
-    """The compiler, then the libraries."""
+    """Prepares the compiler and builds the libraries."""
     if shutil.which("ld64.lld-19") is None:
         raise PackageError("LLVM's linker for macOS is missing; run scripts/setup --macos.")
     _compiler(target)

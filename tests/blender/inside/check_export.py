@@ -131,7 +131,7 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
 
 
 def in_a_browser(page, camera):
-    """What a page shows from a Camera: uint8 [row, column, RGBA]."""
+    """Returns the picture of a page from a Camera: uint8 [row, column, RGBA]."""
     tests = Path(__file__).resolve().parents[2]
     sys.path += [str(tests / "web"), str(tests / "python")]
     missing = [name for name in ("node", "chromium") if shutil.which(name) is None]

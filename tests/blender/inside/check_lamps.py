@@ -17,7 +17,7 @@ SCALED = "Lamps have changed since the bake: direct light is exact, indirect lig
 
 @pytest.fixture
 def lit(passes):
-    """Baked in passes, with its walls; shown by vertex attributes."""
+    """Bakes a volume in passes, with its walls; vertex attributes show it."""
     passes.leaflight.error = 20.0
     passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()

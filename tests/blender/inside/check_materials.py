@@ -74,7 +74,7 @@ def check_glass():
 
 
 def _brightness(path, material, angle):
-    """What a slab with polished faces sends on of a white world, seen at an angle: (r, g, b)."""
+    """Returns the light (r, g, b) of a white world through a polished slab, seen at an angle."""
     bpy.context.scene.world = one_coloured_world((1, 1, 1))
     bpy.ops.mesh.primitive_cube_add(size=2)
     slab = bpy.context.object
@@ -238,7 +238,7 @@ def _diffuse(tree):
 
 
 def _textured_plane(image, extension="REPEAT"):
-    """A plane with a second UV map that turns, scales and moves the image; that one is used."""
+    """Adds a plane whose second UV map is used; it turns, scales and moves the image."""
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     plane = bpy.context.object
     second = plane.data.uv_layers.new(name="Second")
@@ -265,7 +265,7 @@ def _exported(plane):
 
 
 def _albedo_at(part, points):
-    """The texture of a mesh, looked up at points (n, 2) of its plane z = 0, between pixels."""
+    """Looks up the texture of a mesh at points (n, 2) of its plane z = 0, between pixels."""
     colours = np.full((len(points), 3), np.nan)
     for triangle, uv in zip(part.triangles, part.uv):
         a, b, c = part.vertices[triangle][:, :2].astype(np.float64)

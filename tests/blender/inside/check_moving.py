@@ -167,7 +167,7 @@ def check_undo_keeps_the_coarse_surface(baked, interactive, large):
 
 @pytest.fixture
 def exports(monkeypatch):
-    """The exports of the scene that are made."""
+    """Returns a list that records the exports of the scene."""
     found = []
     export = scene_export.export_scene
 

@@ -83,7 +83,7 @@ SETTINGS = {
 
 
 def _pictures(folder):
-    """By engine."""
+    """Returns pictures by engine."""
     pictures = {}
     for engine in ENGINES:
         pictures[engine] = render_exr(folder / "picture.exr", engine, samples=4, size=SIZE)[..., :3]

@@ -28,7 +28,7 @@ SIZE = 32
 
 
 def assert_lit_by_the_bake(obj, isovalue):
-    """The mesh of an added isosurface is the volume's there, in the light of the volume's bake."""
+    """Checks that an added isosurface has the volume's mesh there, and the light of its bake."""
     volume = obj.parent
     field, grid = cache.volume_of(volume).field(), cache.grid_of(volume)
     vertices, triangles, radiance = mesh_arrays(obj)

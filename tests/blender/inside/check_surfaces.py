@@ -46,7 +46,7 @@ def _plane(size, location, rotation, kind, **inputs):
 
 
 def _glowing_wall():
-    """Beside the probe, upright, so that a mirror opposite and glass before it matter much."""
+    """Adds an upright wall beside the probe; a mirror opposite and glass before it matter much."""
     _plane(1.0, (-0.8, 0.1, 0.6), (0, math.pi / 2, 0), "ShaderNodeEmission", Color=(1, 0.6, 0.3, 1))
 
 

@@ -19,7 +19,7 @@ UNREACHED = 0.01
 
 
 def state():
-    """All that a bake which is thrown away must leave alone."""
+    """Returns the state that a bake which is thrown away must leave alone."""
     obj = bpy.context.object
     return {
         "objects": sorted(o.name for o in bpy.data.objects),

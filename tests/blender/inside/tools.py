@@ -43,7 +43,7 @@ def close(a, b, tolerance):
 
 
 def mesh_arrays(obj):
-    """vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of the mesh of an object."""
+    """Returns vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of an object's mesh."""
     mesh = obj.data
     vertices = vertices_of(obj)
     triangles = np.empty(len(mesh.loops), np.int32)
@@ -55,7 +55,7 @@ def mesh_arrays(obj):
 
 
 def vertices_of(obj):
-    """Vertices (n, 3) of the mesh of an object."""
+    """Returns the vertices (n, 3) of the mesh of an object."""
     vertices = np.empty(3 * len(obj.data.vertices), np.float32)
     obj.data.vertices.foreach_get("co", vertices)
     return vertices.reshape(-1, 3)
@@ -79,7 +79,7 @@ def expected_surface(obj, isovalue):
 
 
 def lit_mesh(obj, isovalue):
-    """(vertices, triangles) of the isosurface as the bake of a volume's object lights it."""
+    """Returns (vertices, triangles) of the isosurface as the bake of an object lights it."""
     field, bake, grid = cache.volume_of(obj).field(), cache.bake_of(obj), cache.grid_of(obj)
     vertices, _, triangles, *_ = grid.lit_contour(
         field, isovalue, back=grid.has_back, largest_step=bake.largest_step
@@ -94,14 +94,14 @@ def to_world(obj, points):
 
 
 def in_frame(obj):
-    """Where the large parts of an isosurface are in the camera's frame, and how far away."""
+    """Returns the places of an isosurface's large parts in the camera's frame, and distances."""
     scene = bpy.context.scene
     points = camera.shown_points([obj])
     return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
 
 
 def assert_shows(obj, isovalue):
-    """The mesh is the core's isosurface with the core's radiance."""
+    """Checks that the mesh is the core's isosurface with the core's radiance."""
     vertices, triangles, radiance = mesh_arrays(obj)
     expected_vertices, expected_triangles, expected_radiance = expected_surface(obj, isovalue)
     assert len(vertices) > 100
@@ -264,7 +264,7 @@ def traced_probe(description, samples=1 << 19):
 
 
 def rendered_probe(path, samples, seed=0):
-    """Radiance (3,) of the probe by Cycles."""
+    """Returns the radiance (3,) of the probe by Cycles."""
     bpy.context.view_layer.update()
     bpy.context.scene.cycles.seed = seed
     return render_exr(path, samples=samples, size=16)[..., :3].mean(axis=(0, 1))
@@ -282,7 +282,7 @@ def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
 
 
 def plain_material(name, colour):
-    """A diffuse material as a user leaves it, without nodes where Blender still has such."""
+    """Returns a new diffuse material, without nodes if this Blender still has such."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (*colour, 1.0)
     tree = versions.node_tree(material)
@@ -345,7 +345,7 @@ def _image(colours, is_float):
 
 
 def camera_rays_down(width, size):
-    """World x and y of the pixels of an orthographic camera that looks down, top row first."""
+    """Returns world x and y of the pixels of an orthographic camera above, top row first."""
     centre = (np.arange(size) + 0.5) / size - 0.5
     return np.meshgrid(width * centre, -width * centre)
 
@@ -362,7 +362,7 @@ def displayed_gray(shares):
 
 
 def texels_at(bake, points, name="radiance"):
-    """Where the shader blends eight texels that are all active, and what they say there."""
+    """Returns where the shader blends eight active texels, and their blended values."""
     texels = np.array(bake.grid.resolution)
     nodes = np.array(bake.volume.values.shape[::-1])
     inverse = np.linalg.inv(bake.volume.index_to_world)

@@ -166,7 +166,7 @@ def drag():
 
 
 def stop():
-    """Esc, while the passes are under way; nothing begins again by itself."""
+    """Presses Esc during the passes, and checks that nothing starts again by itself."""
     x, y = region().x + 0.5 * region().width, region().y + 0.5 * region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
     event("MOUSEMOVE", "NOTHING", x, y)
@@ -182,7 +182,7 @@ def stop():
 
 
 def move_and_wait():
-    """One step of the lamp, and the seconds until its light."""
+    """Moves the lamp one step and records the seconds until its light."""
     seconds, before, walls = found["seconds"], label(), label_of_walls()
     key_light().location.x -= 0.3 * abs(key_light().location.x) + 0.1
     start, processor = time.perf_counter(), time.process_time()
@@ -234,7 +234,7 @@ def pixels(path):
 
 
 def write_all():
-    """Two rows of two, in the order in which they were taken."""
+    """Writes the pictures in two rows of two, in the order in which they were taken."""
     first, second, third, fourth = map(pixels, pictures)
     rows = np.vstack([np.hstack([third, fourth]), np.hstack([first, second])])
     write_png(FOLDER / "live.png", np.ascontiguousarray(rows[::-1]))

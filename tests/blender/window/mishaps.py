@@ -239,7 +239,7 @@ def volume():
 
 
 def height_in_frame():
-    """The share of the height of the camera's frame that large parts of the isosurface fill."""
+    """Returns the share of the camera frame's height that the isosurface's large parts fill."""
     scene = bpy.context.scene
     places = map(mathutils.Vector, camera.shown_points([volume()]))
     heights = [world_to_camera_view(scene, scene.camera, place)[1] for place in places]

@@ -310,7 +310,7 @@ _mouse = [0, 0]
 
 
 def move(place):
-    """In small steps: menus judge where the mouse is heading."""
+    """Moves the mouse in small steps, since menus judge its direction."""
     for k in range(1, 5):
         x, y = (round(a + (b - a) * k / 4) for a, b in zip(_mouse, place))
         the_window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
@@ -328,7 +328,7 @@ def click(place):
 
 
 def key(name, **modifiers):
-    """Over the middle of the viewport."""
+    """Presses a key over the middle of the viewport."""
     areas = [area for area in the_window().screen.areas if area.type == "VIEW_3D"]
     if areas:
         yield from move((areas[0].x + areas[0].width // 2, areas[0].y + areas[0].height // 2))

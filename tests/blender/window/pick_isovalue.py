@@ -36,7 +36,7 @@ def volume():
 
 
 def event(kind, value, share, height=60):
-    """At a share of the viewport's width, so many pixels above its floor."""
+    """Sends an event at a share of the viewport's width, so many pixels above its bottom."""
     x = int(region().x + share * region().width)
     window().event_simulate(type=kind, value=value, x=x, y=int(region().y + height))
 
@@ -83,7 +83,7 @@ def steps():
 
 
 def orange_pixels():
-    """How many pixels have the color of the isovalue's mark, below in the viewport."""
+    """Returns the number of pixels in the mark's color, at the bottom of the viewport."""
     seen = {}
     yield from stepwise.pixels_of(area(), seen)
     part = seen["pixels"][:220, :, :3]

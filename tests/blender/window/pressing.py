@@ -77,7 +77,7 @@ class Pressing:
                 _expect(self._see() == restored, f"{what} leaves {self._see()} for {restored}")
 
     def _cancelled(self):
-        """In the dialog or browser, and half way through the work."""
+        """Cancels in the dialog or browser, and halfway through the work."""
         before = self._see()
         if self._row.asks:
             yield from self._press()
@@ -233,12 +233,12 @@ class Pressing:
         raise Failed("what was pressed did not begin")
 
     def _while_alive(self):
-        """Until gate.py holds the work, or its thread has ended."""
+        """Waits until gate.py holds the work, or its thread has ended."""
         while (work := jobs.running()) is not None and work.is_alive() and not gate.reached:
             yield from hand.steps(1)
 
     def _settle(self):
-        """Until all work has ended; raises Failed where it hangs although its thread has ended."""
+        """Waits until all work has ended; raises Failed if it hangs after its thread has ended."""
         yield from hand.steps(_FEW)
         waited = 0
         while jobs.running() is not None or live.at_work() is not None:
