@@ -116,7 +116,7 @@ def test_pressed(pressed, which):
 
 
 def table(results, version):
-    """Returns how long the window stood still for each press, the longest first."""
+    """Returns a page of how long the window stood still for each press, the longest first."""
     lines = [
         f"# How long Blender {version}'s window stood still",
         "",

@@ -22,7 +22,7 @@ _TEXTS += [b'"', b"[", b"]", b"{", b"\n\n", b"1" * 400, b"null", b"true", b"[[[[
 
 
 def mutated(seeds, random):
-    """Returns a seed with one to six changes, or with another part of it after its beginning."""
+    """Returns one of the seeds with one to six changes, at most a megabyte."""
     data = bytearray(random.choice(seeds))
     for _ in range(random.choice((1, 1, 2, 3, 6))):
         random.choice(_CHANGES)(data, random, seeds)
@@ -30,7 +30,7 @@ def mutated(seeds, random):
 
 
 def _place(data, random):
-    """Most damage is done to headers, and these come first."""
+    """Returns a random place, half the time in the first 512 bytes, where headers are."""
     most = len(data) if random.random() < 0.5 else min(len(data), 512)
     return random.randrange(most) if most else 0
 

@@ -60,7 +60,7 @@ def of_planes(folder):
 
 
 def of_companion(folder):
-    """The metadata in a file of their own, to which the others refer; whole files of planes."""
+    """Writes files of planes, and a companion file of metadata to which they refer."""
     names = ["a.tif", "b.tif"]
     data = "".join(tiff_data(n, f'FirstC="{c}"', "", c) for c, n in enumerate(names))
     (folder / "set.companion.ome").write_text(ome(data, "urn:uuid:9"))

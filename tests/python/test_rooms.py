@@ -122,7 +122,7 @@ def includes(path):
 
 
 def floor(room, rooms):
-    """0 below all rooms."""
+    """Returns the number of a room from the bottom up; 0 is below all rooms."""
     return rooms.index(room) + 1 if room in rooms else 0
 
 

@@ -74,7 +74,7 @@ def tag(python_version):
 
 
 def windows_python(version, name, *packages):
-    """Installs Windows' Python and packages of PyPI."""
+    """Installs Windows' Python with packages of PyPI; returns the path of its program."""
     program = (ROOT / "scripts" / "windows_python", version, f"{name}-{version}")
     packages = (f"numpy=={NUMPYS[version]}", "pytest", "colorama", *packages)
     return Path(call(*program, *packages).splitlines()[-1], "python")

@@ -166,7 +166,7 @@ def drag():
 
 
 def stop():
-    """Presses Esc during the passes, and checks that nothing starts again by itself."""
+    """Presses Esc during the passes, and records whether Live stays at rest."""
     x, y = region().x + 0.5 * region().width, region().y + 0.5 * region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
     event("MOUSEMOVE", "NOTHING", x, y)
@@ -208,7 +208,7 @@ def move_and_wait():
 
 
 def picture(name):
-    """In the shading that Stage chose, which takes seconds without a graphics card."""
+    """Takes a picture in Stage's shading, which needs seconds without a graphics card."""
     shading, drawn = area().spaces.active.shading, []
     shading.type = "MATERIAL"
     handle = bpy.types.SpaceView3D.draw_handler_add(

@@ -224,7 +224,7 @@ class Pressing:
             yield from hand.drag(0.5, 0.6, 0.1)
 
     def _until(self, is_so):
-        """Work goes on in the background meanwhile, or Blender has come to its own many times."""
+        """Waits for a condition while work runs; raises Failed after many steps without work."""
         for _ in range(_MANY):
             if is_so():
                 return
