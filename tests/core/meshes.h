@@ -13,7 +13,7 @@
 
 namespace leaflight::test {
 
-// How often each directed edge of the triangles is used.
+// Number of uses of each directed edge of the triangles.
 using EdgeCount = std::map<std::pair<int, int>, int>;
 
 inline EdgeCount directed_edges(const IsosurfaceMesh& mesh) {

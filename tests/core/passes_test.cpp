@@ -113,7 +113,7 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     settings.resolution = Index<3>{texels, texels, texels};
     settings.seed = 9;
     const Baked<3> truth = stopped_after(5, scene, settings);
-    // One alone may be nearer by chance.
+    // A single bake may be nearer by chance.
     constexpr int seeds = 4;
     double now = 0, then = 0, means = 0, noise = 0;
     for (int seed = 0; seed < seeds; ++seed) {

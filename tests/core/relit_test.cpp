@@ -154,7 +154,7 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   };
   expect_equal(factor({Rgb(3), Rgb(1)}), {2, 1.5, 2}, 1);
   expect_equal(factor({Rgb(0), Rgb(0)}), {0, 0, 0}, 1);
-  // One behind the back wall lights nothing that is seen.
+  // A light behind the back wall lights nothing that is seen.
   scene.lights.emplace_back(PointLight<3>{"hidden", {0.5, 3, 0.5}, 0, Rgb(50), {}});
   expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
   scene.lights.pop_back();

@@ -6,7 +6,7 @@
 
 namespace leaflight::test {
 
-// One volume, nothing around it.
+// Returns a scene of one volume with nothing around it.
 template <int D>
 Scene<D> scene_of(Field<D> field, const Rgb& albedo, const IsovalueRange& isovalue_range) {
   Scene<D> scene;

@@ -61,7 +61,7 @@ def test_any_number_of_workers(volume, alone, count):
 
 @pytest.mark.slow
 def test_workers_that_die(volume, alone, workers):
-    """One is killed after each pass, and others, started for it, know nothing of the bake."""
+    """Kills a worker after each pass; new workers start without the data of the bake."""
     killed = []
 
     def kill(_bake):
@@ -79,7 +79,7 @@ def test_workers_that_die(volume, alone, workers):
 
 @pytest.mark.slow
 def test_nobody_is_left(volume, alone):
-    """The bake goes on by itself."""
+    """Checks that the bake continues without workers."""
     workers = Workers(2)
 
     def close(_bake):

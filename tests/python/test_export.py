@@ -208,7 +208,7 @@ def test_glb(box_bake, surface, tmp_path):
 
 
 def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
-    """Beside a material, where trimesh keeps them as an attribute."""
+    """Checks colors beside a material, where trimesh keeps them as an attribute."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
     (mesh,) = trimesh.load(tmp_path / "box.glb", process=False).geometry.values()

@@ -270,7 +270,7 @@ def test_names_of_files(cli, tmp_path, name):
 
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "> /dev/full", "| true"])
 def test_nobody_listens(root, tmp_path, closed):
-    """The bake is there all the same."""
+    """Checks that the bake is saved although nobody reads the output."""
     out = tmp_path / "x.vdb"
     bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --error 50 --json"
     done = subprocess.run(

@@ -70,7 +70,7 @@ def expected_sides(surface):
 
 
 def test_a_head_is_a_head_in_gltf(head, tmp_path):
-    """In trimesh, where y is up."""
+    """Checks the sides in trimesh, where y is up."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     surface = leaflight.export(head, tmp_path / "head.glb", [47.0])[47.0]
     x, y, z = expected_sides(surface)
@@ -80,7 +80,7 @@ def test_a_head_is_a_head_in_gltf(head, tmp_path):
 
 @pytest.mark.parametrize("suffix", ["usda", "usdc"])
 def test_a_head_is_a_head_in_usd(head, tmp_path, suffix):
-    """In Pixar's own library."""
+    """Checks the sides in Pixar's own library."""
     pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
     from pxr import Usd, UsdGeom
 

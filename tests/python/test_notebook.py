@@ -58,7 +58,7 @@ def test_a_bake_makes_a_picture(box_bake):
 
 
 def test_still_is_one_thing():
-    """A function, which hides no module."""
+    """Checks that still is a function, which hides no module."""
     assert callable(leaflight.still) and importlib.util.find_spec("leaflight.still") is None
 
 

@@ -100,7 +100,7 @@ def mtz(path, columns, cell=CELL):
 
 
 def test_a_map_of_structure_factors(tmp_path):
-    """Against the sum of its waves."""
+    """Compares the map with the sum of its waves."""
     path = tmp_path / "x.mtz"
     amplitudes, phases = [30.0, 20.0, 10.0], [10.0, 100.0, -50.0]
     columns = [("FWT", "F", amplitudes), ("PHWT", "P", phases), ("FOM", "W", [1, 1, 1])]

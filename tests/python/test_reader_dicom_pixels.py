@@ -177,7 +177,7 @@ def test_what_a_compressed_file_may_claim(tmp_path, values):
 
 
 def test_runs_of_bytes(tmp_path, values):
-    """RLE, as pydicom writes it."""
+    """Checks run-length encoding as pydicom writes it."""
     folder = series_of(tmp_path / "scan", values)
     for path in folder.iterdir():
         data = pydicom.dcmread(path)

@@ -99,7 +99,7 @@ def test_axistags_of_vigra_and_ilastik(tmp_path, values, keys):
 
 @quick
 def test_which_axes_hold_a_volume(tmp_path):
-    """By tags, labels, or the order of those that have neither."""
+    """Checks the choice of axes by tags, by labels, or by order without both."""
     path = tmp_path / "x.h5"
     cases = {
         # shape, tags, labels: frames, channels, dims as z, y, x

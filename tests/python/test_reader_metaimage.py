@@ -152,7 +152,7 @@ SPREAD = {
 @pytest.mark.parametrize("pack", [None, zlib.compress])
 @pytest.mark.parametrize("field", SPREAD)
 def test_several_files(tmp_path, values, field, pack):
-    """By a list behind the header, or by a name with a number in it; each may be packed."""
+    """Checks a list after the header and numbered names; each file may be packed."""
     values = values.astype("<i2")
     parts = values if SPREAD[field] == 3 else values.reshape(-1, values.shape[-1])
     prefix = "a " if field.startswith("a ") else ""

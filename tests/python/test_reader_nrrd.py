@@ -198,7 +198,7 @@ def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, n
 
 
 def test_time_as_a_fourth_dimension_of_space(tmp_path, shorts):
-    """As ITK writes images of four dimensions."""
+    """Checks the way in which ITK writes images of four dimensions."""
     fields = (
         "space: right-anterior-superior-time",
         "space directions: (1,0,0,0) (0,2,0,0) (0,0,3,0) (0,0,0,4)",

@@ -79,7 +79,7 @@ def test_tiff_stack(tmp_path, values, options):
 
 @pytest.mark.parametrize("compression", ["tiff_lzw", "zstd", "jpeg", "packbits"])
 def test_tiff_as_microscopes_compress_it(tmp_path, values, compression):
-    """By Pillow's libtiff. tifffile leaves most of it to imagecodecs."""
+    """Checks files of Pillow's libtiff. tifffile leaves most compression to imagecodecs."""
     if not reader_process.has_package("imagecodecs"):
         pytest.skip("imagecodecs is not installed")
     path = tmp_path / "stack.tif"

@@ -326,7 +326,7 @@ def test_without_matplotlib(tmp_path, monkeypatch):
     not os.access("/proc/self/clear_refs", os.W_OK), reason="peaks last as long as the process"
 )
 def test_peak_of_one_bake(bump_scene, small):
-    """A peak of before is forgotten."""
+    """Checks that an earlier peak does not count."""
     ballast = np.ones(300 * 2**20, np.uint8)
     size = ballast.nbytes
     del ballast

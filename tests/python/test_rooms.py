@@ -156,7 +156,7 @@ def functions():
 
 
 def test_functions_are_short():
-    """At most 60 lines, docstrings aside."""
+    """Checks for at most 60 lines without docstrings."""
     long = []
     for place, node in functions():
         text = ast.get_docstring(node, clean=False)
@@ -194,7 +194,7 @@ def test_options_are_the_settings_by_their_names(settings, options):
 
 
 def test_functions_of_the_core_are_short():
-    """At most 60 lines, from the first column to a brace there."""
+    """Checks for at most 60 lines, from the first column to a brace there."""
     start = re.compile(r"(?!namespace|struct|class|enum|using|template|inline constexpr)[A-Za-z]")
     long, found = [], 0
     for path in core_sources():

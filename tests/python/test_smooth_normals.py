@@ -95,7 +95,7 @@ def test_workers_bake_with_them(values):
 
 
 def test_light_does_not_see_the_stairs_of_masks():
-    """A tilted half space of zeros and ones under a sun is as bright as a plane."""
+    """Checks that a tilted half space of zeros and ones under a sun is as bright as a plane."""
     z, y, x = np.mgrid[:24, :24, :24]
     mask = np.uint8(3 * (z - 12) + (x - 12) < 0)
     # It does not reach the sides of stairs.
