@@ -82,7 +82,7 @@ struct Topology {
   int surfaces, borders;
 };
 
-// By samples; less than zero where they do not decide.
+// Finds the topology of a cell by samples; less than zero if they do not decide.
 Topology sampled_topology(const Corners& g) {
   for (const int n : {12, 24, 40}) {
     const SampledCell cell(g, n);
@@ -253,7 +253,7 @@ TEST(ContourTopology, MemoryIsUsedAgain) {
   }
 }
 
-// Visited vertices are all there are, each once, where the mesh has them.
+// The function sees all vertices of the mesh, each once and at its place.
 TEST(ContourTopology, VisitsEachVertexOnce) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   const MarchingCubes cubes(field, 0.5);

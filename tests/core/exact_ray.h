@@ -72,7 +72,7 @@ class ExactRay {
   }
 
  private:
-  // From one cut to the next.
+  // Returns the polynomial of the height along the ray from cut i to the next cut.
   ExactPolynomial piece(std::size_t i) const {
     const Quad low = cuts_[i], high = cuts_[i + 1];
     Index<D> cell;

@@ -38,7 +38,8 @@ Scene<D> over_floor(const Light<D>& light) {
   return scene;
 }
 
-// At vertices of a mesh beside some isosurfaces, against shadow rays to points all over the lights.
+// Compares direct light at vertices of a mesh, beside some isosurfaces, with shadow rays to points
+// all over the lights.
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
   const SceneTracer<D> tracer(scene);

@@ -93,7 +93,7 @@ void in_face(Random& random, IsosurfaceRay<3>& ray) {
   ray.direction[axis] = 0;
 }
 
-// From one voxel through another: exactly through corners, and edges between.
+// Aims a ray from one voxel through another: exactly through corners, and edges between.
 void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   do {
     for (int a = 0; a < 3; ++a) {
@@ -103,7 +103,7 @@ void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   } while (!(ray.direction.length2() > 0));
 }
 
-// From anywhere to a point of an edge, which it hits but for rounding.
+// Aims a ray from anywhere at a point of an edge, which it hits up to rounding.
 void towards_edge(Random& random, IsosurfaceRay<3>& ray) {
   Vec3 target;
   for (int a = 0; a < 3; ++a) {

@@ -112,7 +112,7 @@ void expect_same(const Flux& a, const Flux& b, double most_error) {
   }
 }
 
-// One plate receives from the other what it would send it (Helmholtz), by all ways there are.
+// Each of two plates receives the same light from the other (Helmholtz), over all paths.
 TEST(Reciprocity, OfTwoPlates) {
   constexpr int points = test::fewer(6000);
   const Flux there = received(plates(0, flat_isosurfaces()), 1, points);

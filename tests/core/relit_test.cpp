@@ -145,7 +145,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
 
 TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   Scene<3> scene = test::small_scene();
-  // From one place, of the same power in red; of three times in green.
+  // Two lights at one place: equal power in red, three times the power in green.
   const Vec3 place(0.1, 0.1, 1.1);
   scene.lights = {PointLight<3>{"first", place, 0, Rgb(1, 1, 0), {}},
                   PointLight<3>{"second", place, 0, Rgb(1, 3, 0), {}}};
