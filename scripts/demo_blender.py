@@ -69,7 +69,7 @@ def show_on_terminal():
 
 
 def build_scene(volume):
-    """The volume in a Cornell box, seen at three quarters."""
+    """Returns the volume in a Cornell box, seen at three quarters."""
     bpy.ops.leaflight.import_volume(filepath=str(volume))
     isosurface = bpy.context.object
     isosurface.name = "colin27"
@@ -113,7 +113,7 @@ def render_comparison(folder, isosurface):
 
 @contextlib.contextmanager
 def render_progress(label, samples):
-    """A bar that follows the samples of one or more renders."""
+    """Yields a bar that follows the samples of one or more renders."""
     done = [0, 0]  # samples of finished renders, of the present one
 
     def show(text, *_):

@@ -37,7 +37,7 @@ def main(folders):
 
 
 def check(folders):
-    """What clang-tidy finds in the sources of some folders."""
+    """Returns the findings of clang-tidy in the sources of some folders."""
     sources = [path for folder in folders for path in sorted((SOURCES / folder).rglob("*.cpp"))]
     whole = OUT / f"{'_'.join(folders)}.cpp"
     whole.write_text("".join(f'#include "{path}"\n' for path in sources))

@@ -39,7 +39,7 @@ class Part:
 
 
 def in_blender(version):
-    """The tests that every Blender gets, in one of PyPI's."""
+    """Returns the Part of the tests of every Blender, in a version of Blender from PyPI."""
     path = f"program=$(scripts/blender {version}) && PATH=$program:$PATH"
     return Part(f"blender-{version}", f"{path} {PYTEST} tests/blender {{select}}", SHORT)
 

@@ -99,7 +99,7 @@ def report(results):
 
 
 def tree_id():
-    """Of the content of all files that git knows or would add."""
+    """Returns a hash of the contents of all files that git tracks or would add."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT,

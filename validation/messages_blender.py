@@ -41,7 +41,7 @@ def main():
 
 
 def add_class(add, cls, context):
-    """Blender's extractor overlooks the operators of add-ons."""
+    """Adds the texts of a class; Blender's extractor overlooks the operators of add-ons."""
     place = f"bpy.types.{cls.__name__}"
     add(getattr(cls, "bl_label", ""), place, context)
     add(getattr(cls, "bl_description", ""), place)
@@ -58,7 +58,7 @@ def add_class(add, cls, context):
 
 
 def why_greyed(path):
-    """(text, line) of each reason that an operator gives, which Blender's extractor overlooks."""
+    """Yields (text, line) of each reason of an operator; Blender's extractor overlooks these."""
     for node in ast.walk(ast.parse(path.read_text())):
         if not isinstance(node, ast.Call):
             continue

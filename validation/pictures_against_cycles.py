@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 
 SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
-# Of a crop, which is shown twice as large, and between pictures; pixels.
+# Side of a crop, which is shown twice as large, and gap between pictures, in pixels.
 CROP, GAP = SIZE // 4, 8
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
-# File, how it is read, and the isovalue that is shown.
+# File, options to read it, and isovalue to show.
 VOLUMES = (
     (COLIN27, {}, 45.5),
     (Path("nucleon.raw"), {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
@@ -72,7 +72,7 @@ def line_of(path, found):
 
 
 def row_of(found, folder):
-    """Both stills, and the two places where FLIP is largest, as (height, width, 3) of 0..255."""
+    """Returns both stills and the two places of largest FLIP, as (height, width, 3) of 0..255."""
     from leaflight import _core
     from leaflight.io.images import display_colours
     from leaflight.measure.flip import flip

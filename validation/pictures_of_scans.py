@@ -17,9 +17,9 @@ sys.path.insert(0, os.path.dirname(__file__))
 from pictures_first_brain import FOLDER, bake, call, open_tab, picture, run, view  # noqa: E402
 
 FILE, NAME, LOOK, SMOOTH = sys.argv[-4:]
-# Of the stills that are compared, in percent of 1920 x 1080, and the samples of Cycles.
+# Size of the compared stills in percent of 1920 x 1080, and samples of Cycles.
 PERCENTAGE, SAMPLES = 25, 32
-# Of 255.
+# Levels of 255 from which a pixel counts as burnt, and up to which as black.
 BURNT, BLACK = 254, 1
 
 
@@ -68,7 +68,7 @@ def render_viewport(path):
 
 
 def extremes(path):
-    """How many pixels of a picture are burnt, and how many are black."""
+    """Returns how many pixels of a picture are burnt, and how many are black."""
     image = bpy.data.images.load(path)
     pixels = 255 * np.array(image.pixels, np.float32).reshape(-1, 4)[:, :3]
     bpy.data.images.remove(image)

@@ -12,7 +12,7 @@ from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
 ERROR = 1.5
-# Of a still, and of a frame of the sweep.
+# Sizes, quality and samples of a still, of slices and of the frames of the sweep.
 STILL_SIZE, STILL_QUALITY = (1920, 1080), 92
 SLICES_ERROR, SLICES_SIZE, SLICES_SAMPLES = 5.0, (960, 540), 128
 SWEEP_SIZE, SWEEP_SAMPLES = (400, 400), 24
@@ -118,7 +118,7 @@ def turned(volume, degrees):
 
 
 def render_slices(path, folder, picture):
-    """A translucent head with slices, the orientation cube and a scale bar."""
+    """Renders a translucent head with slices, the orientation cube and a scale bar."""
     from leaflight import blender
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where volumes to measure come from: generated, or read from a folder of real ones.
+"""Recipes of the volumes to measure: generated, or read from a folder of real ones.
 
-A recipe is a function of (folder, fineness) to a list of Volumes, or to None where they are absent.
-folder: of the real ones, or None; fineness: nodes of generated ones, of those that they have.
+A recipe is a function of (folder, fineness). It returns a list of Volumes, or None without them.
+folder is the folder of the real ones, or None. fineness scales the nodes a side of generated ones.
 """
 
 import tempfile
@@ -18,7 +18,7 @@ COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
 
 def generated(make, nodes):
-    """What make(nodes) generates, of so many nodes at a fineness of 1."""
+    """Returns a recipe of the volumes of make(nodes), with this many nodes at a fineness of 1."""
 
     def volumes(_, fineness):
         made = make(max(8, round(fineness * nodes)))
@@ -28,10 +28,11 @@ def generated(make, nodes):
 
 
 def read(name, placed=True, **layout):
-    """The file of that name, read_volume()'s layout given; of a zip the .tif within.
+    """Returns a recipe that reads the file of that name, or the .tif within a zip.
 
-    placed: False puts the first voxel at the origin and the axes along the world's, whatever the
-        file says, as these volumes have been measured from the beginning.
+    placed: False puts the first voxel at the origin and aligns the axes with the world's, against
+    the file. All measurements of these volumes have used this placement.
+    layout: arguments of read_volume()
     """
 
     def volumes(folder, _):
@@ -55,14 +56,14 @@ def _at_the_origin(volume):
 
 
 def colin27(folder, _):
-    """The thesis's brain, from the folder or from where Debian has it."""
+    """Returns the thesis's brain, from the folder or from where Debian has it."""
     own = Path(folder) / COLIN27.name if folder else COLIN27
     path = own if own.exists() else COLIN27
     return [read_volume(str(path))] if path.exists() else None
 
 
 def absent_text(absent):
-    """What a document says of volumes without data, lines of Markdown."""
+    """Returns lines of Markdown about the volumes without data, for a document."""
     if not absent:
         return []
     return [

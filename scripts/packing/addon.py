@@ -18,7 +18,7 @@ LEGACY_LEVEL = 1
 
 
 def extension(own, *platforms):
-    """The zips for Blender 4.2 and later, one for each platform, of our wheels for its Pythons."""
+    """Makes the zips for Blender 4.2 and later, one per platform, of our wheels for its Pythons."""
     folder = wheels.WORK / "extension" / "-".join(platforms)
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
@@ -59,7 +59,7 @@ def extension(own, *platforms):
 
 
 def blender_ext():
-    """Blender's own program for extensions, out of its module on PyPI."""
+    """Returns Blender's own program for extensions, from its module on PyPI."""
     path = wheels.WORK / "blender_ext" / BPY / "blender_ext.py"
     if not path.exists():
         fetched = wheels.WORK / "bpy"
@@ -84,7 +84,7 @@ def blender_ext():
 
 
 def legacy(own):
-    """The zip for Blender 3.4 to 4.1: the add-on, and beside it in modules/ the unpacked wheels."""
+    """Makes the zip for Blender 3.4 to 4.1: the add-on, and in modules/ the unpacked wheels."""
     target = OUT / f"leaflight-{version()}-legacy.zip"
     tags = sorted(path.name.split("-")[2] for path in own)
     partial = target.with_suffix(".partial")
@@ -101,7 +101,7 @@ def legacy(own):
 
 
 def _addon_files():
-    """The add-on's files, without what only extensions have."""
+    """Returns the add-on's files, without what only extensions have."""
     files = (path for path in ADDON.rglob("*") if path.is_file())
     return sorted(path for path in files if path.suffix == ".py")
 

@@ -24,9 +24,10 @@ _UNUSED = ("CURVE", "SUBDIVISION", "USER", "INSTANCE", "GRID", "POINT")
 class Target:
     """A system and a processor.
 
-    work: the folder that everything is built in. toolchain: a file of CMake's, which finds the
-    libraries in `prefix`. options: those of CMake that a library has on this system alone, by the
-    library's package. headers: more of Debian's that the libraries need.
+    work: the folder of all builds
+    toolchain: a toolchain file of CMake, which finds the libraries in `prefix`
+    options: options of CMake for this system alone, by the package of the library
+    headers: further headers of Debian that the libraries need
     """
 
     name: str
@@ -142,7 +143,7 @@ def build(target):
     beside = target.toolchain.parent
     needs = digest(*sorted((*HERE.glob("*.patch"), *beside.glob("*.cmake"), *beside.glob("*.txt"))))
     for library in LIBRARIES:
-        # Those before it are part of what it depends on.
+        # A library depends on all libraries before it.
         own = target.options.get(library.package, ())
         needs = hashlib.sha256(f"{needs} {library} {own}".encode()).hexdigest()
         stamp = target.work / f"{library.package}.stamp"
@@ -170,7 +171,7 @@ def _build(library, target):
 
 
 def _source(library, target):
-    """The unpacked sources; the archive is fetched once."""
+    """Returns the unpacked sources; the archive is fetched once."""
     archive = SOURCES / library.archive
     SOURCES.mkdir(parents=True, exist_ok=True)
     if not archive.exists():

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes a wheel's copies of shared libraries its own, whatever the process has loaded already.
+"""Binds a wheel to its copies of shared libraries, whatever the process has loaded already.
 
-auditwheel gives copies names of their own. That is not enough in Blender, whose program has its own
-oneTBB, OpenVDB and Embree in the global scope: the dynamic linker looks there first, so every
-symbol of ours would be bound to Blender's library and the copies would lie unused beside it. So all
-symbols that the copies and the module define get names of their own, too. (RTLD_DEEPBIND would
-bind malloc away from Blender's allocator, while libc's own calls stay with it.)
+auditwheel renames the copies. That is not enough in Blender, whose program has oneTBB, OpenVDB and
+Embree in the global scope. The dynamic linker looks there first. It would bind every symbol of ours
+to Blender's library and leave the copies unused. So this renames all symbols that the copies and
+the module define, too. (RTLD_DEEPBIND would bind malloc away from Blender's allocator, while
+libc's own calls stay with it.)
 """
 
 import os
@@ -17,9 +17,9 @@ from pathlib import Path
 from .tools import PackageError, run
 
 SUFFIX = ".leaflight"
-# Of the system, for every process: their symbols keep their names.
+# Libraries of the system, one copy for each process. Their symbols keep their names.
 SYSTEM = ("libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "libz.so.1")
-# What the linker itself puts into each library.
+# Symbols that the linker itself adds to each library.
 _OF_THE_LINKER = {"_init", "_fini", "__bss_start", "_edata", "_end"}
 # oneTBB takes its own allocator wherever it finds it, Blender's first: by these names, which may
 # stay undefined, or from a library of this name. Without it oneTBB uses malloc.
@@ -54,7 +54,7 @@ def _symbols(path, which):
 
 
 def _system_library(name):
-    """The path of the library that programs on this machine get."""
+    """Returns the path of the library that programs on this machine get."""
     listed = subprocess.run(
         ["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True
     ).stdout

@@ -41,12 +41,12 @@ Tag: {tag}
 
 
 def reader_wheels(tags, platform="linux-x64"):
-    """All of them for some Pythons ("cp311")."""
+    """Returns the wheels of all readers' packages for some Pythons ("cp311")."""
     return [*_fetched(SHARED, tags, platform), *_of_process(tags, platform)]
 
 
 def _fetched(listing, tags, platform):
-    """The packages of a list, unmodified from PyPI, fetched once."""
+    """Returns the packages of a list, unmodified from PyPI, fetched once."""
     folder = wheels.WORK / listing.stem / platform
     stamp = folder / "stamp"
     wanted = f"{digest(listing)} {' '.join(sorted(tags))}"

@@ -60,7 +60,7 @@ def environment(python):
 
 
 def digest(*paths):
-    """Of the contents of files."""
+    """Returns a hash of the contents of files."""
     result = hashlib.sha256()
     for path in paths:
         result.update(Path(path).read_bytes())

@@ -69,7 +69,7 @@ def _finish(raw):
 
 
 def _add_licenses(folder):
-    """The licences of the libraries that came along, from their Debian packages."""
+    """Adds the licenses of the copied libraries, from their Debian packages."""
     (info,) = folder.glob("*.dist-info")
     listed = json.loads((info / "sboms" / "auditwheel.cdx.json").read_text())
     packages = {
@@ -92,7 +92,7 @@ def unpack(path, folder):
 
 
 def pack(folder, out):
-    """The wheel of an unpacked one, with a new RECORD."""
+    """Returns the wheel of an unpacked one, with a new RECORD."""
     text = run("wheel", "pack", "--dest-dir", out, folder)
     return out / re.search(r"/([^/]+\.whl)\.\.\.OK", text)[1]
 

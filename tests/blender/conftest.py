@@ -66,7 +66,7 @@ class Blender:
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
 
     def run(self, *arguments):
-        """The output of Blender; fails the test when its script fails or hangs."""
+        """Returns the output of Blender; fails the test when its script fails or hangs."""
         options = ["--background", *self._addons, "--python-exit-code", "1"]
         result = subprocess.run(
             ["blender", *options, *map(str, arguments)],
@@ -82,9 +82,9 @@ class Blender:
         return result.stdout
 
     def in_window(self, script, *arguments, size=(1024, 640)):
-        """The result of a script that drives Blender in a window: the object of its line WINDOW.
+        """Runs a script that drives Blender in a window; returns the object of its line WINDOW.
 
-        Arguments are those of show().
+        It takes the arguments of show().
         """
         status, said = self.show(script, *arguments, size=size)
         lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
@@ -94,8 +94,8 @@ class Blender:
     def show(self, script, *arguments, size=(1024, 640)):
         """Runs a script that drives Blender in a window; returns its exit status and its output.
 
-        Skips the test where there is no window, or no xvfb-run to give it a screen; ends the screen
-        with the program when it hangs. size: of the window and of the screen, in pixels.
+        Skips the test without a window, or without xvfb-run, which provides a screen. Ends the
+        program and its screen when it hangs. size: the window and the screen, in pixels.
         """
         if self.about["module"]:
             pytest.skip("This Blender is a Python module, which has no window.")
@@ -137,7 +137,7 @@ class Blender:
 
 
 def package_of(*options):
-    """The paths of the packages that scripts/package makes."""
+    """Returns the paths of the packages that scripts/package makes."""
     done = subprocess.run(
         [ROOT / "scripts" / "package", *options], stdout=subprocess.PIPE, text=True, check=True
     )
@@ -179,7 +179,7 @@ def blender(request, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def ball(tmp_path_factory):
-    """A file of values that fall from 100 in the middle to 13.4 in the corners."""
+    """Returns a file of values that fall from 100 in the middle to 13.4 in the corners."""
     path = tmp_path_factory.mktemp("volume") / "ball.npy"
     z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
     np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
@@ -188,9 +188,9 @@ def ball(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def results(blender):
-    """The folder of what came of the checks in this Blender, for validation/compatibility.
+    """Returns the folder of the results of this Blender's checks, for validation/compatibility.
 
-    Of several runs together, as long as package and checks are the same.
+    It collects the results of several runs while the package and the checks stay the same.
     """
     about = blender.about
     system = "-windows" if about["windows"] else ""

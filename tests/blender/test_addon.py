@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs each file of checks of inside/ in a Blender of its own, with pytest as it is out here."""
+"""Runs each file of checks of inside/ in a separate Blender, with this Python's pytest."""
 
 import json
 import zipfile
@@ -82,7 +82,7 @@ def test_starts_after_it_was_off_and_on(blender):
 
 @pytest.mark.machine
 def test_seconds_in_blender(blender, tmp_path):
-    """Those checks of all files that judge the machine."""
+    """Runs the checks of all files that judge the machine."""
     file = tmp_path / "results.json"
     output = blender.check(file, *FILES, "-m", "machine", LEAFLIGHT_MACHINE="1")
     print(output)
@@ -101,7 +101,7 @@ def test_zip_holds_the_addon_with_its_core(legacy_zip):
 
 
 def enable(blender):
-    """(seconds of NumPy, seconds of the add-on, the modules that are loaded then)."""
+    """Returns (seconds of NumPy, seconds of the add-on, the modules that are loaded then)."""
     if blender.extends:
         pytest.skip("as an extension it is named by its repository")
     output = blender.run("--factory-startup", "--python-expr", ENABLE)
@@ -117,9 +117,9 @@ def test_the_addon_loads_no_readers_when_it_is_enabled(blender):
 
 @pytest.mark.machine
 def test_the_addon_is_enabled_at_once(blender):
-    """What the add-on itself takes: 0.15 s, NumPy's import 0.08 s beside the same other work.
+    """Compares the add-on's own 0.15 s with NumPy's import, 0.08 s beside the same other work.
 
-    Not counted is the module of the core: its own OpenVDB takes 0.45 s to load.
+    It does not count the module of the core, whose OpenVDB takes 0.45 s to load.
     """
     runs = [enable(blender) for _ in range(3)]
     assert min(enabled for _, enabled, _ in runs) < 3 * min(numpy for numpy, _, _ in runs)

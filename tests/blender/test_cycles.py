@@ -21,7 +21,7 @@ SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512
 POINTS = 800
 SAMPLING = Sampling(POINTS, SAMPLES)
-# Of the mean radiance, beyond three standard errors.
+# Tolerance of the mean radiance, a share of it, beyond three standard errors.
 MEAN_TOLERANCE = 0.01
 
 pytestmark = pytest.mark.slow

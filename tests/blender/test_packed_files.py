@@ -11,7 +11,7 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 TOOLS = HERE.parents[1] / "build" / "tools-venv" / "bin" / "python"
-# What is installed beside Blender, or by another add-on.
+# Packages that may be installed beside Blender, or by another add-on.
 HIDDEN = ("h5py", "numcodecs", "crc32c", "imagecodecs", "pylibjpeg", "openjpeg", "libjpeg", "gdcm")
 HIDDEN += ("nd2", "liffile", "dask", "ome_types")
 IMPORT = """

@@ -71,7 +71,7 @@ def test_frames_and_a_video(blender, animated, tmp_path):
     np.testing.assert_array_equal(
         np.asarray(Image.open(folder / names[2]).convert("RGB")), pictures[2]
     )
-    # A .blend that has changed is rendered anew.
+    # A .blend that has changed is rendered again.
     os.utime(animated)
     done = render(blender, animated, "--out", folder, "--frames", 1, 1)
     assert "1 frames, of which 0 were there already" in done.stdout

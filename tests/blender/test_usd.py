@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender's own importer reads of an exported USD file, where that Blender has one."""
+"""An exported USD file, read by Blender's own importer, if that Blender has one."""
 
 import leaflight
 import numpy as np

@@ -20,7 +20,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.machine]
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
-    """(path, low, high): Colin27, or what is as large, and a window of isovalues."""
+    """Returns (path, low, high): Colin27, or what is as large, and a window of isovalues."""
     path = tmp_path_factory.mktemp("volume") / "volume.npy"
     if COLIN27.exists():
         np.save(path, leaflight.read_volume(str(COLIN27)).values.astype(np.uint8))
@@ -55,7 +55,7 @@ def test_pictures_follow_the_hand(drags):
         [_gap(drags[name + again]) for again in ("", " again")] for name in ("coarse", "whole")
     )
     assert min(coarse) < 0.5 * min(whole)
-    # Of a machine without a graphics card that has other work, too.
+    # The limit holds for a busy machine without a graphics card.
     assert min(coarse) < 1.0
     for again in ("", " again"):
         assert drags["coarse" + again]["coarse"] > 0.7

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def shown(blender, tmp_path_factory):
-    """(what was found, what Blender said)."""
+    """Returns (what was found, what Blender said)."""
     status, said = blender.show(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
     line = next((line for line in said.splitlines() if line.startswith("WINDOW ")), "")
     assert status == 0 and line, said

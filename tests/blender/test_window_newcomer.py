@@ -18,7 +18,7 @@ SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
 REFERENCE = SCRIPT.with_suffix(".png")
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
-# Of 255: white, and what nobody takes for lit.
+# Levels of 255: white, and a level too dark to look lit.
 WHITE, BLACK = 250, 8
 
 pytestmark = pytest.mark.slow
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
-    """A NIfTI file: Colin27's brain at a third of its fineness, or a generated neuron."""
+    """Returns a NIfTI file: Colin27's brain at a third of its fineness, or a generated neuron."""
     path = tmp_path_factory.mktemp("volume") / "brain.nii.gz"
     if BRAIN.exists():
         values = leaflight.read_volume(str(BRAIN)).values[:180, :216, :180].astype(np.float32)
@@ -68,7 +68,7 @@ def test_the_picture_improves_while_it_bakes(found):
 
 @pytest.fixture(scope="module")
 def shown(found, pictures):
-    """(the picture, where it shows the volume)."""
+    """Returns (the picture, where it shows the volume)."""
     whole, empty = (
         np.asarray(Image.open(pictures / name).convert("RGB"), np.int64)
         for name in ("with.png", "without.png")

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A real window: every operator of the add-on is pressed as a user does it (window/rows.py).
 
-Once on its happy path, once cancelled at half way, once with its object deleted meanwhile, once
-with a new file opened meanwhile; work in the background also with the step before it undone
-meanwhile, and with its window closed. The part `window` of scripts/test writes how long the window
-stood still to build/test/window.md. Runs where there is a Blender with a window and xvfb-run.
+Each is pressed four times: on its happy path, cancelled halfway, with its object deleted meanwhile,
+and with a new file opened meanwhile. Work in the background also runs while the step before it is
+undone, and while its window is closed. The part `window` of scripts/test writes the seconds for
+which the window stood still to build/test/window.md. It needs a Blender with a window and xvfb-run.
 """
 
 import json
@@ -25,7 +25,7 @@ EVERY = [(number, way) for number, row in enumerate(ROWS) for way in row.ways]
 SHORT = [(number, way) for number, way in EVERY if way == HAPPY and ROWS[number].short]
 assert len(SHORT) == 12
 
-# What Python and Blender say of errors on the console, wherever they come from.
+# Pattern of errors that Python and Blender write to the console.
 WRONG = re.compile(r"Traceback \(most recent|WARN \(bpy|rna_uiItemR|unknown operator|: not found:")
 # Seconds for which nobody notices that the window stands still.
 UNNOTICED = 0.5
@@ -37,7 +37,7 @@ def _params(presses):
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """A folder of small files to import: of a patient, a second one, a series, an image."""
+    """Returns a folder of small files to import: of a patient, a second one, a series, an image."""
     folder = tmp_path_factory.mktemp("files")
     head = leaflight.bump_box(24).values.T
     other = head[::-1]
@@ -116,7 +116,7 @@ def test_pressed(pressed, which):
 
 
 def table(results, version):
-    """How long the window stood still, of each press, the longest first."""
+    """Returns a page of how long the window stood still for each press, the longest first."""
     lines = [
         f"# How long Blender {version}'s window stood still",
         "",

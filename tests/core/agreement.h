@@ -14,7 +14,7 @@
 
 namespace leaflight::test {
 
-// Sanitized builds look for errors of memory and undefined behaviour, some ten times slower. They
+// Sanitized builds look for errors of memory and undefined behavior, some ten times slower. They
 // run the same code with fewer photons and paths, and leave the statistics to the other builds.
 #ifdef LEAFLIGHT_SANITIZE
 inline constexpr bool sanitized = true;
@@ -29,13 +29,13 @@ inline double mean_of(const std::vector<ReferenceRadiance>& reference) {
   return sum / static_cast<double>(reference.size());
 }
 
-// Of a bake, looked up at points (world), with the reference there: the ratio of the means, and the
+// Agreement of a bake with the reference at points in world space: the ratio of the means, and the
 // RMS difference over the reference's mean.
 struct Agreement {
   double mean_ratio, relative_rms;
 };
 
-// found(i) is the radiance that is compared with the reference of number i.
+// Compares each reference with found(i), the radiance at its point.
 template <class Found>
 Agreement compare(std::size_t count, const std::vector<ReferenceRadiance>& reference, Found found) {
   double baked = 0, truth = 0, square = 0;

@@ -49,7 +49,7 @@ TEST(Bake, OtherResolutionsThanTheField) {
 
 AreaLight<3>& lamp(Scene<3>& scene) { return std::get<AreaLight<3>>(scene.lights[0]); }
 
-// What a bake says of a bad scene; empty if it is good.
+// Returns the message of the error that a bake of the scene throws; empty without one.
 std::string message(const Scene<3>& scene) {
   Progress progress;
   try {

@@ -68,7 +68,7 @@ TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   expect_same_light(bakes);
   EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
   EXPECT_GT(others.lost(), 0);
-  // One that goes on with another: its blocks have other numbers.
+  // The blocks of a bake that continues another have other numbers.
   const std::vector<PreviousLight<3>> previous = previous_light(stopped_after(1, scene, settings));
   TwoTracers again(scene, settings);
   bakes = {bake<3>(scene, settings, progress, {{}, &previous})};

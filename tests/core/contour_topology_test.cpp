@@ -17,9 +17,9 @@ namespace {
 
 using Corners = std::array<double, 8>;
 
-// How many regions the samples on one side of the isosurface form, in the whole cell or on its
-// faces alone: at least, if samples that touch at a corner hang together, and at most, if only
-// those do that lie side by side.
+// Bounds on the number of regions that the samples on one side of the isosurface form, in the cell
+// or on its faces. `least` connects samples that touch at a corner; `most` connects only neighbors
+// along an axis.
 struct Regions {
   int least = 0, most = 0;
 };
@@ -82,7 +82,7 @@ struct Topology {
   int surfaces, borders;
 };
 
-// By samples; less than zero where they do not decide.
+// Finds the topology of a cell by samples; less than zero if they do not decide.
 Topology sampled_topology(const Corners& g) {
   for (const int n : {12, 24, 40}) {
     const SampledCell cell(g, n);
@@ -104,7 +104,7 @@ Corners random_corners(Random& random, int kind) {
   Corners g;
   for (int i = 0; i < 8; ++i) {
     const double size = kind < 2 ? random.uniform() : std::exp(4 * random.uniform());
-    // Neighbours differ in the last kind: every face alternates.
+    // Neighbors differ in the last kind: every face alternates.
     const bool above = kind == 2 ? __builtin_parity(i) != 0 : random.uniform() < 0.5;
     g[i] = (above ? 1 : -1) * size;
   }
@@ -239,7 +239,7 @@ TEST(ContourTopology, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// What a mesh held before leaves no trace, nor does it matter whether normals are wished.
+// A filled mesh does not depend on its earlier content, and its triangles not on normals.
 TEST(ContourTopology, MemoryIsUsedAgain) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   IsosurfaceMesh mesh;
@@ -253,7 +253,7 @@ TEST(ContourTopology, MemoryIsUsedAgain) {
   }
 }
 
-// Visited vertices are all there are, each once, where the mesh has them.
+// The function sees all vertices of the mesh, each once and at its place.
 TEST(ContourTopology, VisitsEachVertexOnce) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   const MarchingCubes cubes(field, 0.5);

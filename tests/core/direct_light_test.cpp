@@ -48,8 +48,8 @@ Field<D> bumps(int n) {
   });
 }
 
-// What is found at random points of random isosurfaces, and what shadow rays to the same light
-// points find there: the RMS difference over the RMS of the truth, and the ratio of the means.
+// Compares direct light at random points of random isosurfaces with shadow rays to the same light
+// points. Returns the RMS difference over the RMS of the truth, and the ratio of the means.
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, bool back) {
   const SceneTracer<D> tracer(scene);

@@ -75,8 +75,8 @@ inline std::vector<Quad> monotone_knots(const ExactPolynomial& p) {
   return knots;
 }
 
-// What must be found of the first change of side, and what may be. A value equal to the isovalue
-// counts as above it; within the tolerance of it, rounding decides, and either is right.
+// Bounds on the place of the first change of side. A value equal to the isovalue counts as above
+// it. Within the tolerance of the isovalue, rounding decides, and either side is right.
 struct ExactCrossing {
   static constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -93,7 +93,7 @@ class CrossingSearch {
  public:
   explicit CrossingSearch(bool above) : above_(above) {}
 
-  // Whether the search is over.
+  // Adds the height at the next place along the ray. Returns true if the search is over.
   bool add(double place, Quad height, Quad tolerance) {
     const bool clear = tolerance == 0 || magnitude(height) > tolerance;
     const bool same = (height >= 0) == above_;

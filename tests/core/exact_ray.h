@@ -6,8 +6,8 @@
 
 namespace leaflight::test {
 
-// A ray through a field in 113-bit arithmetic, without pyramid and traversal: it is cut where it
-// crosses the planes of the grid, and each piece lies in the cell of its middle.
+// A ray through a field in 113-bit arithmetic, without pyramid and traversal. The planes of the
+// grid cut it into pieces, and each piece lies in the cell of its midpoint.
 template <int D>
 class ExactRay {
  public:
@@ -41,7 +41,7 @@ class ExactRay {
   bool enters() const { return cuts_.size() > 1 && cuts_.back() - cuts_.front() > 1e-12; }
   Quad height_at_entry() const { return piece(0)[0]; }
 
-  // Whether it departs to higher values, where it starts on its isosurface.
+  // True if a ray that starts on its isosurface departs to higher values.
   bool rises() const {
     std::size_t i = 0;
     while (i + 2 < cuts_.size() && cuts_[i + 1] - cuts_[i] < 1e-12) ++i;
@@ -72,7 +72,7 @@ class ExactRay {
   }
 
  private:
-  // From one cut to the next.
+  // Returns the polynomial of the height along the ray from cut i to the next cut.
   ExactPolynomial piece(std::size_t i) const {
     const Quad low = cuts_[i], high = cuts_[i + 1];
     Index<D> cell;

@@ -50,7 +50,7 @@ Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {
   return field_from<D>(std::move(values), dims, unit_cube<D>(n));
 }
 
-// Higher inside: the isosurface c is the sphere (circle) of radius 1 - c about the centre.
+// Higher inside: the isosurface c is the sphere (circle) of radius 1 - c about the center.
 template <int D>
 Field<D> ball(int n, const Vec<D>& centre = Vec<D>(0.5)) {
   return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - centre).length(); });

@@ -12,8 +12,8 @@
 
 namespace leaflight::test {
 
-// How often a case is tried: as a rule the usual number, fewer in sanitized builds, and the large
-// one of docs/validation/numerics.md where validation/numerics asks for it.
+// Returns the number of trials of a case: usually `usual`, fewer in sanitized builds. It is
+// `large`, as in docs/validation/numerics.md, if validation/numerics asks for it.
 inline std::int64_t trials(std::int64_t usual, std::int64_t large) {
   const char* wanted = std::getenv("LEAFLIGHT_NUMERICS");
   if (wanted && std::string(wanted) == "large") return large;

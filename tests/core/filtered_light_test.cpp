@@ -21,8 +21,9 @@ struct Filtering {
   IndexedLattice<3> texels{make_lattice(scene.volumes[0].field, scene.volumes[0].field.dims,
                                         scene.isovalue_range.min, scene.isovalue_range.max)};
 
-  // The RMS error of the mean over the channels before and after, what variances say of the latter,
-  // the share of texels that are within 1.96 standard errors of the truth, and the mean error.
+  // RMS errors of the mean over the channels: before the filter, after it, and as the variances
+  // estimate it. `within` is the share of texels within 1.96 standard errors of the truth. `mean`
+  // is the mean error.
   struct Found {
     double before = 0, after = 0, estimated = 0, within = 0, mean = 0;
   };
@@ -34,7 +35,7 @@ struct Filtering {
     Found found;
     for (std::size_t s = 0; s < count; ++s) {
       exact[s] = truth(texels.lattice.centre(texels.lattice.active[s]));
-      // Of twelve uniform numbers, nearly normal.
+      // Sum of twelve uniform numbers, nearly normal.
       const auto normal = [&] {
         double sum = -6;
         for (int i = 0; i < 12; ++i) sum += random.uniform();
@@ -72,7 +73,7 @@ TEST(FilteredLight, LosesNoiseWhereLightIsSmooth) {
   const auto found = filtering.filter([](const Vec3& x) { return 1 + 0.01 * x.z; }, 0.1);
   EXPECT_LT(found.after, 0.4 * found.before);
   EXPECT_NEAR(found.mean, 0, 0.005);
-  // What looks like light by chance counts as error, too.
+  // Noise that looks like light counts as error, too.
   EXPECT_GT(found.estimated, 0.9 * found.after);
   EXPECT_LT(found.estimated, 1.6 * found.after);
   EXPECT_GT(found.within, 0.93);

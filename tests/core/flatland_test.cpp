@@ -49,7 +49,7 @@ Scene<2> furnace(double albedo) {
   return scene;
 }
 
-// Open below, coloured left and right, a lamp above that shines downwards.
+// Open below, colored left and right, a lamp above that shines downwards.
 Scene<2> coloured_box() {
   Scene<2> scene = disc_scene(Rgb(0.75f));
   add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));

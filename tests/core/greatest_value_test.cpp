@@ -20,7 +20,7 @@ struct Way {
   double t_max;
 };
 
-// From around a field, or within it, to anywhere; some are parallel to an axis or end soon.
+// Returns a way that starts in or around a field; some are parallel to an axis or end soon.
 template <int D>
 Way<D> random_way(const Field<D>& field, Random& random) {
   Way<D> way;

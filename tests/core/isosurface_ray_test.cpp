@@ -203,8 +203,8 @@ TEST(IsosurfaceRay, IntegerDataAtIntegerIsovalue) {
   EXPECT_FALSE(intersect(field, back));
 }
 
-// On a plane through voxels, at an isovalue that they have exactly: starting points in cells, on
-// their edges and at their corners all see the whole half space on either side.
+// The isosurface is a plane through voxels that have the isovalue exactly. Starting points in
+// cells, on their edges and at their corners see the whole half space on either side.
 TEST(IsosurfaceRay, StartsOnEdgesAndCornersOfCells) {
   const Field<3> field = test::sampled<3>(17, [](const Vec3& x) { return x.z; });
   Random random(31);

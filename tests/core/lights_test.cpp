@@ -43,7 +43,7 @@ TEST(Lights, PointHasTheInverseSquareLaw) {
   const Vec3 lamp(0.7, 0.5, -0.4);
   const double d = (lamp - place).length(), cosine = 0.9 / d;
   for (const double radius : {0.0, 0.3}) {
-    // A sphere wholly above the horizon illuminates like its centre.
+    // A sphere wholly above the horizon illuminates like its center.
     scene.lights = {PointLight<3>{"bulb", lamp, radius, Rgb(1, 2, 3), {}}};
     expect_irradiance(scene, place, 2 * cosine / (d * d));
   }
@@ -77,7 +77,7 @@ TEST(Lights, SunHasItsIrradiance) {
 }
 
 TEST(Lights, EllipseIsADisc) {
-  // On the axis of a disc of radius r at distance d: pi L r^2 / (d^2 + r^2).
+  // On the axis of a disk of radius r at distance d: pi L r^2 / (d^2 + r^2).
   Scene<3> scene = plane(Rgb(1));
   const double r = 0.3, d = 0.7;
   scene.lights = {AreaLight<3>{

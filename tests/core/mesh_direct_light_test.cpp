@@ -38,7 +38,8 @@ Scene<D> over_floor(const Light<D>& light) {
   return scene;
 }
 
-// At vertices of a mesh beside some isosurfaces, against shadow rays to points all over the lights.
+// Compares direct light at vertices of a mesh, beside some isosurfaces, with shadow rays to points
+// all over the lights.
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
   const SceneTracer<D> tracer(scene);
@@ -117,7 +118,7 @@ TEST(MeshDirectLight, KnowsShadowsOfMeshesAndLightOfMeshes) {
   expect_agreement<3>("glow", scene, 0.06);
 }
 
-// Of two volumes either blocks the way, each by its own isovalue of the common isovalue.
+// Each of two volumes casts a shadow, with its own isovalue for the common isovalue.
 TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
   Scene<3> scene = over_floor<3>(
       AreaLight<3>{"lamp", {0.2, 0.2, 1.8}, {Vec3(0, 0.3, 0), Vec3(0.3, 0, 0)}, Rgb(1)});

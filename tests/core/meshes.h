@@ -13,7 +13,7 @@
 
 namespace leaflight::test {
 
-// How often each directed edge of the triangles is used.
+// Number of uses of each directed edge of the triangles.
 using EdgeCount = std::map<std::pair<int, int>, int>;
 
 inline EdgeCount directed_edges(const IsosurfaceMesh& mesh) {
@@ -89,7 +89,7 @@ inline void expect_manifold(const IsosurfaceMesh& mesh) {
     ASSERT_NE(edge.first, edge.second);
   }
   std::set<std::array<std::int32_t, 3>> triangles;
-  // Of each vertex, the sides of its triangles that lie across from it.
+  // Sides opposite each vertex in its triangles.
   std::vector<std::vector<std::pair<int, int>>> across(mesh.vertices.size());
   for (auto t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) across[t[k]].push_back({t[(k + 1) % 3], t[(k + 2) % 3]});

@@ -34,7 +34,8 @@ struct Count {
   double worst_residual = 0;
 };
 
-// Where all arithmetic is exact, the rule of ties itself is tested, at the ends of the segment.
+// Compares the crossing with the exact one. With exact arithmetic at the ends of the segment it
+// also tests the rule for ties there.
 template <int D>
 void compare(const Segment<D>& segment, bool exact_ends, Count& count) {
   const ExactPolynomial p = segment.exact();
@@ -83,7 +84,7 @@ Segment<D> segment_of(Random& random, double c, Height h) {
 
 double signed_unit(Random& random) { return 2 * random.uniform() - 1; }
 
-// Of either sign, its magnitude spread evenly over the decades from 10^-decades to 1.
+// Returns a number of random sign. Its magnitude is uniform over the decades from 10^-decades to 1.
 double any_magnitude(Random& random, double decades) {
   const double size = std::pow(10.0, -decades * random.uniform());
   return random.uniform() < 0.5 ? -size : size;

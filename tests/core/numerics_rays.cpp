@@ -7,8 +7,8 @@ namespace leaflight {
 namespace {
 
 constexpr int voxels = 9;
-// Positions in index coordinates are rounded to 1.1e-16 of 3 times the size of the domain, and h
-// changes by at most the range, 1, along each axis of a cell.
+// Tolerance of h for ties. Positions in index coordinates are rounded to 1.1e-16 of 3 times the
+// size of the domain. h changes by at most the range, 1, along each axis of a cell.
 constexpr double tie = 3 * 3 * voxels * 1.2e-16 * 4;
 
 struct Count {
@@ -93,7 +93,7 @@ void in_face(Random& random, IsosurfaceRay<3>& ray) {
   ray.direction[axis] = 0;
 }
 
-// From one voxel through another: exactly through corners, and edges between.
+// Aims a ray from one voxel through another: exactly through corners, and edges between.
 void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   do {
     for (int a = 0; a < 3; ++a) {
@@ -103,7 +103,7 @@ void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   } while (!(ray.direction.length2() > 0));
 }
 
-// From anywhere to a point of an edge, which it hits but for rounding.
+// Aims a ray from anywhere at a point of an edge, which it hits up to rounding.
 void towards_edge(Random& random, IsosurfaceRay<3>& ray) {
   Vec3 target;
   for (int a = 0; a < 3; ++a) {

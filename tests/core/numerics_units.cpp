@@ -155,8 +155,8 @@ TEST(NumericsUnits, Offset) {
   expect_alike({"values + 1e6", 1, 1e6}, 1e-6);
 }
 
-// Values and the walls' vertices are rounded to 6e-8 here, in single precision. Of 20,000 photons
-// with 5 hits each about one hits another texel, which changes boxes of some 100 photons by 1 %.
+// Single precision rounds values and the walls' vertices to 6e-8 here. About one of 20,000 photons
+// with 5 hits each hits another texel. That changes boxes of some 100 photons by 1 %.
 TEST(NumericsUnits, DecimalUnits) {
   constexpr double most = test::sanitized ? 1 : 1e-2;
   expect_alike({"values * 0.1", 0.1}, most);

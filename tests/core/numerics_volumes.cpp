@@ -291,7 +291,7 @@ TEST(NumericsVolumes, FurnaceInNarrowRanges) {
       const double mean = sum / n, error = std::sqrt((square / n - mean * mean) / n);
       std::ostringstream what;
       what << "furnace, isovalue range of " << height << ", " << traits_of(estimator).name;
-      // Neighbouring points share texels and photons: eight count as one. Shading normals cost 1 %.
+      // Neighboring points share texels and photons: eight count as one. Shading normals cost 1 %.
       if (!test::sanitized) {
         EXPECT_LT(std::abs(mean - 2), 4 * std::sqrt(8) * error + 0.02) << what.str();
       }

@@ -12,8 +12,8 @@ Scene<3> displaced(Field<3> field) {
                         Rgb(1), {0, 1});
 }
 
-// To anywhere, a point of a face, an edge or a corner of the grid: where cells meet, rays leak
-// through cracks.
+// Returns any point, or a point of a face, an edge or a corner of the grid. Rays leak through
+// cracks where cells meet.
 Vec3 target(Random& random, int voxels) {
   Vec3 p;
   const int on_grid = static_cast<int>(4 * random.uniform());

@@ -113,7 +113,7 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     settings.resolution = Index<3>{texels, texels, texels};
     settings.seed = 9;
     const Baked<3> truth = stopped_after(5, scene, settings);
-    // One alone may be nearer by chance.
+    // A single bake may be nearer by chance.
     constexpr int seeds = 4;
     double now = 0, then = 0, means = 0, noise = 0;
     for (int seed = 0; seed < seeds; ++seed) {
@@ -150,7 +150,7 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
               test::sanitized ? 0.05 : 0.02);
 }
 
-// Whether the error that bakes report is the one they make, beside the mean of other bakes.
+// Compares the error that bakes report with their difference from the mean of other bakes.
 TEST(Passes, ContinuedKnowTheirError) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
@@ -203,7 +203,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   coarse.resolution = {9, 9, 9};
   Progress progress;
   const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
-  // A first picture has other texels, too: the bake begins anew.
+  // A first picture has other texels, too, so the bake starts from the beginning.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
@@ -245,7 +245,7 @@ TEST(Passes, AreCancelledWithinHalfASecond) {
   EXPECT_LT(seconds_to_cancel_passes(), test::sanitized ? 5 : 0.5);
 }
 
-// The radiance of each texel's centre, whose isosurface is that of the centre.
+// The radiance of each texel's center, whose isosurface is that of the center.
 template <class Check>
 void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
   const RadianceGrid<3>& grid = baked.grids[0];
@@ -294,7 +294,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 way = lamp - x;
     const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
-    // What a texel's width changes of it.
+    // The tolerance is for the width of a texel.
     EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
   });
 }
@@ -315,8 +315,8 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   int count = 0;
   for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
     if (c > 0.8) return;  // texels are wide for so small a sphere
-    // The inside receives I / r^2 and, as a sphere sees itself alike everywhere, as much again from
-    // itself as it reflects: a / (1 - a) I / (pi r^2) with the albedo a of a half.
+    // The inside receives I / r^2. A sphere also lights itself equally everywhere, so that it
+    // reflects a / (1 - a) I / (pi r^2). The albedo a is a half.
     const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
     EXPECT_LT(baked.grids[0].radiance[s].x, 0.02 * expected);
     ratio += baked.grids[0].radiance_back[s].x / expected;
@@ -332,7 +332,7 @@ TEST(Passes, FurnaceIsUniform) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
-  settings.exposure = 0.2;  // so that no colour is white, whose noise would not count
+  settings.exposure = 0.2;  // so that no color is white, whose noise would not count
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   double sum = 0, square = 0;

@@ -96,7 +96,7 @@ TEST(IndirectLightAtPoints, NeverChangesByMoreThanAFactorOfTwo) {
   const auto rising = grid_of(scene, [](const Vec3& p) { return std::pow(10.0, p.x - 8); });
   const auto falling = grid_of(scene, [](const Vec3& p) { return std::pow(10.0, 8 - p.x); });
   const Vec3 position(8.5, 5, 5);
-  // Half a texel before it a texel's centre lies, and there the light is 1.
+  // Half a texel before it a texel's center lies, and there the light is 1.
   EXPECT_NEAR(radiance_at(rising, test::field_of(scene), position, false)[0], 1.45, 1e-4);
   EXPECT_NEAR(radiance_at(falling, test::field_of(scene), position, false)[0], 0.5, 1e-4);
 }

@@ -26,7 +26,7 @@ Scene<3> two_balls(int voxels = 17) {
   return scene;
 }
 
-// Of which neither is whole.
+// Two balls that overlap.
 Scene<3> merged_balls() {
   Scene<3> scene = two_balls(33);
   Field<3>& field = scene.volumes[1].field;

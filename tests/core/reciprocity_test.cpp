@@ -11,8 +11,8 @@
 namespace leaflight {
 namespace {
 
-// A ray that turns back at a glass surface goes the way that it came, in either direction with the
-// same share of the radiance over n^2 (n in the plane).
+// Expects that glass scatters a reversed ray back along its path. Both directions have the same
+// share of the radiance over n^2 (over n in the plane).
 template <int D>
 void expect_reversible() {
   Random random(1);
@@ -112,7 +112,7 @@ void expect_same(const Flux& a, const Flux& b, double most_error) {
   }
 }
 
-// One plate receives from the other what it would send it (Helmholtz), by all ways there are.
+// Each of two plates receives the same light from the other (Helmholtz), over all paths.
 TEST(Reciprocity, OfTwoPlates) {
   constexpr int points = test::fewer(6000);
   const Flux there = received(plates(0, flat_isosurfaces()), 1, points);
@@ -120,8 +120,8 @@ TEST(Reciprocity, OfTwoPlates) {
   expect_same(there, back, 0.02);
 }
 
-// Photons follow the ways of paths the other way round. Where normals of shading are not those of
-// the surface this needs a factor (Veach 1997, ch. 5).
+// Photons follow paths in reverse. Shading normals that differ from the normals of the surface
+// require a factor (Veach 1997, ch. 5).
 TEST(Reciprocity, OfPhotonsAndPaths) {
   const std::vector<Field<3>> fields{flat_isosurfaces(), test::ball<3>(17), creased_isosurfaces()};
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -154,8 +154,8 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
   }
 }
 
-// What is emitted is absorbed or escapes, save for the noise of Russian roulette. Shading normals
-// do not conserve energy (Veach 1997, ch. 5), so that the isosurface is flat.
+// All emitted energy is absorbed or escapes, apart from the noise of Russian roulette. Shading
+// normals do not conserve energy (Veach 1997, ch. 5), so the isosurface is flat.
 TEST(Energy, IsConservedWithinItsNoise) {
   Scene<3> scene = plates(0, flat_isosurfaces());
   scene.environment = Environment<3>{};

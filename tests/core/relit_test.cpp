@@ -145,7 +145,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
 
 TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   Scene<3> scene = test::small_scene();
-  // From one place, of the same power in red; of three times in green.
+  // Two lights at one place: equal power in red, three times the power in green.
   const Vec3 place(0.1, 0.1, 1.1);
   scene.lights = {PointLight<3>{"first", place, 0, Rgb(1, 1, 0), {}},
                   PointLight<3>{"second", place, 0, Rgb(1, 3, 0), {}}};
@@ -154,7 +154,7 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   };
   expect_equal(factor({Rgb(3), Rgb(1)}), {2, 1.5, 2}, 1);
   expect_equal(factor({Rgb(0), Rgb(0)}), {0, 0, 0}, 1);
-  // One behind the back wall lights nothing that is seen.
+  // A light behind the back wall lights nothing that is seen.
   scene.lights.emplace_back(PointLight<3>{"hidden", {0.5, 3, 0.5}, 0, Rgb(50), {}});
   expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
   scene.lights.pop_back();

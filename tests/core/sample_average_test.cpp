@@ -46,7 +46,7 @@ Variances variances(int block, double expected, Draw draw) {
 
 using Sample = std::pair<double, double>;  // value and weight
 
-// Of independent samples it is right for any block.
+// The variance of independent samples is right for any size of the blocks.
 TEST(Moments, ReportTheVarianceOfIndependentSamples) {
   for (const int block : {1, 8}) {
     const Variances v = variances(block, 0.5, [](std::uint64_t key, int i) {
@@ -57,8 +57,8 @@ TEST(Moments, ReportTheVarianceOfIndependentSamples) {
   }
 }
 
-// Of weights that are independent of the values a ratio has about the variance sum w^2 / (sum w)^2;
-// to first order, so that a tenth is allowed.
+// With weights independent of the values, a ratio has about the variance sum w^2 / (sum w)^2. The
+// formula is of first order, so the test allows a tenth.
 TEST(Moments, ReportTheVarianceOfARatio) {
   const Variances v = variances(1, 0.5, [](std::uint64_t key, int i) {
     Random random(key, 0, i);
@@ -69,7 +69,7 @@ TEST(Moments, ReportTheVarianceOfARatio) {
               0.1 + test::z_limit(2) * std::hypot(v.true_error, v.reported_error) / v.true_mean);
 }
 
-// Of a sequence, blocks see most of what its points do for each other and never too much.
+// Blocks of a sequence account for most of its lower variance and never report too little.
 TEST(Moments, SeeTheSequenceByItsBlocks) {
   const auto smooth = [](std::uint64_t key, int i) {
     const auto u = sobol_point(i, key);
@@ -134,7 +134,7 @@ TEST(PooledVariance, IsThatOfTheNeighboursSamples) {
   EXPECT_FLOAT_EQ(averages[0].variance, 0.5f);
   // A single sample has the variance of ten times that of a mean of ten.
   EXPECT_FLOAT_EQ(averages[middle].variance, 5);
-  // Of the corner's seven neighbours four have an odd number and three an even one, or so.
+  // Four of the corner's seven neighbors have an odd number and three an even one, or vice versa.
   const double share = averages[empty].mean.x;
   EXPECT_TRUE(std::abs(share - 3 / 7.0) < 1e-6 || std::abs(share - 4 / 7.0) < 1e-6) << share;
   EXPECT_FLOAT_EQ(averages[empty].variance, static_cast<float>(12 / 49.0));

@@ -65,8 +65,8 @@ struct Cap {
   }
 };
 
-// Of a direction about a normal, uniform for the cosine-weighted density: (sin^2, azimuth), or the
-// sine in the plane (Nusselt's analogue).
+// Returns coordinates of a direction about a normal that are uniform for the cosine-weighted
+// density: (sin^2, azimuth), or the sine in the plane (Nusselt's analog).
 template <int D>
 std::vector<double> cosine_coordinates(const Vec<D>& direction, const Vec<D>& normal) {
   if constexpr (D == 2) {
@@ -77,7 +77,8 @@ std::vector<double> cosine_coordinates(const Vec<D>& direction, const Vec<D>& no
   }
 }
 
-// Of a point of the unit disc at right angles to n: (r^2, azimuth); of a segment in the plane.
+// Returns coordinates of a point of the unit disk perpendicular to n: (r^2, azimuth), or the place
+// on a segment in the plane.
 template <int D>
 std::vector<double> disc_coordinates(const Vec<D>& beside, const Vec<D>& n) {
   if constexpr (D == 2) {
@@ -92,10 +93,11 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-// As many bins along each of n axes, some hundreds in all.
+// Returns the number of bins along each of n axes, the same for all: some hundreds of bins in 3 or
+// 4 dimensions.
 std::vector<int> bins(int n) { return std::vector<int>(n, n == 4 ? 4 : n == 3 ? 6 : 12); }
 
-// From somewhere tilted against all axes.
+// Returns a direction that is tilted against all axes.
 template <int D>
 Vec<D> tilted() {
   if constexpr (D == 2) {
@@ -197,8 +199,8 @@ TEST(Samplers, DiscreteDistribution) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// Directions of shadow rays in a cap that holds them all, against `density` per angle, with which
-// the sample must also be weighted: its radiance is that of the light over the density.
+// Compares directions of shadow rays with `density` per angle, in a cap that holds them all. The
+// radiance of a sample must be the radiance of the light over the density.
 template <int D, class Sample, class Density, class Radiance>
 void expect_light_samples(const Cap<D>& cap, Sample sample, Density density, Radiance radiance) {
   Random random(5);
@@ -270,7 +272,7 @@ TEST(Samplers, SphereLights) {
           {axis, 1.2 * (1 - cosine)},
           [&](Random& random) { return sample_light<D>(light, from, pair(random)); },
           [&](const Vec<D>& w) { return w.dot(axis) > cosine ? 1 / measure : 0; },
-          // Seen from afar its disc, or segment, has the intensity.
+          // Seen from afar its disk, or segment, has the intensity.
           [&](const Vec<D>&) { return 3 / (D == 3 ? pi * 0.09 : 0.6); });
     }
   });
@@ -346,7 +348,7 @@ std::shared_ptr<const Texture> sky_image() {
   return image;
 }
 
-// Density per angle of the sampled image: in proportion to the sum over a pixel and its neighbours,
+// Density per angle of the sampled image: in proportion to the sum over a pixel and its neighbors,
 // rows by the cosine of their middle.
 class SkyDensity {
  public:
@@ -484,7 +486,7 @@ TEST(Emission, SpheresAndSpots) {
   });
 }
 
-// Parallel light starts in a disc before the bounds.
+// Parallel light starts in a disk before the bounds.
 template <int D>
 std::vector<double> before(const BoundingSphere<D>& bounds, const EmittedPhoton<D>& photon) {
   const Vec<D> beside = (photon.origin - bounds.centre) / bounds.radius + photon.direction;
@@ -616,8 +618,8 @@ TEST(Emission, ChoosesByPower) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// A shadow ray's estimate is the light's radiance over the probability of its choice: seen at a
-// point that lamps without extent light, each of them has an estimate of its own.
+// The estimate of a shadow ray is the light's radiance over the probability of its choice. At a
+// point that lights without extent illuminate, each light has a distinct estimate.
 TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   Scene<3> scene =
       test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return x.z; }), Rgb(1), {0.2, 0.8});
@@ -658,8 +660,8 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// Points of a texel are uniform over its box of +-0.35 texels, cut off at the domain's border;
-// a point of a scrambled sequence is uniform over the scrambles, the texels' keys.
+// Points of a texel are uniform over its box of +-0.35 texels, clipped to the domain. A point of
+// a scrambled sequence is uniform over the scrambles, which are the texels' keys.
 TEST(Samplers, PointsOfATexel) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;

@@ -6,7 +6,7 @@
 
 namespace leaflight::test {
 
-// One volume, nothing around it.
+// Returns a scene of one volume with nothing around it.
 template <int D>
 Scene<D> scene_of(Field<D> field, const Rgb& albedo, const IsovalueRange& isovalue_range) {
   Scene<D> scene;
@@ -60,8 +60,8 @@ inline std::vector<Side> cube_sides(double low, double high) {
   return {{a, y, z}, {a, z, x}, {a, x, y}, {b, -z, -y}, {b, -x, -z}, {b, -y, -x}};
 }
 
-// A closed box whose walls emit `emission` and reflect `albedo`, around a field of the unit cube:
-// everything in it, if the isosurfaces are white, has the radiance emission / (1 - albedo).
+// Returns a closed box around a field of the unit cube; its walls emit `emission` and reflect
+// `albedo`. If the isosurfaces are white, the radiance is emission / (1 - albedo) everywhere.
 inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Real emission,
                         Real albedo) {
   Scene<3> scene = scene_of(std::move(field), Rgb(1), isovalue_range);
@@ -72,7 +72,7 @@ inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Rea
   return scene;
 }
 
-// A box open towards -y with a coloured wall on each side and a lamp below its ceiling.
+// A box open towards -y with a colored wall on each side and a lamp below its ceiling.
 inline Scene<3> cornell(Field<3> field, const IsovalueRange& isovalue_range) {
   Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), isovalue_range);
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);

@@ -18,18 +18,18 @@ namespace leaflight::test {
 // random numbers would cause a false alarm.
 inline constexpr double significance = 1e-4;
 
-// Of each of n tests that are to fail together with the chance alpha (Sidak 1967).
+// Returns the significance of each of n tests, such that any fails with chance alpha (Sidak 1967).
 inline double sidak(double alpha, std::size_t n) {
   return -std::expm1(std::log1p(-alpha) / static_cast<double>(std::max<std::size_t>(1, n)));
 }
 
-// How many standard errors a normal number stays within, on both sides, in all of n tests.
+// Returns the number of standard errors within which normal numbers stay in all of n tests.
 inline double z_limit(std::size_t n = 1, double alpha = significance) {
   const boost::math::normal normal;
   return boost::math::quantile(boost::math::complement(normal, sidak(alpha, n) / 2));
 }
 
-// The z with the tails that a Student's t of so many degrees of freedom has there.
+// Returns the normal quantile with the same tail as t of Student's distribution.
 inline double z_of_t(double t, double freedom) {
   const boost::math::students_t student(std::max(freedom, 1.0));
   const double tail = boost::math::cdf(boost::math::complement(student, std::abs(t)));
@@ -38,14 +38,14 @@ inline double z_of_t(double t, double freedom) {
                        t);
 }
 
-// What chi-square exceeds with the chance alpha in one of n tests.
+// Returns the value that chi-square exceeds in any of n tests with the chance alpha.
 inline double chi_square_limit(double freedom, std::size_t n = 1, double alpha = significance) {
   const boost::math::chi_squared distribution(freedom);
   return boost::math::quantile(boost::math::complement(distribution, sidak(alpha, n)));
 }
 
-// Whether counts are a draw from the distribution with the expected counts. Bins that expect fewer
-// than five are taken together (Cochran 1954); what must not happen at all must not happen once.
+// Tests that counts are a draw from the distribution with the expected counts. Pools bins that
+// expect fewer than five (Cochran 1954). A single sample of zero density fails the test.
 inline testing::AssertionResult agree(const std::vector<double>& counts,
                                       const std::vector<double>& expected, std::size_t tests = 1) {
   constexpr double fewest = 5;
@@ -87,7 +87,7 @@ class Histogram {
     std::size_t bin = 0;
     for (std::size_t a = 0; a < bins_.size(); ++a) {
       const int i = static_cast<int>(std::floor(u[a] * bins_[a]));
-      // What rounding puts on the border belongs to the last bin; nothing else is forgiven.
+      // A number that rounding puts on the border belongs to the last bin; others are outside.
       if (!(u[a] > -1e-6 && u[a] < 1 + 1e-6)) ++outside_;
       bin = bin * bins_[a] + std::clamp(i, 0, bins_[a] - 1);
     }

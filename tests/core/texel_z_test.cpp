@@ -21,10 +21,10 @@ struct Estimate {
   double freedom = 0;  // of the variance; 0: nothing is known
 };
 
-// What a texel stores, by its definition and by nothing that a bake does: points uniform over its
-// box of +-0.35 texels, weighted with |grad c|, each with one path, all independent. Nothing where
-// the box reaches out of the isovalue range: there a bake looks farther, and how far depends on its
-// samples.
+// Estimates the radiance of a texel by its definition, without the code of a bake. Independent
+// points, uniform over its box of +-0.35 texels, are weighted with |grad c| and have one path each.
+// Returns nothing if the box leaves the isovalue range: there a bake takes samples from farther
+// away, and the distance depends on its samples.
 template <int D>
 Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                      const IndirectEstimator<D>& paths, const TexelLattice<D>& lattice,
@@ -127,7 +127,7 @@ std::string write_slice(const TexelLattice<D>& lattice, const std::vector<Imath:
   return path.string();
 }
 
-// What the estimator may be off by for ever: a share of the texel's radiance and one of the mean.
+// Largest bias of an estimator: a share of the texel's radiance and a share of the mean.
 struct Bias {
   double relative = 0, of_the_mean = 0;
 
@@ -218,10 +218,9 @@ class TexelZ {
 constexpr int seeds = test::sanitized ? 3 : 8;
 constexpr int photons = test::fewer(50'000);
 
-// Biases, measured and with half as much again allowed; more seeds do not lessen them. As they are
-// of light that is blurred, at the edge of a shadow they are a share of the mean over the texels
-// and not of the texel's own radiance. A gather ray looks up the nearest texel: none could be
-// measured.
+// Measured biases times 1.5; more seeds do not lower them. They come from blurred light, so at the
+// edge of a shadow they are a share of the mean over the texels. A gather ray looks up the nearest
+// texel: no bias could be measured.
 constexpr Bias gathered{0.02, 0.02};
 // Photons are counted over boxes of up to 9 texels: 0.7 % of the mean; 6.3 % in the plane.
 constexpr Bias boxes{0.02, 0.02}, flat_boxes{0.02, 0.1};

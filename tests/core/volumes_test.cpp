@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several volumes, emissive and coloured isosurfaces, both sides, and the walls per isovalue.
+// Several volumes, emissive and colored isosurfaces, both sides, and the walls per isovalue.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@ Scene<3> two_balls() {
   return scene;
 }
 
-// Of a volume and side of a bake against the path tracer at points of its isosurface.
+// Compares one side of a volume of a bake with the path tracer, at points of its isosurface.
 test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool back,
                                double c) {
   const Field<3>& field = scene.volumes[volume].field;
@@ -62,7 +62,7 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
       EXPECT_LT(found.relative_rms, 0.08);
     }
   }
-  // Without its neighbour, the first is brighter where it stood in its shadow.
+  // Without its neighbor, the first is brighter where it stood in its shadow.
   Scene<3> alone = two_balls();
   alone.volumes.pop_back();
   const std::vector<Vec3> points = test::isosurface_points(alone.volumes[0].field, 0.8, 17);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What tests of bakes in passes share: small ones, and whether two are the same.
+// Helpers of tests of bakes in passes: small bakes, and the comparison of two bakes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ inline void expect_same_light(const std::vector<Baked<3>>& bakes) {
 
 inline Scene<3> small_scene() { return cornell(ball<3>(17), {0.6, 0.9}); }
 
-// What a bake that goes on is given of one that was stopped.
+// Returns the light of a stopped bake, from which another bake continues.
 inline std::vector<PreviousLight<3>> previous_light(const Baked<3>& baked) {
   const BakeStatistics& s = baked.statistics;
   std::vector<PreviousLight<3>> previous;

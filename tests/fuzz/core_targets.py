@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is fuzzed of the C++ core by libFuzzer: core/*.cpp, and files for each to begin with.
+"""The targets of libFuzzer in the C++ core: core/*.cpp, and seeds for each.
 
-What a target takes apart itself (core/bytes.h) is packed here in the same order.
+Some targets unpack their input with core/bytes.h. Their seeds are packed here in the same order.
 """
 
 import struct

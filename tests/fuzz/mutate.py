@@ -22,7 +22,7 @@ _TEXTS += [b'"', b"[", b"]", b"{", b"\n\n", b"1" * 400, b"null", b"true", b"[[[[
 
 
 def mutated(seeds, random):
-    """One of the seeds with one to six changes, or another part of it behind its beginning."""
+    """Returns one of the seeds with one to six changes, at most a megabyte."""
     data = bytearray(random.choice(seeds))
     for _ in range(random.choice((1, 1, 2, 3, 6))):
         random.choice(_CHANGES)(data, random, seeds)
@@ -30,7 +30,7 @@ def mutated(seeds, random):
 
 
 def _place(data, random):
-    """Most damage is done to headers, and these come first."""
+    """Returns a random place, half the time in the first 512 bytes, where headers are."""
     most = len(data) if random.random() < 0.5 else min(len(data), 512)
     return random.randrange(most) if most else 0
 
@@ -72,7 +72,7 @@ def _splice(data, random, seeds):
 
 
 def _word(data, random, _seeds):
-    """A number or a word of a text becomes another one."""
+    """Replaces a number or a word of a text."""
     words = list(re.finditer(rb"[-+.\w]+", bytes(data[:4096])))
     if words:
         begin, end = random.choice(words).span()
@@ -85,7 +85,7 @@ def _insert(data, random, _seeds):
 
 
 def _line(data, random, _seeds):
-    """A line comes twice, or not at all, or elsewhere."""
+    """Repeats, removes or moves a line."""
     lines = bytes(data[:8192]).split(b"\n")
     line = lines.pop(random.randrange(len(lines)))
     for _ in range(random.randrange(3)):

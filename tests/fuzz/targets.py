@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is fuzzed: everything that reads a file which others may have made.
+"""The targets of the fuzzer: all code that reads a file from elsewhere.
 
-Each target has files to begin with, which are generated, and the command that reads such a file. A
-command may succeed, or refuse the file by one sentence and exit with 2; all else is a failure: any
-other exception, a crash, more than a minute, or memory out of proportion.
+Each target has generated seeds and the command that reads such a file. A command may succeed, or
+refuse the file with one sentence and exit with 2. Failures are any other exception, a crash, more
+than a minute, or memory out of proportion.
 """
 
 import contextlib
@@ -20,17 +20,20 @@ sys.path[:0] = [str(ROOT / "tests" / "python")]
 import numpy as np  # noqa: E402
 from leaflight_command import main  # noqa: E402
 
-# What one command may say of a bad file, at most.
+# Maximum length of a command's message about a bad file, in characters.
 LONGEST_SENTENCE = 600
 
 
 @dataclass(frozen=True)
 class Target:
-    """name: on the command line; suffix: of its files; seeds: seeds(folder) gives their bytes.
+    """A command that reads a kind of file, and seeds for it.
 
-    arguments: of the command, in which FILE is the file and OUT a file that it may write.
-    within: the name of the file in a folder that stands for the volume, "" for the file itself.
-    slow: whether each try starts a process or bakes.
+    name: the name on the command line
+    suffix: the suffix of its files
+    seeds: seeds(folder) returns the bytes of the files
+    arguments: arguments of the command; FILE is the file, and OUT is a file that it may write
+    within: the name of the file within a folder that is the volume, "" if the file is the volume
+    slow: True if each try starts a process or bakes
     """
 
     name: str
@@ -67,7 +70,7 @@ def check(target, folder, data, good=False):
 
 
 def _of_tests(name):
-    """The seeds that tests of damaged files use."""
+    """Returns the seeds that tests of damaged files use."""
 
     def seeds(folder):
         from test_damaged_files import FORMATS
@@ -129,7 +132,7 @@ def _metaimage(folder):
 
 
 def _spread(folder):
-    """Writes each plane to a file of its own; returns the lines that name them."""
+    """Writes each plane to a separate file; returns the lines that name the files."""
     import gzip
 
     from test_damaged_files import VALUES
@@ -415,7 +418,7 @@ def _microscope(name):
 
 
 def _bake(folder):
-    """Without the seal that would detect every change."""
+    """Returns bakes without the seal, which would detect every change."""
     import leaflight
     from same_bytes import saved_alike
 
@@ -553,7 +556,7 @@ BY_NAME = {target.name: target for target in TARGETS}
 
 
 def missing_library(target):
-    """The library without which a target cannot be tried here, or None."""
+    """Returns the library without which a target cannot be tried here, or None."""
     import tempfile
 
     import pytest

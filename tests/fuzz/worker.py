@@ -19,7 +19,7 @@ from pathlib import Path
 from mutate import mutated
 from targets import BY_NAME, check, seeds_of
 
-# Of one file of at most a megabyte.
+# Limits for one file of at most a megabyte, in seconds and bytes.
 MOST_SECONDS = 60
 MOST_MEMORY = 1 << 30
 

@@ -39,7 +39,7 @@ def root():
 
 @pytest.fixture(scope="session")
 def made():
-    """The paths of all packages for macOS."""
+    """Returns the paths of all packages for macOS."""
     command = [ROOT / "scripts" / "package"]
     for platform in PROCESSORS:
         command += ["--platform", platform]
@@ -62,7 +62,7 @@ def wheel(request, made):
 
 @pytest.fixture(scope="session", params=PROCESSORS)
 def extension(request, made):
-    """The path of an extension, the platform and the processor."""
+    """Returns the path of an extension, the platform and the processor."""
     platform = request.param
     (path,) = (p for p in made if p.name.endswith(f"-{platform.replace('-', '_')}.zip"))
     return path, platform, PROCESSORS[platform]

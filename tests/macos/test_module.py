@@ -10,13 +10,13 @@ import pytest
 from packing.macos import python
 
 SYSTEM = ["/usr/lib/libSystem.B.dylib", "/usr/lib/libz.1.dylib"]
-# Of a symbol that is looked up in every library of the process.
+# Library ordinal of a symbol that is looked up in every library of the process.
 ANY_LIBRARY = -2
 
 
 @pytest.fixture(scope="module")
 def module(wheel, tmp_path_factory):
-    """The path of the module, unpacked."""
+    """Unpacks the module and returns its path."""
     with zipfile.ZipFile(wheel.path) as archive:
         return Path(archive.extract(wheel.module, tmp_path_factory.mktemp("module")))
 

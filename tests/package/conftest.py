@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def call(*command, timeout=HANG, **options):
-    """What a program prints; fails the test when the program fails or hangs."""
+    """Returns the output of a program; fails the test if the program fails or hangs."""
     done = subprocess.run(
         list(map(str, command)),
         stdout=subprocess.PIPE,
@@ -28,7 +28,7 @@ def call(*command, timeout=HANG, **options):
 
 
 def environment(**more):
-    """The variables of this process without the paths and the settings of the user's own Python."""
+    """Returns the variables of this process without the paths and settings of the user's Python."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     return {**kept, "PYTHONNOUSERSITE": "1", **more}
 
@@ -50,7 +50,7 @@ def plain_environment():
 
 @pytest.fixture(scope="session")
 def made():
-    """The packages, by what they are: wheel, sdist, extension, legacy."""
+    """Returns the packages, by what they are: wheel, sdist, extension, legacy."""
     # A compiler does not hang.
     last = call(ROOT / "scripts" / "package", "--quick", timeout=None).splitlines()[-1]
     paths = [ROOT / name for name in last.split()]
@@ -62,7 +62,7 @@ def made():
 
 @pytest.fixture(scope="session")
 def installed(made, tmp_path_factory):
-    """The Python of a fresh virtual environment with the wheel, installed as users do."""
+    """Returns the Python of a fresh virtual environment with the wheel, installed as users do."""
     folder = tmp_path_factory.mktemp("installed")
     call("/usr/bin/python3", "-m", "venv", folder)
     python = folder / "bin" / "python"

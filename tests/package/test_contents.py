@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is in the packages, and what must not be."""
+"""The contents of the packages, and the files that they must not contain."""
 
 import ast
 import base64
@@ -25,7 +25,7 @@ def names(path):
 
 
 def parts(data):
-    """(name of its metadata, open archive) of a wheel and of each that its folders hold."""
+    """Returns (name of its metadata, open archive) of a wheel and of each that its folders hold."""
     archive = zipfile.ZipFile(io.BytesIO(data))
     infos = {
         name.rpartition("/")[0] for name in archive.namelist() if name.endswith("-info/RECORD")
@@ -45,7 +45,7 @@ def version(root):
 
 @pytest.fixture(scope="module")
 def extension(made):
-    """The manifest, and the wheels by the name of their project."""
+    """Returns the manifest, and the wheels by the name of their project."""
     with zipfile.ZipFile(made["extension"]) as archive:
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
         wheels = {name: archive.read(name) for name in archive.namelist() if ".whl" in name}

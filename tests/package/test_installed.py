@@ -37,7 +37,7 @@ def test_the_command(run, plain_environment, installed):
 
 
 def test_the_sdist_builds(run, plain_environment, made, tmp_path):
-    """In an environment of its own, with what pip fetches by itself."""
+    """Installs the sdist into a new environment, with the requirements that pip downloads."""
     run("/usr/bin/python3", "-m", "venv", tmp_path / "venv")
     python = tmp_path / "venv" / "bin" / "python"
     run(python, "-m", "pip", "install", "--quiet", made["sdist"], timeout=None)

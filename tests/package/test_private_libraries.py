@@ -34,7 +34,7 @@ print("done with", leaflight.__file__)
 
 
 def bindings(logs):
-    """(file, its library, symbol) for each binding that the linker wrote of."""
+    """Yields (file, its library, symbol) for each binding that the linker wrote of."""
     for log in logs:
         with open(log, errors="replace") as lines:
             for line in lines:

@@ -31,7 +31,7 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).resolve().parents[2]
-# Flatland's is of a kind of its own.
+# Names of the scene files, without Flatland's, which have another format.
 SHIPPED = sorted(
     path.name for path in (ROOT / "scenes").glob("*.json") if "flatland" not in path.name
 )
@@ -89,7 +89,7 @@ def bump_scene():
 
 @pytest.fixture(scope="session")
 def box_bake(bump_scene):
-    """The bump box with 20^3 nodes and as many texels in its scene."""
+    """Returns the bump box with 20^3 nodes and as many texels in its scene."""
     return leaflight.bake(leaflight.bump_box(20), bump_scene, resolution=20, **SMALL)
 
 
@@ -102,7 +102,7 @@ def box_file(box_bake, tmp_path_factory):
 
 @pytest.fixture(params=SHIPPED)
 def shipped(request):
-    """Each of the scene files that come with the program."""
+    """Returns each of the scene files that come with the program."""
     return leaflight.load_scene(ROOT / "scenes" / request.param)
 
 
@@ -113,7 +113,7 @@ def lapr_scene():
 
 @pytest.fixture(scope="session")
 def lapr_bake(lapr_scene):
-    """Two volumes, both sides and the walls; open at the border, so that light gets in."""
+    """Bakes two volumes, both sides and the walls; open at the border, so that light gets in."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
     return leaflight.bake(volumes, lapr_scene, error=5.0, both_sides=True, walls=True)
 
@@ -187,5 +187,5 @@ def script():
 
 @pytest.fixture
 def values():
-    """Values (4, 5, 6) that every integer type from uint8 on and every float type holds exactly."""
+    """Returns values (4, 5, 6) that integer types from uint8 on and float types hold exactly."""
     return np.random.default_rng(7).permutation(120).reshape(4, 5, 6).astype(np.float32)

@@ -15,7 +15,7 @@ SEGMENTATION = "1.2.840.10008.5.1.4.1.1.66.4"
 
 
 def uid(name):
-    """The same for a name in every run."""
+    """Returns the same for a name in every run."""
     return generate_uid(entropy_srcs=[name])
 
 
@@ -23,7 +23,7 @@ SERIES = uid("leaflight")
 
 
 def write_slice(path, pixels, place, series=SERIES, **tags):
-    """A CT slice at the place z along the patient; its values are 2 pixels - 1000."""
+    """Writes a CT slice at the place z along the patient; its values are 2 pixels - 1000."""
     meta = FileMetaDataset()
     meta.MediaStorageSOPClassUID = CTImageStorage
     # The same bytes in every run.
@@ -48,7 +48,7 @@ def write_slice(path, pixels, place, series=SERIES, **tags):
 
 
 def write_series(folder, values, apart=2.0, **tags):
-    """A folder of slices whose values are those given."""
+    """Writes a folder of slices with the given values."""
     folder.mkdir(parents=True, exist_ok=True)
     tags = {"RescaleSlope": 1, "RescaleIntercept": 0, **tags}
     for k, plane in enumerate(values):
@@ -73,7 +73,7 @@ def edit(path, without=(), syntax=None, **tags):
 
 
 def item(**tags):
-    """A sequence of one item with these tags."""
+    """Returns a sequence of one item with these tags."""
     data = pydicom.Dataset()
     for name, value in tags.items():
         setattr(data, name, value)
@@ -81,7 +81,7 @@ def item(**tags):
 
 
 def items(**sequences):
-    """One item with these sequences."""
+    """Returns one item with these sequences."""
     data = pydicom.Dataset()
     for name, value in sequences.items():
         setattr(data, name, value)
@@ -89,7 +89,7 @@ def items(**sequences):
 
 
 def write_pages(path, values, pages=None, **tags):
-    """A file of several pages; pages: items, what belongs to each."""
+    """Returns a file of several pages; pages: items, what belongs to each."""
     tags = {"RescaleSlope": 1, "RescaleIntercept": 0, "NumberOfFrames": len(values), **tags}
     if pages is not None:
         tags["PerFrameFunctionalGroupsSequence"] = pydicom.Sequence(pages)
@@ -107,7 +107,7 @@ def dose(path, values, offsets, place=50, **tags):
 
 
 def camera(path, values, **tags):
-    """A reconstruction of nuclear medicine."""
+    """Returns a reconstruction of nuclear medicine."""
     detector = item(ImagePositionPatient=[-8, 5, -3], ImageOrientationPatient=[1, 0, 0, 0, 1, 0])
     tags = {"Modality": "NM", "DetectorInformationSequence": detector, **tags}
     write_pages(path, values, **tags)
@@ -116,7 +116,7 @@ def camera(path, values, **tags):
 
 
 def segments(path, planes, labels, apart=2, **tags):
-    """A segmentation; planes: (segment from 1, k, its pixels) of each page."""
+    """Returns a segmentation; planes: (segment from 1, k, its pixels) of each page."""
     described = [items(SegmentNumber=n + 1, SegmentLabel=label) for n, label in enumerate(labels)]
     pages = [
         at(2 * k, SegmentIdentificationSequence=item(ReferencedSegmentNumber=number))
@@ -136,7 +136,7 @@ def segments(path, planes, labels, apart=2, **tags):
 
 
 def jpeg_2000(plane):
-    """The codestream that Pillow writes."""
+    """Returns the codestream that Pillow writes."""
     image = pytest.importorskip("PIL.Image")
     file = io.BytesIO()
     image.fromarray(plane.astype(np.uint16)).save(file, "JPEG2000", no_jp2=True, irreversible=False)
@@ -144,12 +144,12 @@ def jpeg_2000(plane):
 
 
 def bare(data):
-    """The bytes of a file without its preamble and the information about it."""
+    """Returns the bytes of a file without its preamble and the information about it."""
     return data[144 + int.from_bytes(data[140:144], "little") :]
 
 
 def write_disc(folder, values):
-    """A disc with a DICOMDIR, as pydicom writes it."""
+    """Returns a disc with a DICOMDIR, as pydicom writes it."""
     scan = write_series(folder / "scan", values)
     files = FileSet()
     files.UID = uid("disc")

@@ -145,7 +145,7 @@ def _nd2_file(chunks):
 
 
 def _level(items):
-    """A dictionary in Nikon's binary form."""
+    """Returns a dictionary in Nikon's binary form."""
     data = b""
     for name, value in items.items():
         kind, content = _variant(value)

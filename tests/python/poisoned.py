@@ -25,7 +25,7 @@ UNWRITTEN = "unwritten"
 
 
 def answers(files):
-    """What becomes of files [path, options of read_volume]: for each pattern a list of texts.
+    """Reads files [path, options of read_volume]; returns a list of texts for each pattern.
 
     A text is a hash of the volume behind "read ", or the sentence that refuses the file.
     """
@@ -36,7 +36,7 @@ def _answers(pattern, files):
     package = Path(leaflight.__file__).parents[1]
     done = subprocess.run(
         [sys.executable, __file__],
-        # Of Python's own allocator memory comes without the pattern.
+        # Python's own allocator does not write the pattern.
         env={
             **os.environ,
             "PYTHONPATH": str(package),

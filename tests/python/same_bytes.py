@@ -8,14 +8,14 @@ from leaflight import _core
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
-# Where OpenVDB writes an identifier that it draws anew for each file.
+# Bytes where OpenVDB writes a random identifier, a new one for each file.
 _IDENTIFIER = slice(21, 57)
 # The statistics of time and memory.
 _MEASURED = ("seconds", "peak_memory_bytes")
 
 
 def saved_alike(bake, path):
-    """The bytes of the file of a bake, without the seal that would detect every change."""
+    """Returns the bytes of the file of a bake, without the seal that would detect every change."""
     statistics = replace(bake.statistics, **dict.fromkeys(_MEASURED, 1))
     replace(bake, statistics=statistics).save(path)
     data = bytearray(path.read_bytes()[:-24])
@@ -25,7 +25,7 @@ def saved_alike(bake, path):
 
 
 def assert_same_bake(path, other):
-    """Compares grids bit by bit and the metadata; a VDB header holds a random UUID besides."""
+    """Compares grids bit by bit, and the metadata, but not the random UUID in a VDB header."""
     fields, grids, walls, metadata = _core.read_bake(str(path))
     other_fields, other_grids, other_walls, other_metadata = _core.read_bake(str(other))
     for field, other_field in zip(fields, other_fields, strict=True):

@@ -53,7 +53,7 @@ def quietly(work, label):
 
 @pytest.fixture(scope="module")
 def by_paths():
-    """The path tracer in place of Cycles, which takes seconds to start."""
+    """Yields the path tracer in place of Cycles, which takes seconds to start."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(IsosurfaceSide, "by_cycles", IsosurfaceSide.path_traced)
         yield

@@ -221,7 +221,7 @@ def test_too_many_texels_are_refused(bump_scene):
 
 @pytest.fixture
 def endless(bump_scene):
-    """(Progress, thread, what it raised) of a bake of minutes that is under way."""
+    """Yields (Progress, thread, what it raised) of a bake of minutes that is under way."""
     progress, outcome = Progress(), []
     settings = {"error": 0.01, "resolution": 200, "progress": progress}
 

@@ -19,7 +19,7 @@ pytest.importorskip("distributed")
 
 @pytest.fixture
 def scan(tmp_path):
-    """Two frames in time, as NIfTI has them."""
+    """Writes a NIfTI file of two frames in time."""
     z, y, x = np.mgrid[:12, :12, :12]
     frames = [np.sin(0.4 * x + t) + np.cos(0.5 * y) + 0.1 * z for t in range(2)]
     path = tmp_path / "scan.nii"
@@ -70,9 +70,9 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.mark.slow
 def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
-    """What was baked stays as it is, and the rest is baked."""
+    """Checks that the batch keeps the finished bake and bakes the rest."""
     lines = [f"bump_box --dims 10 --error 5 --out {tmp_path}/short.vdb"]
-    # Of days.
+    # This bake would take days.
     long = f"bump_box --dims 200 --error 0.01 --out {tmp_path}/long.vdb"
     path = listed(tmp_path, *lines, long)
     with started(

@@ -73,7 +73,7 @@ def test_nothing_is_read_beyond_the_points():
 
 
 def test_errors_that_rise_by_chance():
-    """The first two neighbours around the error count, with the seconds of these."""
+    """Checks that the first two neighbors around the error count, with their seconds."""
     cost, _ = cost_at(3.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])
     assert 2.0 < cost < 4.0
     cost, _ = cost_at(4.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])
@@ -302,7 +302,7 @@ def test_scale_takes_turns(monkeypatch):
 
 @pytest.mark.machine
 def test_the_peak_of_a_process_of_its_own():
-    """It knows nothing of what this process holds."""
+    """Checks that the peak leaves out the memory of this process."""
     ballast = np.ones(2**29, np.uint8)
     assert 2**24 < bake_bump_box(8, 0, 1, Progress())["peak_bytes"] < ballast.nbytes
 

@@ -59,7 +59,7 @@ def test_info_of_colin27(cli, colin27):
 
 
 def test_pipeline(script, root, tmp_path):
-    """bake, surface and compare, each in a process of its own."""
+    """Runs bake, surface and compare, each in a separate process."""
     bake, mesh = tmp_path / "box.vdb", tmp_path / "box.ply"
     scene = root / "scenes" / "bump_box.json"
     arguments = ["bump_box", "--dims", "20", "--out", bake, "--scene", scene, *BAKE]
@@ -227,7 +227,7 @@ def test_output_never_replaces_the_input(cli, box_file):
 
 
 def said_on(terminal, until=None):
-    """What a program writes on a terminal, up to some words or to its end."""
+    """Returns the output of a program on a terminal, up to some words or to its end."""
     said, part = b"", None
     while part != b"" and (until is None or until not in said):
         assert select.select([terminal], [], [], HANG)[0], "it hangs"
@@ -243,7 +243,7 @@ def test_ctrl_c_leaves_no_file(root, tmp_path):
     command = [root / "scripts" / "leaflight", "bake", "bump_box", "--out", tmp_path / "x.vdb"]
     terminal, of_program = os.openpty()
     with started(
-        # Of minutes.
+        # This bake would take minutes.
         [*command, "--error", "0.01", "--resolution", "200"],
         stdout=subprocess.PIPE,
         stderr=of_program,

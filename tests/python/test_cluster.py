@@ -61,13 +61,13 @@ def test_any_number_of_workers(volume, alone, count):
 
 @pytest.mark.slow
 def test_workers_that_die(volume, alone, workers):
-    """One is killed after each pass, and others, started for it, know nothing of the bake."""
+    """Kills a worker after each pass; new workers start without the data of the bake."""
     killed = []
 
     def kill(_bake):
         alive = []
         while not alive:
-            # Of the one before it may not be known yet that it is dead.
+            # The client may not know yet that the last killed worker is dead.
             found = workers.client.run(os.getpid, on_error="ignore")
             alive = [pid for pid in found.values() if pid not in killed]
         killed.append(alive[0])
@@ -79,7 +79,7 @@ def test_workers_that_die(volume, alone, workers):
 
 @pytest.mark.slow
 def test_nobody_is_left(volume, alone):
-    """The bake goes on by itself."""
+    """Checks that the bake continues without workers."""
     workers = Workers(2)
 
     def close(_bake):
@@ -112,7 +112,7 @@ def never_done():
 
 @pytest.mark.slow
 def test_cancel_goes_through(volume, workers):
-    """What workers do for a bake ends with it, and they are free for the next."""
+    """Checks that workers stop with a cancelled bake, and are free for the next."""
     workers.client.run(never_done)
     progress, outcome = Progress(), []
 
@@ -197,6 +197,6 @@ def test_workers_hold_what_was_reported(workers):
 
 
 def resident():
-    """Bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    """Returns bytes that this process has held at most; ru_maxrss knows of who started it, too."""
     lines = open("/proc/self/status").read().splitlines()
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))

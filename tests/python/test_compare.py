@@ -69,7 +69,7 @@ def test_parts_of_an_error():
 
 
 def test_colours_saturate(box_bake):
-    """Where an exposure turns everything white no colour differs, but the radiance still does."""
+    """Checks that an exposure that turns all white hides differences of color, not of radiance."""
     white = replace(box_bake, scene=replace(box_bake.scene, exposure=1e9))
     result = leaflight.compare(white, 47.0, points=50, spp=256)
     assert result["rms_percent"] < 1e-6 < result["relative_rms"]

@@ -79,7 +79,7 @@ def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
 
 
 def _error_between_vertices(bake, mesh):
-    """RMS of what linear interpolation of the radiance misses."""
+    """Returns RMS of what linear interpolation of the radiance misses."""
     vertices, _, triangles, radiance = mesh[:4]
     facets, coordinates = random_places(vertices, triangles, 5000, seed=1)
     weights = np.column_stack([1 - coordinates.sum(axis=1), coordinates])

@@ -163,7 +163,7 @@ def test_the_files_that_are_damaged_are_whole(tmp_path, name):
 
 @pytest.mark.parametrize("back_to", [0, 2])
 def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
-    """Found by fuzzing: whoever takes the next page until there is none never ends."""
+    """Checks a file found by fuzzing: a reader that follows all pages would never end."""
     path = tmp_path / "x.tif"
     with tifffile.TiffWriter(path) as file:
         for k, plane in enumerate(VALUES):

@@ -29,7 +29,7 @@ def page_of(path):
 
 
 def anchors(path):
-    """Those of the headings of a page, as GitHub and MyST make them."""
+    """Returns the anchors of the headings of a page, as GitHub and MyST make them."""
     headings = re.findall(r"^#+ (.+)$", path.read_text(), re.MULTILINE)
     return {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
 
@@ -64,7 +64,7 @@ def test_tests_that_pages_name_are_there():
 
 
 def sphinx(source, site):
-    """What scripts/docs does, of another folder of pages."""
+    """Builds the site from another folder of pages, as scripts/docs does."""
     command = ["-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", source, site]
     return subprocess.run(
         [SITE_PYTHON, *map(str, command)],
@@ -119,7 +119,7 @@ def test_a_link_that_leads_nowhere_fails(build_tree, tmp_path, link, words):
     assert sphinx(pages, tmp_path / "site").returncode == 0
 
 
-# Runs a notebook as Jupyter does, in a kernel of its own, and saves it with what it shows.
+# Program that runs a notebook as Jupyter does, in a separate kernel, and saves its output.
 EXECUTE = """
 import sys, nbformat
 from nbclient import NotebookClient

@@ -25,7 +25,7 @@ def rewritten(plain_docstrings):
 
 
 def rows(lines):
-    """Of the one table that there is."""
+    """Returns the rows of the only table."""
     cells = [line.strip(" *-") for line in lines if line.startswith(("   * - ", "     - "))]
     return [tuple(cells[i : i + 3]) for i in range(0, len(cells), 3)]
 

@@ -19,7 +19,7 @@ ISOVALUES = (40.0, 47.0, 60.0)
 
 @pytest.fixture(scope="module")
 def finer(bump_scene):
-    """Texels half as wide as voxels, and backs."""
+    """Bakes texels half as wide as voxels, and backs."""
     return leaflight.bake(
         leaflight.bump_box(12),
         bump_scene,
@@ -36,7 +36,7 @@ def surface(box_bake):
 
 
 def srgb(linear):
-    """As 8-bit images hold it."""
+    """Returns the sRGB values of 8-bit images."""
     linear = np.clip(linear, 0, 1)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     return 255 * encoded
@@ -101,7 +101,7 @@ def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_pat
     mesh = contour.GetOutput()
     points = vtk_to_numpy(mesh.GetPoints().GetData())
     found = vtk_to_numpy(mesh.GetPointData().GetArray("radiance"))
-    # Of the texels, in units of which the box is 22 wide.
+    # Radiance of the texels. The box is 22 texel spacings wide.
     radiance = finer.grid.dense("radiance")
     places = 22 * points.T[::-1]
     expected = np.stack([map_coordinates(radiance[..., k], places, order=1) for k in range(3)], -1)
@@ -208,7 +208,7 @@ def test_glb(box_bake, surface, tmp_path):
 
 
 def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
-    """Beside a material, where trimesh keeps them as an attribute."""
+    """Checks colors beside a material, where trimesh keeps them as an attribute."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
     (mesh,) = trimesh.load(tmp_path / "box.glb", process=False).geometry.values()
@@ -219,7 +219,7 @@ def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
 
 
 def gltf_of(path):
-    """(the JSON, a function from the number of an accessor to its array) of a .glb."""
+    """Returns (the JSON, a function from the number of an accessor to its array) of a .glb."""
     content = path.read_bytes()
     magic, version, length, size, kind = struct.unpack("<4sIII4s", content[:20])
     assert (magic, version, length, kind) == (b"glTF", 2, len(content), b"JSON")

@@ -70,7 +70,7 @@ def labels_of(count, names):
         ((R < 14) * 1 + (R < 10) + (R < 6), 0.5),
         (labels_of(40, [2, 3, 41, 42, 1001, 2035]), 1.0),
         (labels_of(90, range(7, 4000, 90)), 3.5),
-        # Brain tissues without a background; -1 for what nobody labelled.
+        # Brain tissues without a background; -1 for what nobody labeled.
         ((R < 10) + 1, 1.5),
         (np.where(X < -12, -1, (R < 10) * 1 + (R < 6)), 0.5),
         (np.where(R < 10, 0, -1) - (R < 6) * 0 - (R > 13) * 1, -0.5),

@@ -17,7 +17,7 @@ SIZES = ((320, 180), (180, 320))
 
 
 def block(x, y, z, **options):
-    """A volume with a block of so many voxels in its middle, whose sides are isosurfaces 0 to 1."""
+    """Returns a volume with a central block of so many voxels; its sides are isosurfaces 0 to 1."""
     values = np.zeros((32, 32, 32), np.float32)
     slices = (slice(16 - n // 2, 16 + n // 2) for n in (z, y, x))
     values[tuple(slices)] = 1.0
@@ -25,7 +25,7 @@ def block(x, y, z, **options):
 
 
 def lit(volume, scene=None, **options):
-    """A bake of little light."""
+    """Returns a bake of little light."""
     scene = scene or SceneDescription("sun", [Isosurfaces("block", (0.8,) * 3)], 1.0, [], [SUN])
     settings = {"isovalues": (0.3, 0.7), "error": 20.0, "resolution": 16}
     return leaflight.bake(volume, scene, **settings, **options)
@@ -135,7 +135,7 @@ def test_less_than_a_hundredth_clips_whatever_the_lamps(times):
 
 
 def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
-    """And so are baked ones by local shading: the picture shows where colours come from."""
+    """And so are baked ones by local shading: the picture shows where colors come from."""
     camera = camera_around_bake(cornell_patient, zoom=0.45)
     picture = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1)
     assert (picture[..., 3] == 1).mean() > 0.6
@@ -149,7 +149,7 @@ def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
 
 
 def test_open_isosurfaces_show_their_shape_inside():
-    """Whatever the lamps; a back that was not baked has no light of its own."""
+    """Checks that a back without baked light is shaded, for a sun that cannot reach it."""
     values = np.hypot(*(np.mgrid[:24, :24].astype(np.float32) - 11.5))
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")
@@ -168,7 +168,7 @@ def test_bins_hold_the_same_number_of_steps():
     assert bin_width(steps.astype(np.float32) / 1000, -5e-4, 0.2555) == pytest.approx(
         1e-3, rel=1e-3
     )
-    # Of 3000 integers, 12 in each of at most 256 bins.
+    # Bins of 3000 integers: at most 256, with 12 integers in each.
     assert bin_width(np.arange(3000), -0.5, 2999.5) == 12.0
     # Other numbers have bins that suit how many there are.
     numbers = np.random.default_rng(1).normal(size=100_000)

@@ -8,7 +8,7 @@ from leaflight.measure.flip import flip
 
 @pytest.fixture
 def picture():
-    """Smooth, between dark and white, linear."""
+    """Returns a smooth linear picture between dark and white."""
     y, x = np.mgrid[0:48, 0:64] / 64.0
     return np.stack([x, y, 0.5 * (x + y)], axis=-1).astype(np.float32)
 

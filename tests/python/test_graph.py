@@ -11,7 +11,7 @@ from leaflight.flatland import graph
 
 @pytest.fixture(scope="module")
 def direct_bake():
-    """The 2D bump box with black walls and hardly any inter-reflection."""
+    """Returns the 2D bump box with black walls and hardly any inter-reflection."""
     scene = flatland.flat_box()
     dark = replace(
         scene,
@@ -22,7 +22,7 @@ def direct_bake():
 
 
 def _flattened(bake):
-    """The corrected texture at the middles of the cells, and where it is known."""
+    """Returns the corrected texture at the middles of the cells, and where it is known."""
     texture = bake.texture() * flatland.BRIGHTNESS_CORRECTION
     known = bake.grid.mask() > 0
     corners = [(slice(a, a - 1 or None), slice(b, b - 1 or None)) for a in (0, 1) for b in (0, 1)]

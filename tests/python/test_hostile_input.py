@@ -202,7 +202,7 @@ def test_small_voxels_are_saved(small, tmp_path):
 
 @pytest.fixture
 def foreign(box_bake, tmp_path):
-    """A .vdb without our seal, as other programs write."""
+    """Returns a .vdb without our seal, as other programs write."""
     path = tmp_path / "foreign.vdb"
     path.write_bytes(saved_alike(box_bake, path))
     return path
@@ -270,7 +270,7 @@ def test_names_of_files(cli, tmp_path, name):
 
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "> /dev/full", "| true"])
 def test_nobody_listens(root, tmp_path, closed):
-    """The bake is there all the same."""
+    """Checks that the bake is saved although nobody reads the output."""
     out = tmp_path / "x.vdb"
     bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --error 50 --json"
     done = subprocess.run(

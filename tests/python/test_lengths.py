@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from leaflight import LeaflightError
 
-# Of a head, in the millimeters of its scan.
+# Longest side of a head in millimeters, the unit of its scan.
 SIDE = 220.0
 
 
 @pytest.fixture(scope="module")
 def head_file(tmp_path_factory):
-    """A scan: 20^3 voxels, its longest side 220 mm."""
+    """Returns a scan: 20^3 voxels, its longest side 220 mm."""
     path = tmp_path_factory.mktemp("scan") / "head.nii.gz"
     values = leaflight.bump_box(20).values.T
     image = nibabel.Nifti1Image(values, np.diag([SIDE / 19] * 3 + [1.0]))
@@ -28,7 +28,7 @@ def head_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def head(head_file, bump_scene, tmp_path_factory):
-    """Its bake, from the file that keeps it."""
+    """Returns a bake of the scan, read from its file."""
     path = tmp_path_factory.mktemp("bake") / "head.vdb"
     volume = leaflight.read_volume(head_file)
     leaflight.bake(volume, bump_scene, error=8.0, isovalues=(30.0, 70.0)).save(path)
@@ -36,14 +36,14 @@ def head(head_file, bump_scene, tmp_path_factory):
 
 
 def gltf_of(path):
-    """The JSON of a .glb."""
+    """Returns the JSON of a .glb."""
     content = path.read_bytes()
     (length,) = struct.unpack("<I", content[12:16])
     return json.loads(content[20 : 20 + length])
 
 
 def longest_side_in_meters(path):
-    """Of a .glb: that of the first mesh, times the scale of the root above it."""
+    """Returns the longest side of the first mesh of a .glb, times the scale of its root."""
     file = gltf_of(path)
     (root,) = file["scenes"][0]["nodes"]
     mesh = file["meshes"][0]["primitives"][0]
@@ -63,14 +63,14 @@ def test_info_says_it(cli, head_file):
 
 
 def expected_sides(surface):
-    """In meters, along x, y, z."""
+    """Returns the sides in meters, along x, y, z."""
     sides = np.ptp(surface.vertices, axis=0) / 1000
     assert 0.1 < sides.max() <= 0.22
     return sides
 
 
 def test_a_head_is_a_head_in_gltf(head, tmp_path):
-    """In trimesh, where y is up."""
+    """Checks the sides in trimesh, where y is up."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     surface = leaflight.export(head, tmp_path / "head.glb", [47.0])[47.0]
     x, y, z = expected_sides(surface)
@@ -80,7 +80,7 @@ def test_a_head_is_a_head_in_gltf(head, tmp_path):
 
 @pytest.mark.parametrize("suffix", ["usda", "usdc"])
 def test_a_head_is_a_head_in_usd(head, tmp_path, suffix):
-    """In Pixar's own library."""
+    """Checks the sides in Pixar's own library."""
     pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
     from pxr import Usd, UsdGeom
 

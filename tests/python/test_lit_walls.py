@@ -19,7 +19,7 @@ def test_corners_are_smooth():
     corner = vertices[:, 2] < vertices[:, 2].min() + 1e-4
     along = radiance[corner][np.argsort(vertices[corner, 0])]
     assert len(along) > 30
-    # Light changes slowly along the corner, so what a line through the neighbours leaves is noise.
+    # Light changes slowly along the corner, so what a line through the neighbors leaves is noise.
     steps = along[1:-1] - 0.5 * (along[:-2] + along[2:])
     share = np.abs(steps) / along[1:-1]
     assert np.sqrt(np.mean(share**2)) < 0.02 and share.max() < 0.06

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a bake errs as much as it says, on each isosurface of its isovalue range."""
+"""The estimated error of a bake against the true one, on each isosurface of its isovalue range."""
 
 import leaflight
 import numpy as np
@@ -12,12 +12,12 @@ ISOVALUES = (30.0, 70.0)
 
 @pytest.fixture(scope="module")
 def box(bump_scene):
-    """A coarse volume, where texels miss much."""
+    """Returns a coarse volume, where texels miss much."""
     return leaflight.bake(leaflight.bump_box(16), bump_scene, isovalues=ISOVALUES)
 
 
 def found_percent(baked, isovalue):
-    """RMS of colours against the path tracer, whose noise is taken out."""
+    """Returns RMS of colors against the path tracer, whose noise is taken out."""
     side = IsosurfaceSide(baked, isovalue)
     truth = side.path_traced(400, 512, 1, 0, None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)

@@ -143,7 +143,7 @@ def test_default_texels_are_the_finest_that_fit(monkeypatch):
     assert 40 < bake.grid.resolution[0] < 120
     name, reason = bake.statistics.skipped_passes[-1]
     assert name == "finer texels" and "memory" in reason
-    # What was chosen stands in the bake, as if it had been asked for.
+    # The bake records the chosen resolution, as if the caller had given it.
     assert list(bake.provenance.asked_resolution) == list(bake.grid.resolution)
 
     limit_memory(None)
@@ -173,7 +173,7 @@ def test_limits_that_no_process_can_keep():
 
 def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
     limit_memory(LEAST_LIMIT, tmp_path)
-    # What tests before have left may go before, not meanwhile.
+    # Frees the memory of earlier tests now, not during the measurement.
     gc.collect()
     in_memory, in_files = _core.large_memory()
     small = new_voxels((8, 1024, 1024), np.uint8)

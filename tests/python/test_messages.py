@@ -42,7 +42,7 @@ def f(x):
 
 
 def flags_in_errors(path):
-    """Where texts of what is raised name a flag."""
+    """Returns the places where the text of a raised error names a flag."""
     raised = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Raise)]
     return [
         f"{path}:{statement.lineno}"

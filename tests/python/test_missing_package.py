@@ -39,7 +39,7 @@ def test_what_debian_has(system):
 
 @pytest.mark.parametrize("apt", [True, False])
 def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
-    """Without the needs that would replace what the system has."""
+    """Checks that the advice leaves out requirements that would replace the system's packages."""
     system(True, apt)
     root = Path(missing_package.__file__).parents[3]
     monkeypatch.setenv("PYTHONPATH", f"/elsewhere:{root}")

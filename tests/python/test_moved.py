@@ -67,7 +67,7 @@ def direct(bake):
 
 
 def assert_direct_light_of(ours, theirs):
-    """To the last bit in the maps, and to rounding in radiance."""
+    """Checks for equal direct light: maps to the last bit, radiance up to rounding."""
     assert_same_maps(ours, theirs)
     most = direct(theirs).max()
     assert most > 0.05

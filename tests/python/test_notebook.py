@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a shell and a notebook show of volumes and bakes."""
+"""The display of volumes and bakes in a shell and in a notebook."""
 
 import importlib.util
 import os
@@ -53,12 +53,12 @@ def test_a_bake_makes_a_picture(box_bake):
     exposure = box_bake.scene.exposure * 2.0 ** metered_stops(box_bake, 47.0)
     exposed = tone_mapped(linear[..., :3] * exposure) ** (1 / 2.2)
     assert np.abs(pixels[..., :3] / 255 - exposed)[pixels[..., 3] == 255].max() < 0.04
-    # Of the default isovalue.
+    # A still without an isovalue shows the default one.
     assert np.asarray(box_bake.still(size=(16, 9), samples=1)).max() > 50
 
 
 def test_still_is_one_thing():
-    """A function, which hides no module."""
+    """Checks that still is a function, which hides no module."""
     assert callable(leaflight.still) and importlib.util.find_spec("leaflight.still") is None
 
 

@@ -59,7 +59,7 @@ def test_probes_lie_where_cycles_bakes_their_pixels(count):
     mesh = _mesh(Mesh("sheet", VERTICES, TRIANGLES, (0.5, 0.5, 0.5)))
     probes, pixels, (width, height), uv = _lay_out(mesh, count, seed=3)
     assert len(set(pixels)) == len(pixels) >= count
-    # The centre of the pixel, through the texture coordinates of the facet.
+    # The center of the pixel, through the texture coordinates of the facet.
     a, b, c = (uv[probes.facets, k] * [width, height] for k in range(3))
     u, v = probes.coordinates.T[..., None]
     assert (u > 0).all() and (v > 0).all() and (u + v < 1).all()

@@ -12,7 +12,7 @@ from leaflight import LeaflightError, Volume, as_volume
 
 # Mirrored, turned and shifted.
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 0, 3.0, -120], [0, 1.5, 0, -70], [0, 0, 0, 1]])
-# Of values (4, 5, 6): i, j, k.
+# Index (i, j, k) of a voxel in values of shape (4, 5, 6).
 INDEX = (4, 1, 2)
 
 
@@ -103,7 +103,7 @@ def test_xarray(values):
     for axis, unit in (("x", "micrometer"), ("z", "mm"), ("y", "mm")):
         data[axis].attrs["units"] = unit
     check(as_volume(data), values, [place[0] / 1000, *place[1:]], "density", "mm")
-    # Of other names, and without coordinates.
+    # An array with other names of its axes, and without coordinates.
     plain = xarray.DataArray(values, dims=("depth", "row", "column"))
     check(as_volume(plain, (1, 2, 3)), values, [4, 2, 6], "array")
     uneven = data.assign_coords(y=np.arange(5.0) ** 2)

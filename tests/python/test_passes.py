@@ -32,7 +32,7 @@ def box(bump_scene):
 
 
 def stopped_after(passes, box, **settings):
-    """(the bake that was stopped, the bakes of its passes)."""
+    """Returns (the bake that was stopped, the bakes of its passes)."""
     progress, seen = Progress(), []
 
     def look(baked):
@@ -89,7 +89,7 @@ def test_stopped_after_the_same_pass_bits_are_equal(box, passes):
     assert one.statistics.passes == passes == len(seen) and one.statistics.stopped
     for name in ("radiance", "radiance_indirect", "radiance_error"):
         assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
-        # What was shown meanwhile is what is left.
+        # The last state that was shown equals the result.
         assert one.grid.dense(name).tobytes() == seen[-1].grid.dense(name).tobytes()
 
 
@@ -164,7 +164,7 @@ def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path
 
 @pytest.fixture
 def estimated(bump_scene):
-    """(the Estimate of a bake, its statistics)."""
+    """Returns (the Estimate of a bake, its statistics)."""
     volume = leaflight.bump_box(16)
     arguments = {"isovalues": ISOVALUES, "error": 1.0}
     expected = leaflight.estimate(volume, bump_scene, **arguments)
@@ -188,11 +188,11 @@ def test_an_estimate_is_what_the_bake_takes(estimated):
 
 
 def passes_of(count, power, coarse=0, texture=0.0):
-    """(statistics of passes, what the bake returned when it was stopped after them).
+    """Returns (statistics of passes, statistics of the bake that was stopped after them).
 
-    After 2 s and 5 million rays for what is done once, each doubles the work, of a second and a
-    million rays at first; the last takes another second. The first ones may be coarse. texture:
-    percent of the error that does not fall.
+    Setup takes 2 s and 5 million rays. The first pass takes a second and a million rays. Each
+    pass doubles the sum. The end takes another second. coarse: number of first passes with few
+    texels. texture: percent of the error that does not fall.
     """
     passes = [
         Statistics(
@@ -213,7 +213,7 @@ def passes_of(count, power, coarse=0, texture=0.0):
 
 @pytest.mark.parametrize("coarse", [0, 1])
 def test_extrapolation_of_independent_samples_is_exact(coarse):
-    # Of what is asked for noise takes 0.8; a quarter of the first is had by 16 times its work.
+    # Noise may take 0.8 of the target error. A quarter of the first noise needs 16 times its work.
     expected = extrapolated(*passes_of(3, -0.5, coarse), error=2.5)
     assert expected.seconds == pytest.approx(2 + 16 + 1)
     assert expected.error == pytest.approx(2.0)

@@ -36,7 +36,7 @@ np.savez(sys.argv[2], **grids)
 
 
 def bakes(root, preset, folder):
-    """Bakes by the module of a preset, in a process of its own; skips where it is not built."""
+    """Bakes with the module of a preset in a separate process; skips if it is not built."""
     package = root / "build" / preset / "python"
     if not list((package / "leaflight").glob("_core*.so")):
         pytest.skip(f"the preset {preset} is not built")

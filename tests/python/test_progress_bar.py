@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What callers from Python see of long work, and how Ctrl-C ends it."""
+"""Progress of long work as callers from Python see it, and its end by Ctrl-C."""
 
 import contextlib
 import fcntl

@@ -69,7 +69,7 @@ def test_no_claim_allocates_or_crashes(dims, type, size):
 )
 @pytest.mark.parametrize("skip", [0, 13, -1])
 def test_headers_of_any_file(tmp_path, cli, values, name, skip):
-    """With the dimensions and the type the suffix does not count."""
+    """Checks that the suffix does not count if the dimensions and the type are given."""
     values = values.astype(">i2")
     path = tmp_path / name
     path.write_bytes(bytes(range(13 if skip else 0)) + values.tobytes())

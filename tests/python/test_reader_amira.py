@@ -86,7 +86,7 @@ def test_values_and_place(tmp_path, values, first, name, dtype, packing):
 
 @pytest.mark.parametrize("first", [LITTLE, "AmiraMesh 3D ASCII 2.0"])
 def test_several_arrays_and_vectors(tmp_path, values, first):
-    """By their names, and by channels."""
+    """Checks arrays by name, and vectors by channel."""
     arrays = "Lattice { float Data } @1\nLattice { float[3] Flow } = @2\nNodes { float X } @3"
     vectors = np.stack([values, -values, 2 * values], -1).astype("<f4")
     content = header(arrays, first)
@@ -105,7 +105,7 @@ def test_several_arrays_and_vectors(tmp_path, values, first):
 
 
 def test_a_turned_lattice(tmp_path, values):
-    """By a matrix that is written column by column."""
+    """Checks a lattice turned by a matrix that is stored column by column."""
     turn = "TransformationMatrix 0 1 0 0 -1 0 0 0 0 0 1 0 7 8 9 1"
     start = header("Lattice { float Data } @1", more=f",\n{turn}")
     (tmp_path / "x.am").write_bytes(start + b"@1\n" + values.tobytes())

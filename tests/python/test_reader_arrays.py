@@ -82,7 +82,7 @@ def test_ome_tiff_of_five_dimensions(tmp_path, values):
 
 
 def test_tiff_of_times_and_channels_without_a_depth(tmp_path, values):
-    """Then time is the depth, as of a film."""
+    """Checks that time is then the depth, as in a film."""
     path = tmp_path / "x.ome.tif"
     both = np.stack([values, values + 1], axis=1)
     tifffile.imwrite(path, both, ome=True, metadata={"axes": "TCYX"})

@@ -13,7 +13,7 @@ CELL = (12.0, 15.0, 9.0, 80.0, 95.0, 110.0)
 
 
 def bricks(values):
-    """The bytes of a map, in cubes of 8 x 8 x 8 that are filled up with zeros."""
+    """Returns the bytes of a map, in cubes of 8 x 8 x 8 that are filled up with zeros."""
     whole = np.pad(values, [(0, -n % 8) for n in values.shape]).astype(np.uint8)
     parts = []
     for z in range(0, whole.shape[0], 8):
@@ -100,7 +100,7 @@ def mtz(path, columns, cell=CELL):
 
 
 def test_a_map_of_structure_factors(tmp_path):
-    """Against the sum of its waves."""
+    """Compares the map with the sum of its waves."""
     path = tmp_path / "x.mtz"
     amplitudes, phases = [30.0, 20.0, 10.0], [10.0, 100.0, -50.0]
     columns = [("FWT", "F", amplitudes), ("PHWT", "P", phases), ("FOM", "W", [1, 1, 1])]

@@ -13,7 +13,7 @@ from pydicom.uid import generate_uid  # noqa: E402
 
 @pytest.fixture
 def folder(tmp_path, values):
-    """Four slices, 2 mm apart, whose names and numbers are of no help."""
+    """Writes four slices, 2 mm apart, whose names and numbers do not show their order."""
     folder = tmp_path / "scan"
     folder.mkdir()
     for k, name in enumerate("cadb"):
@@ -175,7 +175,7 @@ def test_slices_beside_each_other(tmp_path, values):
 
 def test_a_slice_that_is_there_twice(folder, values):
     (folder / "copy of a").write_bytes((folder / "a").read_bytes())
-    # Anonymized anew.
+    # A copy with other identifiers, as anonymizing it again would give.
     write_slice(folder / "e", values[0], 100, InstanceNumber=50)
     volume = read_volume(folder)
     np.testing.assert_array_equal(volume.values, 2 * values - 1000)

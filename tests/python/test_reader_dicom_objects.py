@@ -94,7 +94,7 @@ def test_damaged_doses(tmp_path, values):
 
 
 def test_doses_of_two_beams(tmp_path, values):
-    """One series, but a volume each."""
+    """Checks that the doses of one series are separate volumes."""
     for beam in range(2):
         path = tmp_path / f"{beam}.dcm"
         dose(path, values + beam, [0, 3, 6, 9])
@@ -260,7 +260,7 @@ def test_segments_of_highdicom(tmp_path, masks):
 
 
 def test_a_real_dose():
-    """Of pydicom, as its own pixel_array has it."""
+    """Compares a dose file of pydicom's with pydicom's own pixel_array."""
     from pydicom.data import get_testdata_file
 
     path = get_testdata_file("rtdose.dcm", download=False)

@@ -20,7 +20,7 @@ def signed():
 
 
 def series_of(folder, values, **tags):
-    """Files whose stored words are those given."""
+    """Writes files with the given stored words."""
     return write_series(folder, values, **tags)
 
 
@@ -177,7 +177,7 @@ def test_what_a_compressed_file_may_claim(tmp_path, values):
 
 
 def test_runs_of_bytes(tmp_path, values):
-    """RLE, as pydicom writes it."""
+    """Checks run-length encoding as pydicom writes it."""
     folder = series_of(tmp_path / "scan", values)
     for path in folder.iterdir():
         data = pydicom.dcmread(path)

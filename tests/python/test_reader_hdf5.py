@@ -99,7 +99,7 @@ def test_axistags_of_vigra_and_ilastik(tmp_path, values, keys):
 
 @quick
 def test_which_axes_hold_a_volume(tmp_path):
-    """By tags, labels, or the order of those that have neither."""
+    """Checks the choice of axes by tags, by labels, or by order without both."""
     path = tmp_path / "x.h5"
     cases = {
         # shape, tags, labels: frames, channels, dims as z, y, x
@@ -279,7 +279,7 @@ def test_nexus(tmp_path, values, style):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert volume.unit == "µm"
-    # Of z the file has the edges, of which the middles count.
+    # The file stores edges along z; voxels lie at their midpoints.
     np.testing.assert_allclose(
         volume.index_to_world[:3], [[1.5, 0, 0, 3], [0, 0.5, 0, 0], [0, 0, 2, 1]]
     )
@@ -290,7 +290,7 @@ def test_nexus(tmp_path, values, style):
 
 
 def scaled(path, values, names="zyx", **units):
-    """An array with dimension scales, as netCDF-4 has them."""
+    """Returns an array with dimension scales, as netCDF-4 has them."""
     steps = {"z": 2.5, "y": 0.9, "x": 1.2}
     with h5py.File(path, "w") as file:
         data = file.create_dataset("temperature", data=values)
@@ -348,7 +348,7 @@ def test_missing_data(tmp_path, values):
 
 @quick
 def test_absent_chunks_hold_no_chance_values(tmp_path):
-    """Where a file has neither the chunks nor a fill value, they are 0."""
+    """Checks that absent chunks of a file without a fill value are 0."""
     path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
         how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)

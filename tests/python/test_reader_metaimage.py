@@ -114,7 +114,7 @@ def test_text(tmp_path, values, name, data, kind):
 
 @pytest.mark.parametrize("size, before", [(7, 7), (-1, 9), (0, 0)])
 def test_headers_of_the_values(tmp_path, values, size, before):
-    """Of so many bytes, or of all that is not needed for the values."""
+    """Checks headers of a given size; -1 skips all bytes before the values at the end."""
     values = values.astype("<i2")
     path = write(tmp_path / "x.mhd", values, "MET_SHORT", "x.raw", None, f"HeaderSize = {size}")
     (tmp_path / "x.raw").write_bytes(bytes(range(before)) + values.tobytes())
@@ -152,7 +152,7 @@ SPREAD = {
 @pytest.mark.parametrize("pack", [None, zlib.compress])
 @pytest.mark.parametrize("field", SPREAD)
 def test_several_files(tmp_path, values, field, pack):
-    """By a list behind the header, or by a name with a number in it; each may be packed."""
+    """Checks a list after the header and numbered names; each file may be packed."""
     values = values.astype("<i2")
     parts = values if SPREAD[field] == 3 else values.reshape(-1, values.shape[-1])
     prefix = "a " if field.startswith("a ") else ""
@@ -239,7 +239,7 @@ def test_files_of_vtk(tmp_path, values):
 
 
 def by_vtk(path, values):
-    """Its reader, which is that of ITK, agrees."""
+    """Checks that VTK's reader, which is ITK's, reads the same values."""
     try:
         from vtkmodules.util.numpy_support import vtk_to_numpy
         from vtkmodules.vtkIOImage import vtkMetaImageReader

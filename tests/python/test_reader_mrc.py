@@ -90,7 +90,7 @@ UNSIGNED = (SIGNED.astype(int) + 128).astype(np.uint8)
 @pytest.mark.parametrize("signed", [False, True])
 @pytest.mark.parametrize("gz", [False, True])
 def test_bytes_by_the_stamp_of_imod(tmp_path, order, signed, gz):
-    """Whatever else is in the header and in the values."""
+    """Checks that IMOD's stamp decides, whatever else the header and the values are."""
     values = (UNSIGNED if signed else SIGNED).view(np.int8 if signed else np.uint8)
     words = {IMOD: STAMP, FLAGS: 4 + signed, VERSION: 20140}
     data = of_bytes(values, order, (0, 200) if signed else (-100, 100), at=words)
@@ -114,7 +114,7 @@ def test_bytes_by_the_stamp_of_imod(tmp_path, order, signed, gz):
     ],
 )
 def test_bytes_without_the_stamp(tmp_path, values, stats, version, note):
-    """By the limits of the values, the version of the standard, or the histogram."""
+    """Checks the sign by the limits of the values, the version of the standard or the histogram."""
     path = tmp_path / "x.mrc"
     path.write_bytes(of_bytes(values, "<", stats, at={VERSION: version}))
     volume = read_volume(path)

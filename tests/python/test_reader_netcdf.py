@@ -31,7 +31,7 @@ def even(step, size, first=0.0):
 
 @pytest.mark.parametrize("version", [1, 2])
 def test_a_classic_file(tmp_path, values, version):
-    """With times as frames, and a depth that grows downwards."""
+    """Checks a classic file with times as frames, and a depth that grows downwards."""
     dimensions = {
         "time": (np.arange(2, dtype=np.int32), {"units": "days since 1900-01-01"}),
         "depth": (even(10, 4), {"units": "m", "positive": "down"}),

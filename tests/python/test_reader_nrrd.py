@@ -178,7 +178,7 @@ FOURTH = [
 @pytest.mark.parametrize("encoding", ["raw", "gzip"])
 @pytest.mark.parametrize("sizes, fields, role, place, note", FOURTH)
 def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, note):
-    """Of diffusion, segmentations and series."""
+    """Checks the fourth axis of diffusion data, segmentations and series."""
     count = 2 if role else 1
     data = np.stack([shorts + i for i in range(count)], axis=place if place < 1 else 1)
     assert data.shape == sizes[::-1]
@@ -198,7 +198,7 @@ def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, n
 
 
 def test_time_as_a_fourth_dimension_of_space(tmp_path, shorts):
-    """As ITK writes images of four dimensions."""
+    """Checks the way in which ITK writes images of four dimensions."""
     fields = (
         "space: right-anterior-superior-time",
         "space directions: (1,0,0,0) (0,2,0,0) (0,0,3,0) (0,0,0,4)",
@@ -267,7 +267,7 @@ def test_files_of_pynrrd(tmp_path, shorts, encoding):
 
 
 def by_pynrrd(path, values):
-    """Its reader agrees."""
+    """Checks that pynrrd reads the same values."""
     try:
         import nrrd
     except ImportError:

@@ -137,7 +137,7 @@ def test_packages_of_its_own_win(call, tmp_path, monkeypatch):
         assert process.answer() == "own"
 
 
-# In a process of its own, for sys.modules.
+# Program for a separate process, which prints its sys.modules.
 ALL_READERS = """
 import importlib, json, sys
 from leaflight.io import readers

@@ -212,7 +212,7 @@ def test_damaged_afni(tmp_path):
         read_volume(head)
 
 
-# What nibabel brings along: by name its frames.
+# Files that nibabel includes, with their numbers of frames.
 FILES = {
     "test.mgz": 2,
     "example4d+orig.HEAD": 3,

@@ -164,7 +164,7 @@ def test_missing_numbers_are_reported(tmp_path, numbers, note):
     "pattern", ["x_t{t:03}_z{z}_c{c}.tif", "Series1_ch{c:02}_z{z:02}_t{t}.tif", "t{t}ch{c}z{z}.tif"]
 )
 def test_frames_and_channels_in_the_names(tmp_path, pattern):
-    """As Fiji, Leica and others export them."""
+    """Checks names that Fiji, Leica and others export."""
     for t in range(2):
         for c in range(3):
             for z in range(4):

@@ -37,7 +37,7 @@ def write(path, pages, xml):
 
 
 def of_channels(folder):
-    """One file a channel, each with the metadata of all."""
+    """Writes one file per channel, each with the metadata of all."""
     names = ["set_C0.ome.tif", "set_C1.ome.tif"]
     ifd = 'IFD="0" PlaneCount="4"'
     data = "".join(tiff_data(n, f'FirstC="{c}"', ifd, c) for c, n in enumerate(names))
@@ -47,7 +47,7 @@ def of_channels(folder):
 
 
 def of_planes(folder):
-    """One file a plane."""
+    """Writes one file per plane."""
     places = [(c, z) for c in range(2) for z in range(4)]
     names = [f"s_C{c}_Z{z}.ome.tif" for c, z in places]
     data = "".join(
@@ -60,7 +60,7 @@ def of_planes(folder):
 
 
 def of_companion(folder):
-    """The metadata in a file of their own, to which the others refer; whole files of planes."""
+    """Writes files of planes, and a companion file of metadata to which they refer."""
     names = ["a.tif", "b.tif"]
     data = "".join(tiff_data(n, f'FirstC="{c}"', "", c) for c, n in enumerate(names))
     (folder / "set.companion.ome").write_text(ome(data, "urn:uuid:9"))
@@ -277,7 +277,7 @@ def test_an_unknown_depth_of_a_voxel_is_reported(tmp_path):
 
 
 def pages(path, *pictures):
-    """A file of several pictures of any size."""
+    """Writes a file of several pictures of any size."""
     with tifffile.TiffWriter(path) as file:
         for one in pictures:
             colors = one.ndim == 3 and one.shape[-1] == 3

@@ -32,7 +32,7 @@ def vti(
     data_of="PointData",
     components=1,
 ):
-    """VTK image data, compressed in two blocks or plain."""
+    """Returns VTK image data, compressed in two blocks or plain."""
     mark = "<" if order == "LittleEndian" else ">"
     data = values.astype(values.dtype.newbyteorder(mark)).tobytes()
     number = mark + {"UInt32": "u4", "UInt64": "u8"}[size]

@@ -148,7 +148,7 @@ def test_absent_chunks_are_the_fill_value(tmp_path, fill):
 
 
 def test_a_folder_of_images(tmp_path, values):
-    """As bioformats2raw writes it."""
+    """Checks a folder that bioformats2raw writes."""
     path = tmp_path / "x.zarr"
     root = zarr.open_group(str(path), mode="w", **ZARR_2)
     root.attrs["bioformats2raw.layout"] = 3
@@ -163,7 +163,7 @@ def test_a_folder_of_images(tmp_path, values):
 
 
 def test_names_of_a_plain_array(tmp_path, values):
-    """As xarray writes them."""
+    """Checks the names that xarray writes."""
     path = tmp_path / "x.zarr"
     array = zarr.open(str(path), mode="w", shape=values.T.shape, dtype=values.dtype, **ZARR_2)
     array[:] = values.T
@@ -173,7 +173,7 @@ def test_names_of_a_plain_array(tmp_path, values):
 
 @pytest.mark.skipif(_ZARR < 3, reason="zarr 2 does not write Zarr 3")
 def test_shards(tmp_path, values):
-    """Of which some, and some of their chunks, are absent."""
+    """Checks shards of which some are absent, and some lack chunks."""
     path = tmp_path / "x.zarr"
     group = zarr.open_group(str(path), mode="w", zarr_format=3)
     array = group.create_array(

@@ -79,14 +79,14 @@ def test_tiff_stack(tmp_path, values, options):
 
 @pytest.mark.parametrize("compression", ["tiff_lzw", "zstd", "jpeg", "packbits"])
 def test_tiff_as_microscopes_compress_it(tmp_path, values, compression):
-    """By Pillow's libtiff. tifffile leaves most of it to imagecodecs."""
+    """Checks files of Pillow's libtiff. tifffile leaves most compression to imagecodecs."""
     if not reader_process.has_package("imagecodecs"):
         pytest.skip("imagecodecs is not installed")
     path = tmp_path / "stack.tif"
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression=compression)
     if compression == "jpeg":
-        # What it keeps, by its own decoder.
+        # JPEG is lossy: the values that remain, by Pillow's decoder.
         with Image.open(path) as file:
             values = np.stack([np.asarray(page) for page in ImageSequence.Iterator(file)])
     found = read_volume(path).values.astype(float)

@@ -20,7 +20,7 @@ def baked(scene, **settings):
 
 
 def lit_by(scene, factors, exposure=1.0):
-    """The scene with its lamps brighter by factors (r, g, b)."""
+    """Returns the scene with its lamps brighter by factors (r, g, b)."""
     lights = [
         replace(light, radiance=tuple(np.multiply(light.radiance, factor)))
         if hasattr(light, "radiance")
@@ -51,14 +51,14 @@ def of_two(two_lamps):
 
 
 def light_of(bake):
-    """Radiance of an isosurface and of all walls, front sides."""
+    """Returns the radiance of an isosurface and of all walls, front sides."""
     points = bake.surface(47.0).vertices
     walls = [bake.walls.radiance(mesh, 47.0) for mesh in range(len(bake.scene.meshes))]
     return points, bake.radiance(points), np.concatenate(walls)
 
 
 def test_with_one_lamp_it_is_a_new_bake(of_one, one_lamp):
-    # A power of two, and colours on the screen as before: the new bake takes the same decisions.
+    # A power of two, and colors on the screen as before: the new bake takes the same decisions.
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: 4})
     new = baked(lit_by(one_lamp, [(4, 4, 4)], exposure=0.25))

@@ -88,7 +88,7 @@ def curves(short):
 
 @pytest.fixture
 def with_cycles(curves):
-    """The same with Cycles, which takes a tenth of the seconds for one isosurface."""
+    """Returns the same with Cycles, which takes a tenth of the seconds for one isosurface."""
     points = [
         Point(n, [Cost(0.05 + 0.01 * n, None, 2**28, None)] * 2, np.sqrt(1 + 100 / n), 10 / n**0.5)
         for n in (1, 2, 4, 8, 16)
@@ -103,7 +103,7 @@ def data():
 
 @pytest.fixture(scope="module")
 def written(curves, data, tmp_path_factory):
-    """The report's files from what the other fixtures measured."""
+    """Returns the report's files from what the other fixtures measured."""
     folder = tmp_path_factory.mktemp("report") / "new"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report_module, "measure_curves", lambda *_, **__: curves)
@@ -120,7 +120,7 @@ def test_curves_fall(short):
         assert tuple(point.samples for point in points) == wanted
         assert points[-1].error < points[0].error and points[-1].noise < points[0].noise
         for point in points:
-            # Noise is part of the error; the reference's is a part of its own.
+            # Noise is part of the error; the noise of the reference is another part.
             assert 0 < point.noise < 1.1 * point.error < 60
             assert len(point.costs) == 2 and 0 < point.seconds
             assert all(cost.rays > 0 and cost.file > 10_000 < cost.peak for cost in point.costs)
@@ -172,13 +172,13 @@ def test_data_sets(data):
     assert absent == [one.name for one in DATA_SETS[4:]]
     for row in rows:
         assert 0 < row.noise and 0 < row.error < 60 and row.direct > 0 and row.vertices > 0
-        # A tenth of the nodes leaves errors of a few percent, and the bake says so.
+        # With a tenth of the nodes, errors are a few percent, and the bake estimates them.
         assert row.texels > 0 and 0 < row.estimated < 60
         assert row.break_even == row.cost.seconds / row.direct
 
 
 def test_hidden_vertices_are_not_judged():
-    """Those inside the other volume's isosurface, which no light reaches."""
+    """Checks that no judged point lies inside the other volume's isosurface, without light."""
     volumes = generated(nucleons, 101)(None, 0.2)
     scene = packaged_scene("nucleons.json")
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
@@ -291,7 +291,7 @@ def test_files(written):
 
 
 def test_interrupted(tmp_path, curves, monkeypatch):
-    """What is cancelled after hours of work leaves no file behind."""
+    """Checks that a report cancelled after hours of work leaves no file behind."""
 
     def cancelled(*_, **__):
         raise Cancelled("data sets cancelled")
@@ -326,7 +326,7 @@ def test_without_matplotlib(tmp_path, monkeypatch):
     not os.access("/proc/self/clear_refs", os.W_OK), reason="peaks last as long as the process"
 )
 def test_peak_of_one_bake(bump_scene, small):
-    """A peak of before is forgotten."""
+    """Checks that an earlier peak does not count."""
     ballast = np.ones(300 * 2**20, np.uint8)
     size = ballast.nbytes
     del ballast

@@ -38,7 +38,7 @@ def box(bump_scene):
 
 @pytest.fixture
 def previous(box):
-    """A bake that was stopped after its first pass."""
+    """Returns a bake that was stopped after its first pass."""
     return box(error=0.3, **stopping(1))
 
 
@@ -95,7 +95,7 @@ def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
     if both_sides:
         for name in ("radiance_back", "radiance_back_indirect"):
             assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
-    # What results is a bake as any other, to be kept and to go on with.
+    # The result is a bake like any other: it can be saved and continued.
     two.save(tmp_path / "more.vdb")
     again = resume(load_bake(tmp_path / "more.vdb"), error=0.2)
     assert again.provenance.continued == one.id
@@ -133,7 +133,10 @@ def test_walls_are_lit_anew(box):
 
 @pytest.mark.slow
 def test_a_first_picture_begins_anew(bump_scene, tmp_path):
-    """It has texels of its own, and is kept where a bake is stopped early."""
+    """Checks that resume() starts again from a first picture, which has other texels.
+
+    A bake that is stopped early keeps its first picture.
+    """
     volume = leaflight.bump_box(20)
     previous = leaflight.bake(volume, bump_scene, error=3.0, **stopping(1))
     whole = leaflight.bake(volume, bump_scene, error=3.0)

@@ -18,7 +18,7 @@ from leaflight.thesis.settings import FixedSamples, SampleOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# From the ground up. What stands in no room is below all of them, save the faces at the top.
+# Rooms from the bottom up. Files in no room are below all rooms, except FACES at the top.
 PACKAGE = (
     "volume",
     "scene",
@@ -117,17 +117,17 @@ def room(path):
 
 
 def includes(path):
-    """Our headers that a file of the core includes."""
+    """Returns our headers that a file of the core includes."""
     return [SOURCES / name for name in re.findall(r'#include "(.+)"', path.read_text())]
 
 
 def floor(room, rooms):
-    """0 below all rooms."""
+    """Returns the number of a room from the bottom up; 0 is below all rooms."""
     return rooms.index(room) + 1 if room in rooms else 0
 
 
 def imports(folder):
-    """(room, imported room, file, line) of all that the modules below a folder import of it."""
+    """Returns (room, imported room, file, line) of the imports within a folder of modules."""
     found = []
     for path in sorted(folder.rglob("*.py")):
         place = path.relative_to(folder).parts
@@ -146,7 +146,7 @@ def imports(folder):
 
 
 def functions():
-    """(place, node) of each function of the package and of the add-on."""
+    """Yields (place, node) of each function of the package and of the add-on."""
     files = [*(ROOT / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py")]
     assert len(files) > 200
     for file in files:
@@ -156,7 +156,7 @@ def functions():
 
 
 def test_functions_are_short():
-    """At most 60 lines, docstrings aside."""
+    """Checks for at most 60 lines without docstrings."""
     long = []
     for place, node in functions():
         text = ast.get_docstring(node, clean=False)
@@ -194,7 +194,7 @@ def test_options_are_the_settings_by_their_names(settings, options):
 
 
 def test_functions_of_the_core_are_short():
-    """At most 60 lines, from the first column to a brace there."""
+    """Checks for at most 60 lines, from the first column to a brace there."""
     start = re.compile(r"(?!namespace|struct|class|enum|using|template|inline constexpr)[A-Za-z]")
     long, found = [], 0
     for path in core_sources():

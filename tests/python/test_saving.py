@@ -27,7 +27,7 @@ BEFORE = b"what was there before"
 
 @contextmanager
 def files_of_at_most(count):
-    """As a disk that is full after so many bytes: the system refuses to write any more."""
+    """Limits files to this many bytes; the system refuses to write more, as on a full disk."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (count, hard))
     try:
@@ -38,7 +38,7 @@ def files_of_at_most(count):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A file system of 64 KB."""
+    """Yields a file system of 64 KB."""
     folder = tmp_path / "disk"
     folder.mkdir()
     command = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(folder)]

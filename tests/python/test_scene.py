@@ -24,7 +24,7 @@ from leaflight.scene.scene import (
 
 
 def brick(scale=1.0, offset=(0.0, 0.0, 0.0)):
-    """A volume of 4 x 6 x 11 nodes whose x axis is mirrored."""
+    """Returns a volume of 4 x 6 x 11 nodes with a mirrored x axis."""
     matrix = np.diag([-scale, scale, scale, 1.0])
     matrix[:3, 3] = offset
     values = np.random.default_rng(5).random((11, 6, 4), dtype=np.float32)

@@ -385,7 +385,7 @@ def test_shipped_scenes_round_trip(shipped):
 
 
 def test_how_to_read_a_source(tmp_path, cli, root):
-    """Two channels of one file are two volumes; what the command line says counts more."""
+    """Checks that two channels of a file are two volumes, and that the command line overrides."""
     bumps = leaflight.bump_box(12).values
     np.save(tmp_path / "x.npy", np.stack([bumps, 2 * bumps]))
     look = {"albedo": [0.5, 0.5, 0.5], "source": "x.npy"}

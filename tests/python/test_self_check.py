@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What `import leaflight` refuses, in one sentence."""
+"""Errors of `import leaflight`, each in one sentence."""
 
 import os
 import platform
@@ -143,7 +143,7 @@ def test_rays_that_go_elsewhere(trace):
 
 @pytest.fixture
 def copy(tmp_path):
-    """A package whose files can be changed, in a folder of its own."""
+    """Returns a copy of the package in a new folder, whose files a test can change."""
     target = tmp_path / "leaflight"
     ignored = shutil.ignore_patterns("__pycache__", "_core*")
     for name in ("leaflight", "leaflight_command"):

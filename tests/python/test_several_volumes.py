@@ -38,7 +38,7 @@ def test_volumes_shade_each_other(lapr_scene):
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, isosurfaces=lapr_scene.isosurfaces[:1])
-    # Of a single volume the scene's isovalues are the isovalue range.
+    # With a single volume, the scene's isovalues are the isovalue range.
     single = leaflight.bake(dirt, alone, **settings)
     assert single.isovalues == (50, 200)
     points = single.surface(100.0).vertices
@@ -126,7 +126,7 @@ def test_back_that_was_not_baked(box_bake):
 
 
 def test_walls(lapr_bake):
-    """The walls' radiance is that of path tracing."""
+    """Checks that the walls' radiance is that of path tracing."""
     walls = lapr_bake.walls
     names = [mesh.name for mesh in lapr_bake.scene.meshes]
     floor = names.index("floor")
@@ -164,7 +164,7 @@ def test_capped(capped):
 
 
 def test_caps_are_lit_like_the_reference():
-    """Light on the caps of the bump box is that of path tracing."""
+    """Checks that the light on the caps of the bump box is that of path tracing."""
     scene = leaflight.cornell_box()
     scene = replace(scene, isosurfaces=[replace(scene.isosurfaces[0], capped=True)])
     box = leaflight.bump_box(24)

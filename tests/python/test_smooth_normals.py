@@ -15,7 +15,7 @@ SETTINGS = {"isovalues": (80.5, 150.5), "resolution": 20, "error": 20.0}
 
 @pytest.fixture(scope="module")
 def values():
-    """A noisy ball of bytes, cut in the middle."""
+    """Returns a noisy ball of bytes, cut in the middle."""
     z, y, x = (np.mgrid[:30, :30, :30] - 14.5) / 14.5
     ball = 200 - 130 * np.sqrt(x * x + y * y + z * z)
     ball += np.random.default_rng(8).normal(0, 6, ball.shape)
@@ -27,7 +27,7 @@ def smooth(values):
 
 
 def expected_normals(values, vertices):
-    """Of values at the voxels (x, y, z), by central differences, interpolated."""
+    """Returns normals by central differences of the values at voxels (x, y, z), interpolated."""
     gradients = np.stack(np.gradient(values)[::-1], axis=-1)
     at = np.minimum(vertices.astype(int), np.array(values.shape[::-1]) - 2)
     local = vertices - at
@@ -95,7 +95,7 @@ def test_workers_bake_with_them(values):
 
 
 def test_light_does_not_see_the_stairs_of_masks():
-    """A tilted half space of zeros and ones under a sun is as bright as a plane."""
+    """Checks that a tilted half space of zeros and ones under a sun is as bright as a plane."""
     z, y, x = np.mgrid[:24, :24, :24]
     mask = np.uint8(3 * (z - 12) + (x - 12) < 0)
     # It does not reach the sides of stairs.
@@ -106,7 +106,7 @@ def test_light_does_not_see_the_stairs_of_masks():
     is_inside = np.all(np.abs(surface.vertices[:, :2] - 11.5) < 6, axis=1)
     light = surface.radiance[is_inside].mean(axis=1)
     plane = 0.5 / np.pi * 2 / 20**0.5
-    # Of the shadows that stairs throw on each other, some stay.
+    # Some of the shadows that stairs cast on each other stay.
     assert len(light) > 300 and np.mean(light < 0.9 * plane) < 0.1
     # Single texels are lit by few lines, since few values of a mask lie between zero and one.
     assert np.quantile(light, 0.99) < 1.07 * plane

@@ -18,7 +18,7 @@ from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("scripting", "export", "clusters", "validation")
-# What other programs must be there for, and where that is tested.
+# Place of the tests of snippets that need other programs, by a word in the snippet.
 ELSEWHERE = {
     "blender": "tests/blender/inside/check_scripting.py, test_examples.py",
     "obj.": "tests/blender/inside/check_scrub.py",
@@ -50,14 +50,14 @@ bake = leaflight.bake(volume, scene, isovalues=(20, 160), error=20.0)
 
 
 def blocks(page):
-    """The indented blocks of a page that are code."""
+    """Returns the indented blocks of a page, which are code."""
     text = (ROOT / "docs" / f"{page}.md").read_text()
     found = re.findall(r"(?:^|\n\n)((?:    .*\n(?:\n(?=    ))?)+)", text)
     return [re.sub(r"^    ", "", block, flags=re.MULTILINE) for block in found]
 
 
 def snippets(page):
-    """(commands, Python) of a page, each in its order."""
+    """Returns (commands, Python) of a page, each in its order."""
     commands, scripts = [], []
     for block in blocks(page):
         python = []
@@ -76,7 +76,7 @@ def is_elsewhere(code):
 
 @pytest.fixture
 def folder(tmp_path):
-    """With the files that snippets read."""
+    """Makes a folder with the files that snippets read."""
     values = (1.6 * leaflight.bump_box(20).values).T.astype(np.float32)
     for name, of in (("head", values), ("scan", np.stack([values, values], axis=-1))):
         image = nibabel.Nifti1Image(of, np.diag([10.0, 10.0, 10.0, 1.0]))

@@ -119,7 +119,7 @@ def test_threads_do_not_matter(tmp_path, bake_box, estimator):
 
 
 def test_only_some_texels(bump_scene, fixed_work):
-    """Where only lookups at some points are baked, they find the same there."""
+    """Checks that a bake for lookups at some points finds the same light there."""
     volume, settings = leaflight.bump_box(12), {**fixed_work, "estimator": "path"}
     points = np.random.default_rng(1).uniform(0.2, 0.8, (5, 3)) @ np.diag([11.0] * 3)
     points = (np.c_[points, np.ones(5)] @ volume.index_to_world.T)[:, :3]

@@ -30,12 +30,12 @@ _TEXTS = {
     "draw_wrapped": 1,
     "draw_progress": 2,
 }
-# Of a unit, as in "12 s", there is nothing to translate.
+# A unit, as in "12 s", has nothing to translate.
 _WORD = re.compile(r"[A-Za-z]{3}")
 
 
 def shown_texts(tree):
-    """The expressions that a module gives to Blender as texts to show."""
+    """Yields the expressions that a module gives to Blender as texts to show."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         name = getattr(call.func, "attr", getattr(call.func, "id", ""))
         place = _TEXTS.get(name)
@@ -46,7 +46,7 @@ def shown_texts(tree):
 
 
 def values(tree, expression):
-    """The expression, and what its module assigns to it where it is a name."""
+    """Yields the expression, and what its module assigns to it where it is a name."""
     yield expression
     for name in (node.id for node in ast.walk(expression) if isinstance(node, ast.Name)):
         for node in ast.walk(tree):
@@ -59,7 +59,7 @@ def values(tree, expression):
 def untranslatable(expression):
     """Words of an expression that no catalog can hold: put together where it is run."""
     if isinstance(expression, ast.Call):
-        # What a function says is its own matter; what is given to iface_() must be constant.
+        # The result of a function is checked elsewhere; the argument of iface_() must be constant.
         if getattr(expression.func, "id", "") == "iface_":
             return [] if isinstance(expression.args[0], ast.Constant) else ["iface_()"]
         return []

@@ -44,6 +44,6 @@ def test_what_is_read_is_the_same_whatever_the_memory_held(tmp_path):
 
 
 def _options(target):
-    """Those of read_volume() among the arguments of a target."""
+    """Returns the options of read_volume() among the arguments of a target."""
     given = vars(make_parser().parse_args(target.arguments))
     return {name: given[name] for name in OPTIONS if given[name] is not None}

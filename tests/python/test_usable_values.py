@@ -111,7 +111,7 @@ TAILS = {
 @pytest.mark.parametrize("name", TAILS)
 @pytest.mark.parametrize("kind", [np.float32, np.int16, np.uint16, np.int32])
 def test_heavy_tails_stay(name, kind):
-    """Saturated where they leave the type."""
+    """Checks that heavy tails, saturated at the limits of a type, are not taken for fills."""
     for seed, scale in itertools.product(range(12), (1, 100, 10000)):
         with np.errstate(over="ignore"):
             values = scale * TAILS[name](np.random.default_rng(seed), N**3)

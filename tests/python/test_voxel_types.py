@@ -14,7 +14,7 @@ INTEGERS = VOXEL_TYPES[:3]
 
 
 def bumps(kind, n=20):
-    """The bump box in whole numbers of a type, noisy, most of the type's range."""
+    """Returns the bump box in whole numbers of a type, noisy, most of the type's range."""
     box = leaflight.bump_box(n)
     limits, noise = np.iinfo(kind), np.random.default_rng(1).normal(0, 4, box.values.shape)
     share = np.clip((box.values + noise) / 255, 0.02, 0.98)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is written into a web page; tests/web has it in a browser."""
+"""The data in a web page; tests/web opens pages in a browser."""
 
 import base64
 import json
@@ -22,7 +22,7 @@ from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
 
 @pytest.fixture(autouse=True)
 def template(tmp_path, monkeypatch):
-    """What Node makes of web/, as far as the page is filled."""
+    """Replaces the page that Node builds from web/ by the parts that are filled."""
     path = tmp_path / "template.html"
     path.write_text("<title></title>leaflight-connect-src<!--leaflight:data-->")
     monkeypatch.setattr(page_template, "TEMPLATE", path)
@@ -30,7 +30,7 @@ def template(tmp_path, monkeypatch):
 
 
 def body_of(text):
-    """The bytes of all elements of the data, in their order."""
+    """Returns the bytes of all elements of the data, in their order."""
     parts = re.findall('<script type="text/plain">(.*?)</script>', text, re.DOTALL)
     return b"".join(map(base64.b64decode, parts))
 
@@ -52,7 +52,7 @@ def unpacked(words):
 
 
 def colors(header, body, number):
-    """Of a block of colors, which web/src/colors.ts puts together."""
+    """Returns the colors of a block, decoded as in web/src/colors.ts."""
     green, red, blue, high = block(header, body, number, np.uint8).astype(np.uint32).reshape(4, -1)
     red, blue = red + green & 255, blue + green & 255
     red, green, blue = (low | (high >> k & 1) << 8 for k, low in enumerate((red, green, blue)))
@@ -60,7 +60,7 @@ def colors(header, body, number):
 
 
 def active_texels(header, body, texture):
-    """bool [z, y, x]: those that the blocks of a texture hold."""
+    """Returns a mask, bool [z, y, x], of the texels that the blocks of a texture hold."""
     bits = np.unpackbits(block(header, body, texture["active"], np.uint8), bitorder="little")
     texels = texture["texels"]
     return bits[: np.prod(texels)].reshape(texels[::-1]) == 1
@@ -172,13 +172,13 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
 
 
 def part_of(level, point):
-    """Of the range of codes, as web/src/shaders/direct.glsl reads it."""
+    """Returns the part 0..1 of the range of codes, decoded as in web/src/shaders/direct.glsl."""
     shift = point * 0.6180339887 % 1.0
     return np.clip((level - 1.5 + shift) / 12, 0, 1)
 
 
 def of_27(values):
-    """The least and the greatest of the voxels about each."""
+    """Returns the minimum and the maximum of the 27 voxels around each voxel."""
     padded = np.pad(values, 1, "edge")
     n = [range(3)] * 3
     shifted = [
@@ -199,7 +199,7 @@ def test_bricks_hold_all_texels_with_light(share, layers):
         first = cell[::-1] - within * (brick - 1)
         assert bricks.table[tuple(within[::-1])][3] == 1
         assert (first >= 0).all() and (first + 1 < np.maximum(brick, 2)).all()
-    # Each has a place of its own within the texture.
+    # Each brick has a separate place within the texture.
     places = bricks.table[bricks.table[..., 3] == 1][:, :3]
     assert len(np.unique(places, axis=0)) == len(places)
     assert (places < bricks.shape).all()

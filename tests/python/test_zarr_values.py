@@ -18,7 +18,7 @@ SCALE = {"type": "scale", "scale": [4.0, 2.0, 1.0]}
 
 
 ROOT = Path(__file__).resolve().parents[2]
-# It has tensorstore (scripts/test-tools.txt), which reads and writes Zarr by code of its own.
+# Python with tensorstore (scripts/test-tools.txt), an independent implementation of Zarr.
 WRITER = ROOT / "build" / "tools-venv" / "bin" / "python"
 WRITE = """
 import json, sys
@@ -143,7 +143,7 @@ def test_packings_of_zarr_2(tmp_path):
     np.testing.assert_array_equal(read_volume(path).values, VALUES)
     path = _zarr_2(tmp_path / "y.zarr", order="F", dimension_separator="/")
     np.testing.assert_array_equal(read_volume(path).values, VALUES)
-    # What is written nowhere has the fill value.
+    # Voxels of an absent chunk have the fill value.
     (tmp_path / "y.zarr" / "1" / "0" / "0").unlink()
     _change(tmp_path / "y.zarr" / ".zarray", fill_value=7)
     values = read_volume(path).values

@@ -20,7 +20,7 @@ def wait_for(happened, can_happen):
 
 @contextmanager
 def started(*command, **options):
-    """The process of a program that may never end by itself: it ends with the context."""
+    """Starts a program that may never end by itself, and ends it with the context."""
     with subprocess.Popen(*command, **options) as process:
         try:
             yield process

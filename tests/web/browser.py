@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Debian's Chromium, driven by puppeteer-core in a Node of its own (web/tests/session.mjs)."""
+"""Debian's Chromium, driven by puppeteer-core in a Node process (web/tests/session.mjs)."""
 
 import base64
 import io
@@ -16,10 +16,10 @@ from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 SESSION = ROOT / "web" / "tests" / "session.mjs"
-# That of scripts/setup, in build/venv, where the system has none.
+# Search path that ends with build/venv, where scripts/setup installs what the system lacks.
 PATHS = f"{os.environ['PATH']}:{ROOT / 'build' / 'venv' / 'bin'}"
 
-# Of a page that was asked for it: it has drawn what changed before.
+# Promise in JavaScript, which waits until the page has drawn its earlier changes.
 FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -53,7 +53,7 @@ class Browser:
         return ask
 
     def picture(self):
-        """What the view shows in the whole window, uint8 [row, column, RGBA]."""
+        """Returns the picture of the view in the whole window, uint8 [row, column, RGBA]."""
         self.hide_panel(True)
         self.atRest()
         url = self.evaluate(
@@ -64,7 +64,7 @@ class Browser:
         return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
 
     def hide_panel(self, is_hidden):
-        """And waits until the view has taken its new size."""
+        """Hides or shows the panel and waits until the view has its new size."""
         hidden = str(is_hidden).lower()
         self.evaluate(f"document.querySelector('#panel').hidden = {hidden}; {FRAMES}")
 

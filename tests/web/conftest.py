@@ -38,7 +38,7 @@ def browser():
 
 
 def box():
-    """The bump box with walls and both sides."""
+    """Returns the bump box with walls and both sides."""
     return leaflight.bake(
         leaflight.bump_box(64),
         leaflight.load_scene(ROOT / "scenes" / "bump_box.json"),
@@ -50,7 +50,7 @@ def box():
 
 
 def brain():
-    """Colin27 with coarse light: rays hit every voxel."""
+    """Returns Colin27 with coarse light: rays hit every voxel."""
     if not COLIN27.exists():
         pytest.skip("the Debian package mricron-data is not installed")
     return leaflight.bake(leaflight.read_volume(COLIN27), resolution=60, error=10.0)
@@ -120,7 +120,7 @@ def quadrilateral(name, corner, edge, other):
 
 
 def noisy():
-    """A ball of noisy bytes with smooth normals, cut in the middle and capped."""
+    """Returns a ball of noisy bytes with smooth normals, cut in the middle and capped."""
     z, y, x = (np.mgrid[:36, :36, :36] - 17.5) / 17.5
     values = 200 - 130 * np.sqrt(x * x + y * y + z * z)
     values += np.random.default_rng(8).normal(0, 6, values.shape)
@@ -133,7 +133,7 @@ MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows, 
 
 @pytest.fixture(scope="session")
 def bakes():
-    """Each bake by its name, made once."""
+    """Returns each bake by its name, made once."""
     made = {}
 
     def get(name):
@@ -146,7 +146,7 @@ def bakes():
 
 @pytest.fixture(scope="session")
 def pages(bakes, tmp_path_factory):
-    """The path of the page of a bake, by its name."""
+    """Returns the path of the page of a bake, by its name."""
     folder = tmp_path_factory.mktemp("pages")
 
     def get(name):

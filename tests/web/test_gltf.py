@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What three.js reads of an exported .glb."""
+"""An exported .glb as three.js reads it."""
 
 import json
 import shutil

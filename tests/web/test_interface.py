@@ -122,7 +122,7 @@ def test_it_is_rolled_and_flipped_and_the_link_keeps_all(page, pages):
 
 @pytest.mark.parametrize("bake, end", [("box", "2"), ("brain", "3")])
 def test_clips_begin_at_the_front(browser, pages, bake, end):
-    """Of a patient that is where y is greatest; a room has its open side where it is least."""
+    """Checks the side of "front": greatest y of a patient, least y of a room, its open side."""
     browser.open(pages(bake).as_uri(), SIZE)
     shown = browser.evaluate(
         "(e => [e.value, e.selectedOptions[0].text])(document.querySelector('#clip-from'))"
@@ -133,7 +133,7 @@ def test_clips_begin_at_the_front(browser, pages, bake, end):
 
 
 def linear(picture):
-    """Of a displayed picture below its highlights, 0..1 [row, column, RGB]."""
+    """Returns the linear values 0..1 of a picture below its highlights, [row, column, RGB]."""
     shown = picture[..., :3] / 255
     return np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
 

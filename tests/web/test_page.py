@@ -20,7 +20,7 @@ KEYS = (["Home", "PageUp", "PageUp", "PageUp"], ["PageUp", "ArrowRight"], ["Page
 
 
 def linear(colors):
-    """Of uint8 sRGB."""
+    """Returns the linear values of uint8 sRGB colors."""
     encoded = colors / 255.0
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
@@ -36,7 +36,7 @@ def difference_percent(picture, still, exposure):
 
 
 def camera_of(browser):
-    """The Camera of the page."""
+    """Returns the Camera of the page."""
     seen = browser.evaluate("leaflight.view.orbit.viewpoint")
     position, target, up = (tuple(seen[name]) for name in ("position", "target", "up"))
     return Camera(position, target, up, ANGLE)
@@ -78,7 +78,7 @@ LAMPS = {1: (0.5, None), 2: (2.0, "#20ff40"), 3: (0.0, None)}
 
 
 def with_lamps(bake, chosen):
-    """The bake with the lamps, by their numbers, as the page has them."""
+    """Returns the bake with the lamps, by their numbers, as the page has them."""
     factors = {}
     for number, (strength, color) in chosen.items():
         light = bake.scene.lights[number]
@@ -209,7 +209,7 @@ def test_the_page(browser, bakes, pages):
         browser.click(selector)
         off = (browser.picture() != before).any(axis=-1).mean()
         assert off > 0.02, selector
-    # What is cut open shows values as gray.
+    # The cut shows values as gray.
     colors = browser.picture()
     gray = (colors[..., 3] == 255) & (np.ptp(colors[..., :3].astype(int), axis=-1) <= 1)
     assert gray.mean() > 0.002

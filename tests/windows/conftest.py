@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # Version of Python -> NumPy: what Blender 4.5 for Windows brings along, and the newest that needs
 # no function that Wine 8 lacks.
 NUMPYS = {"3.11": "1.26.4", "3.13": "2.1.3"}
-# What tests/python takes: of the versions that run with that NumPy of Python 3.11.
+# Packages that tests/python needs, in versions that run with that NumPy of Python 3.11.
 PACKAGES = (
     *("hypothesis", "scipy==1.11.4", "matplotlib==3.8.4", "meshio==5.3.5", "trimesh==4.6.0"),
     *("nibabel==5.3.2", "tifffile==2025.5.10", "pydicom==3.0.1", "mrcfile==1.5.4"),
@@ -24,7 +24,7 @@ PACKAGES = (
 
 
 def call(*command, **variables):
-    """What a program prints; fails the test when the program fails or hangs."""
+    """Returns the output of a program; fails the test if the program fails or hangs."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     done = subprocess.run(
         list(map(str, command)),
@@ -49,7 +49,7 @@ def root():
 
 @pytest.fixture(scope="session")
 def made():
-    """The paths of the wheels, by version of Python, and of the extension."""
+    """Returns the paths of the wheels, by version of Python, and of the extension."""
     command = (ROOT / "scripts" / "package", "--platform", "windows-x64")
     # A compiler does not hang.
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
@@ -69,12 +69,12 @@ def numpy_version(python_version):
 
 @pytest.fixture(scope="session")
 def tag(python_version):
-    """As names of wheels have it."""
+    """Returns the version as in names of wheels."""
     return f"cp{python_version.replace('.', '')}"
 
 
 def windows_python(version, name, *packages):
-    """Windows' Python beside packages of PyPI's."""
+    """Installs Windows' Python with packages of PyPI; returns the path of its program."""
     program = (ROOT / "scripts" / "windows_python", version, f"{name}-{version}")
     packages = (f"numpy=={NUMPYS[version]}", "pytest", "colorama", *packages)
     return Path(call(*program, *packages).splitlines()[-1], "python")

@@ -34,7 +34,7 @@ def test_the_bump_box(windows, numpy_version, linux, root, tmp_path):
 
 @pytest.fixture(scope="module")
 def nucleon(windows, linux, root, tmp_path_factory):
-    """The folder of nucleon.raw's bakes: windows.vdb and linux.vdb."""
+    """Returns the folder of nucleon.raw's bakes: windows.vdb and linux.vdb."""
     volume = DATA / "nucleon.raw"
     if not volume.exists():
         pytest.skip(f"{volume} is missing; name its folder by LEAFLIGHT_DATA")

@@ -18,8 +18,8 @@ def test_core():
     # A compiler does not hang, and ctest has a limit for each test.
     subprocess.run(["cmake", "--build", folder, "--target", "core_tests"], check=True)
     command = ["ctest", "--test-dir", folder, "--output-on-failure", "-LE", "slow|machine"]
-    # Wine's services keep the output of the program that starts them open as long as any program
-    # runs: here a first one, and a second one that ends when they have started.
+    # Wine's services hold the output of the program that starts them open while any program runs.
+    # So the first program here starts them without an output. The second ends once they run.
     nowhere = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen([*wine, "cmd"], stdin=subprocess.PIPE, **nowhere):
         subprocess.run([*wine, "cmd", "/c", "rem"], stdin=subprocess.DEVNULL, check=True, **nowhere)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is in the packages for Windows, and which libraries the compiled module takes."""
+"""The contents of the packages for Windows, and the libraries that the module loads."""
 
 import re
 import subprocess
@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-# Of every Windows; beside them Python's own.
+# Libraries of every Windows. The module loads Python's library, too.
 SYSTEM = {
     "kernel32.dll",
     "msvcrt.dll",
@@ -30,7 +30,7 @@ def module(tag):
 
 @pytest.fixture(scope="module")
 def listed(wheel, module, tmp_path_factory):
-    """What binutils say of the module."""
+    """Returns the headers of the module as binutils print them."""
     folder = tmp_path_factory.mktemp("module")
     with zipfile.ZipFile(wheel) as archive:
         path = archive.extract(module, folder)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`bench bake`: bakes with the default settings beside Cycles, which bakes one isosurface.
 
-The bake lights all isosurfaces of its range. At one of them its error against Cycles is taken
-(compare.py), and Cycles bakes the vertices of that one to the same error (cycles_peer.py). Bake and
-Cycles take turns, so that whatever else the machine does falls upon both alike.
+The bake lights all isosurfaces of its range. At one of them compare.py measures its error against
+Cycles. Cycles bakes the vertices of that one to the same error (cycles_peer.py). Bake and Cycles
+take turns, so that other work of the machine slows both equally.
 """
 
 import time
@@ -22,7 +22,7 @@ from .interpolation import cost_at
 from .repetitions import repetitions
 
 
-# Of the bake's statistics.
+# Names of the bake's statistics that a row keeps.
 KEPT = ("estimated_rms_percent", "estimated_error_percent", "passes", "rays", "texels")
 
 
@@ -70,16 +70,19 @@ def measure_bakes(effort, run, *, folder=None, seed=0, threads=0):
 
     folder: with the files of real volumes, or None; run(work, label) returns work(progress). A row:
 
-    name, isovalue, nodes     what was baked, and the isosurface that was held against Cycles
-    bake_seconds              by the clock, median over the repetitions
-    rms_percent               against Cycles, as compare() says; judge_noise_percent: of which the
-                              judge's; error_percent: the one without the other, in squares;
-                              noise_percent, texture_percent: parts of it (truth.py)
-    estimated_rms_percent     the noise that the texels report; estimated_error_percent, passes: as
-                              in the bake's statistics
-    cycles_seconds            by the clock, in which Cycles bakes the vertices of the isosurface to
-                              error_percent, between measured points; None where outside them
-    outside                   then whether that takes FEWER or MORE samples (interpolation.py)
+    name, isovalue, nodes     the volume, and the isosurface that is compared with Cycles
+    bake_seconds              time by the clock, median over the repetitions
+    rms_percent               difference from Cycles by compare(), which includes Cycles' noise
+    judge_noise_percent       noise of Cycles in it
+    error_percent             the first without the second, in squares
+    noise_percent, texture_percent
+                              parts of error_percent (truth.py)
+    estimated_rms_percent     noise that the texels report
+    estimated_error_percent, passes
+                              as in the bake's statistics
+    cycles_seconds            time by the clock in which Cycles bakes the vertices of the isosurface
+                              to error_percent, interpolated; None outside the measured points
+    outside                   FEWER or MORE, the samples that it then takes (interpolation.py)
     break_even                bake_seconds / cycles_seconds, or None
     cycles                    the measured points: dicts of samples at a corner, seconds, and
                               error_percent
@@ -154,7 +157,7 @@ def _row(case, volume, effort, run, seed, threads):
 
 
 def _known(baked, case, effort, step, work):
-    """What the row says of a Bake itself, and of its error against Cycles."""
+    """Returns the part of a row about a Bake itself, and about its error against Cycles."""
     judged = step(
         lambda progress: compare(
             baked,

@@ -49,7 +49,7 @@ def scrub_in_blender(baked, isovalue, repetitions, progress):
 
 
 def _run(command, progress):
-    """The output of a program. Raises Cancelled."""
+    """Returns the output of a program. Raises Cancelled."""
     with tempfile.TemporaryFile("w+") as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, text=True)
         try:

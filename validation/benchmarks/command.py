@@ -46,7 +46,7 @@ def make_parser():
 
 
 def run_bench(options, run=run_with_progress):
-    """What the options ask for, as the result and the sentences about it.
+    """Runs the benchmark that the options name; returns its result and the sentences about it.
 
     run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.
     """
@@ -166,7 +166,7 @@ def _scrub(options, run):
 
 
 def _blender():
-    """Which Blender is at hand. Raises LeaflightError."""
+    """Returns the version of Blender on the search path. Raises LeaflightError without one."""
     blender = shutil.which("blender")
     if blender is None:
         raise LeaflightError(

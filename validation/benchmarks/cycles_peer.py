@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles, baking one isosurface into its vertices: how far it errs, in how many seconds.
+"""Cycles baking one isosurface into its vertices: its error and its seconds.
 
-Its error is that against many more samples of its own, at the same vertices with other seeds. The
-noise of these is known from their spread and taken out.
+The reference is Cycles with many more samples, at the same vertices with other seeds. The noise of
+the reference is known from its spread and subtracted.
 """
 
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ class Peer:
         return len(self.mesh[0])
 
     def reference(self, samples, progress):
-        """(Truth, error): of REFERENCE_PASSES with so many samples each, and what one pass errs.
+        """Returns (Truth of REFERENCE_PASSES with this number of samples, error of one pass).
 
         The error is RMS in percent, as everywhere here.
         """
@@ -59,7 +59,7 @@ class Peer:
         return truth, noise * np.sqrt(REFERENCE_PASSES)
 
     def measured(self, counts, repetition, truth, progress):
-        """(errors, seconds) of passes with these counts of samples, float64 (n,) each.
+        """Returns (errors, seconds) of passes with these counts of samples, float64 (n,) each.
 
         Seconds are by the clock, without Blender's start and its building of the scene; a pass
         before them warms up. Seeds differ from the reference's and between repetitions.
@@ -70,7 +70,7 @@ class Peer:
         return np.array(errors), found.seconds[1:]
 
     def reference_samples(self, error, noise, paths):
-        """How many samples a pass of the reference takes, for about this error.
+        """Returns how many samples a pass of the reference takes, for about this error.
 
         noise: RMS in percent that so many paths at a point leave.
         """

@@ -3,17 +3,17 @@
 
 import numpy as np
 
-# Where an error lies that no two measured points enclose.
+# Place of an error that no two measured points enclose.
 FEWER = "fewer samples than measured"
 MORE = "more samples than measured"
 
 
 def cost_at(error, errors, costs):
-    """(cost, outside): the cost at an error, linear in logarithms between two measured points.
+    """Returns (cost, outside): the cost at an error, log-linear between two measured points.
 
-    errors, costs: (n,), above 0, in the order of their samples, fewest first. Errors fall but for
-    chance: the first two neighbours that enclose the error are taken. Where none do, cost is None
-    and outside is FEWER or MORE, which it takes to err so much; otherwise outside is None.
+    errors, costs: (n,), above 0, in the order of their samples, fewest first. Errors fall, apart
+    from chance: the first two neighbors that enclose the error count. If none do, cost is None and
+    outside is FEWER or MORE, the samples that this error needs. Otherwise outside is None.
     """
     errors, costs = np.float64(errors), np.float64(costs)
     if not (error > 0 and error >= errors.min()):

@@ -12,7 +12,7 @@ HERE = Path(__file__).resolve()
 
 
 def machine():
-    """A dict: processor, cores, system, python, and load, processes at work in the minute before.
+    """Returns a dict: processor, cores, system, python, and load, the mean of the last minute.
 
     Figures that the system does not have are None.
     """
@@ -26,7 +26,7 @@ def machine():
 
 
 def commit():
-    """The commit of the source, with "-dirty" behind it where files differ; else the version."""
+    """Returns the commit of the source, followed by "-dirty" if files differ; else the version."""
     tracked = ("ls-files", "--error-unmatch", HERE.name)
     described = ("describe", "--always", "--dirty", "--exclude", "*")
     if _git(*tracked) and (found := _git(*described)):
@@ -44,7 +44,7 @@ def _processor():
 
 
 def _git(*arguments):
-    """What git says in the folder of this file; nothing without git or a repository."""
+    """Returns the output of git in this file's folder; empty without git or a repository."""
     try:
         done = subprocess.run(
             ["git", *arguments], cwd=HERE.parent, capture_output=True, text=True, timeout=10

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake of the bump box in a process of its own, whose peak of memory is then the bake's."""
+"""A bake of the bump box in a separate process, so that its peak of memory is the bake's."""
 
 import multiprocessing
 import re
@@ -12,14 +12,14 @@ from leaflight.io.scene_file import packaged_scene
 from leaflight.volume.volume import bump_box
 
 POLL_SECONDS = 0.05
-# Of the bake's statistics.
+# Names of the bake's statistics to keep.
 KEPT = ("seconds", "rays", "texels")
 
 
 def bake_bump_box(nodes, seed, threads, progress):
-    """What a bake of nodes^3 takes with the default settings: a dict of KEPT and peak_bytes.
+    """Bakes nodes^3 with the default settings; returns a dict of KEPT and peak_bytes.
 
-    Raises LeaflightError, also where the process ends without an answer, and Cancelled.
+    Raises LeaflightError, also if the process ends without an answer, and Cancelled.
     """
     # A copy of this process would begin with its memory, and with locks that others hold.
     context = multiprocessing.get_context("spawn")
@@ -59,7 +59,7 @@ def _bake(answer, nodes, seed, threads):
 
 
 def _peak(baked):
-    """The most bytes that this process has held.
+    """Returns the most bytes that this process has held.
 
     Linux's figures of its resources, which the statistics use, include the peak of the process that
     started it: exec keeps that.

@@ -52,7 +52,7 @@ def write_page(path, name, result):
 
 
 def _split(path, name):
-    """What stands before the tables of `bench NAME`, and after; the marks are in it."""
+    """Returns the text before the tables of `bench NAME` and the text after, with the marks."""
     path = Path(path)
     try:
         text = path.read_text() if path.exists() else PAGE
@@ -70,7 +70,7 @@ def _split(path, name):
 
 
 def bake_lines(result):
-    """The section of `bench bake`, lines of Markdown."""
+    """Returns the section of `bench bake`, lines of Markdown."""
     rows = [
         {
             "bake": f"{row['name']} at {row['isovalue']:g}",
@@ -126,14 +126,14 @@ def bake_lines(result):
 
 
 def _why(row):
-    """Why a case has no break-even, and which side of what was measured it is."""
+    """Returns a text on a missing break-even: the side of the measured points that it is on."""
     ends = row["cycles"][0] if row["outside"] == FEWER else row["cycles"][-1]
     bound = row["bake_seconds"] / ends["seconds"]
     return f"{'above' if row['outside'] == FEWER else 'below'} {bound:.2g}: {row['outside']}"
 
 
 def scale_lines(result):
-    """The section of `bench scale`, lines of Markdown."""
+    """Returns the section of `bench scale`, lines of Markdown."""
     rows = [
         {
             "bake": row["name"],
@@ -171,7 +171,7 @@ def scale_lines(result):
 
 
 def ray_lines(result):
-    """The section of `bench rays`, lines of Markdown."""
+    """Returns the section of `bench rays`, lines of Markdown."""
     rows = [
         {
             "isosurface": row["name"],
@@ -201,7 +201,7 @@ def ray_lines(result):
 
 
 def scrub_lines(result):
-    """The section of `bench scrub`, lines of Markdown."""
+    """Returns the section of `bench scrub`, lines of Markdown."""
     rows = [
         {
             "volume": f"{row['name']} at {row['isovalue']:g}",

@@ -73,7 +73,7 @@ def measure_rays(effort, run, *, folder=None):
 
 
 def program():
-    """The path of the program. Raises LeaflightError where it is not built."""
+    """Returns the path of the program. Raises LeaflightError where it is not built."""
     path = Path(_core.__file__).resolve().parents[2] / "core" / "bench" / PROGRAM
     if not path.exists():
         raise LeaflightError(
@@ -83,7 +83,7 @@ def program():
 
 
 def _traced(volume, case, effort, progress):
-    """The program's answer for each isovalue of a case."""
+    """Returns the program's answer for each isovalue of a case."""
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
         path = Path(folder) / "values.f32"
         np.ascontiguousarray(volume.values, np.float32).tofile(path)

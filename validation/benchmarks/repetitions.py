@@ -8,5 +8,5 @@ PATIENCE_SECONDS = 300.0
 
 
 def repetitions(seconds):
-    """How often to measure what takes so many seconds, at least once."""
+    """Returns how often to measure work of this many seconds, at least once."""
     return max(1, min(REPETITIONS, math.ceil(PATIENCE_SECONDS / max(seconds, 1e-9))))

@@ -25,14 +25,14 @@ QUICK_SCALE = ScaleEffort((8, 12), 8, lambda _: 1)
 
 
 def measure_scale(effort, run, *, seed=0, threads=0):
-    """What bakes of bump boxes take with the default settings, each in a process of its own.
+    """Measures bakes of bump boxes with the default settings, each in a separate process.
 
-    Returns a dict. cases: by size, dicts of name, nodes, texels, rays, seconds by the clock,
-        ns_per_texel, rays_per_second, peak_bytes (the most that the whole process held, Python
-        included), and repetitions; times are medians.
-    speedup_2_threads: seconds of one thread over those of two, which take turns; None where the
-        machine has one core. threads: a dict of nodes, seconds_1_thread, seconds_2_threads,
-        repetitions.
+    Returns a dict of these entries. Times are medians by the clock.
+    cases: by size, dicts of name, nodes, texels, rays, seconds, ns_per_texel, rays_per_second,
+        peak_bytes (the peak of the whole process, with Python) and repetitions
+    speedup_2_threads: seconds of one thread over seconds of two, which take turns; None on a
+        machine with one core
+    threads: a dict of nodes, seconds_1_thread, seconds_2_threads, repetitions
 
     run(work, label) returns work(progress). Raises LeaflightError, Cancelled.
     """
@@ -61,7 +61,7 @@ def measure_scale(effort, run, *, seed=0, threads=0):
 
 
 def _in_turns(items, work, often):
-    """The results of work(item) by item, one item after the other, and that again and again.
+    """Returns the results of work(item) by item; the items take turns.
 
     often(seconds): how often an item's turn comes, all of which have the first.
     """

@@ -34,7 +34,7 @@ class ScrubEffort:
     repetitions: int = 7
 
 
-# Where Colin27 is absent, a generated volume with as many triangles.
+# Effort without Colin27: a generated volume with as many triangles.
 GENERATED = ScrubEffort(
     "bump box, 256^3", generated(bump_box, 256), (20.0, 47.0, 100.0), blender_isovalues=(20.0,)
 )
@@ -42,12 +42,13 @@ QUICK_SCRUB = ScrubEffort("bump box, 24^3", generated(bump_box, 24), (47.0, 100.
 
 
 def measure_scrub(effort, run, *, folder=None, seed=0, threads=0):
-    """What isovalues take: a dict.
+    """Measures changes of the isovalue; returns a dict.
 
     cases: dicts of name, isovalue, triangles, milliseconds and vtk_milliseconds (medians by the
-        clock), vtk_ratio (the second over the first, median of the turns).
-    vtk_ratio: the least of theirs. absent: names of volumes that are not there.
-    blender: list of what scrub_in_blender() returns.
+        clock), vtk_ratio (VTK's time over ours, median of the turns)
+    vtk_ratio: the least vtk_ratio of the cases
+    absent: names of the volumes that are absent
+    blender: list of the results of scrub_in_blender()
 
     run(work, label) returns work(progress). Raises LeaflightError, also without Blender, VTK or the
     add-on's source, and Cancelled.
@@ -109,7 +110,7 @@ def _case(effort, field, grid, isovalue, peer):
 
 
 def _ours(field, grid, isovalue):
-    """(milliseconds, triangles)."""
+    """Returns (milliseconds, triangles)."""
     start = time.perf_counter()
     triangles = grid.lit_contour(field, isovalue)[2]
     return 1e3 * (time.perf_counter() - start), len(triangles)

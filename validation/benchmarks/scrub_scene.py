@@ -31,7 +31,7 @@ def addon():
 
 
 def scrubbed(obj):
-    """(milliseconds, triangles), medians of the steps of a slider."""
+    """Returns (milliseconds, triangles), medians of the steps of a slider."""
     found = []
     # The first two show whatever was there before, and how large the surface is.
     for step in range(settings["repetitions"] + 2):

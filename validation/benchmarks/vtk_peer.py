@@ -40,11 +40,11 @@ class VtkPeer:
         )
 
     def milliseconds(self, isovalue):
-        """By the clock, of one isovalue. Raises LeaflightError."""
+        """Returns the milliseconds by the clock of one isovalue. Raises LeaflightError."""
         return self.ask(isovalue)["milliseconds"]
 
     def ask(self, isovalue):
-        """A dict: milliseconds and triangles of one isovalue. Raises LeaflightError."""
+        """Returns a dict: milliseconds and triangles of one isovalue. Raises LeaflightError."""
         print(isovalue, file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         if not answer:

@@ -15,7 +15,7 @@ CHOICES = 3
 
 
 def advice(curves, analysis, data_rows):
-    """Lines of Markdown."""
+    """Returns lines of Markdown."""
     effort = curves.effort
     lines = [
         f"All figures of this page are those of the sections below: the bump box of "
@@ -39,7 +39,7 @@ def advice(curves, analysis, data_rows):
 
 
 def budget_rows(curves):
-    """What errs least within a budget of seconds, of the estimators and strategies measured."""
+    """Returns the measured estimators and strategies that err least within budgets of seconds."""
     own = [curve for curve in curves.curves if curve.group != "Cycles"]
     most = max(point.seconds for curve in own for point in curve.points)
     rows = []
@@ -55,7 +55,7 @@ def budget_rows(curves):
                 "next": second.name,
                 "its RMS %": other.error,
             }
-            # A larger budget that buys nothing more is none of its own.
+            # A larger budget with the same choices gets no row.
             if not rows or {**rows[-1], **row} != rows[-1]:
                 rows.append({"seconds at most": budget, **row})
         if budget >= most:
@@ -64,7 +64,7 @@ def budget_rows(curves):
 
 
 def _best(curve, budget):
-    """(Curve, Point) of the curve's least error within a budget, or None."""
+    """Returns (Curve, Point) of the curve's least error within a budget, or None."""
     within = [point for point in curve.points if point.seconds <= budget]
     return (curve, min(within, key=lambda point: point.error)) if within else None
 
@@ -79,7 +79,7 @@ def _table_of_budgets(curves):
 
 
 def _bake(curves):
-    """The best of leaflight.bake beside the best of the thesis's methods."""
+    """Returns the best of leaflight.bake beside the best of the thesis's methods."""
     own = curves.of(BAKE)
     others = [curve for curve in curves.curves if curve.group in ("estimators", "strategies")]
     if own is None or not others:

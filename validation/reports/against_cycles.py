@@ -43,8 +43,11 @@ REACHED, REPORTED, EXCEEDED = "reached", "reported", "exceeded"
 
 @dataclass(frozen=True)
 class Case:
-    """What is baked. volumes(folder, fineness): see volume_recipes.py; isovalues: common isovalues
-    that are judged, on each of the volumes; scene: of the package, None is the Cornell box.
+    """A case to bake.
+
+    volumes: volumes(folder, fineness), see volume_recipes.py
+    isovalues: common isovalues to judge, on each of the volumes
+    scene: a scene of the package; None is the Cornell box
     """
 
     name: str
@@ -83,9 +86,12 @@ QUICK_CASES = (
 
 @dataclass(frozen=True)
 class CyclesEffort:
-    """points: of each isosurface; paths: of Cycles and of the path tracer, at each point; noise:
-    percent above which Cycles measures once more, with as many paths as it takes; judged: whether
-    there are verdicts.
+    """The effort of the comparison.
+
+    points: points of each isosurface
+    paths: paths of Cycles and of the path tracer at each point
+    noise: percent above which Cycles measures once more, with as many paths as it needs
+    judged: True if there are verdicts
     """
 
     cases: tuple = CASES
@@ -119,12 +125,12 @@ class BakeRow:
 
     @property
     def reported(self):
-        """Whether it reported an error above the target before and afterwards."""
+        """True if the bake reported an error above the target before and afterwards."""
         return min(self.before.error, self.after) > DEFAULT_ERROR
 
     @property
     def true(self):
-        """Whether the estimate at the end is within TRUE_WITHIN of the found error."""
+        """True if the estimate at the end is within a factor TRUE_WITHIN of the found error."""
         return 1 / TRUE_WITHIN <= self.after / max(self.found, 1e-9) <= TRUE_WITHIN
 
 
@@ -153,7 +159,7 @@ class CyclesRow:
 
     @property
     def passed(self):
-        """Whether the target error was reached, or reported to be out of reach."""
+        """True if the bake reached the target error, or reported that it is out of reach."""
         return self.verdict != EXCEEDED
 
 
@@ -204,7 +210,7 @@ def _rows(case, volumes, effort, run, seed, threads):
 
 
 def _judged(side, effort, work, step):
-    """(paths, errors, their parts) of an IsosurfaceSide."""
+    """Returns (paths, errors, their parts) of an IsosurfaceSide."""
     at, exposure = f"at {side.isovalue:g}", side.bake.scene.exposure
 
     def errors(truth):

@@ -37,7 +37,7 @@ def make_parser():
 
 
 def run_report(options, run=run_with_progress):
-    """What the options ask for, as the result and the sentences about it.
+    """Runs the report that the options describe; returns its result and the sentences about it.
 
     run: called as run(work, label), which returns work(progress). Raises LeaflightError, Cancelled.
     """

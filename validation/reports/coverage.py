@@ -13,7 +13,7 @@ import numpy as np
 from leaflight.bake.color_error import rms
 from leaflight.thesis import bake
 
-# Of the normal distribution: 95 % lie within so many standard errors.
+# Number of standard errors that contain 95 % of a normal distribution.
 QUANTILE = 1.959963984540054
 
 
@@ -27,7 +27,7 @@ class Coverage:
     reported_rms: float
 
     def within(self, quantile=QUANTILE):
-        """The share whose interval of +- quantile errors holds the mean of the other seeds."""
+        """Returns the share of the intervals of +- quantile errors with the other seeds' mean."""
         return float((np.abs(self.z) <= quantile).mean())
 
 

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error against seconds on the bump box: leaflight.bake, the thesis's methods, and Cycles.
 
-The effort of leaflight.bake is its texels a side: it takes as many passes as its error needs. That
-of the thesis's methods is their rays a texel; it doubles along each curve, and photons double with
-it. Bakes are repeated with other seeds, curve after curve, so that whatever else the machine does
-falls upon all alike. Seconds are those of a processor, all threads together: they suffer less than
-the clock's where others are at work.
+The effort of leaflight.bake is its texels a side: it takes as many passes as its error needs. The
+effort of the thesis's methods is their rays a texel. It doubles along each curve, as do photons.
+Bakes are repeated with other seeds, curve after curve, so that other work of the machine slows
+all equally. Seconds are processor time of all threads: other work disturbs it less than the
+clock.
 """
 
 from dataclasses import dataclass
@@ -30,18 +30,23 @@ PHOTONS = 2_000_000 // 32
 RAYS = 32
 BAKE = "leaflight.bake"
 CYCLES = "Cycles, one isosurface"
-# The curve of what thesis.bake does by default.
+# Name of the curve of thesis.bake's default.
 GATHER = "gather"
-# What the samples of a curve count, by its group; of others they are rays a texel.
+# Unit of the samples of a curve, by its group. Other groups count rays a texel.
 UNITS = {"bake": "texels a side", "Cycles": "paths a corner"}
 
 
 @dataclass(frozen=True)
 class CurveEffort:
-    """texels: nodes a side, and texels of the thesis's methods; resolutions: texels a side along
-    the curve of leaflight.bake; rays: a texel, along those of the thesis's methods; slow_rays:
-    along those of slow estimators; cycles: samples a corner; vertices, paths: of the reference, in
-    all and each.
+    """The effort of the curves.
+
+    texels: nodes a side, and texels a side of the thesis's methods
+    resolutions: texels a side along the curve of leaflight.bake
+    rays: rays a texel along the curves of the thesis's methods
+    slow_rays: rays a texel along the curves of slow estimators
+    cycles: samples a corner of Cycles
+    vertices: vertices of the reference in all
+    paths: paths of the reference at each vertex
     """
 
     texels: int = 100
@@ -68,7 +73,7 @@ QUICK_CURVES = CurveEffort(
 
 @dataclass(frozen=True)
 class Kind:
-    """What is baked along a curve, by a group of curves that belong together."""
+    """A kind of bake along a curve, and the group of curves that it belongs to."""
 
     name: str
     group: str
@@ -77,7 +82,7 @@ class Kind:
     slow: bool = False
 
     def efforts(self, effort):
-        """The samples along its curve."""
+        """Returns the samples along its curve."""
         if self.group == "bake":
             return effort.resolutions
         return [rays for rays in effort.rays if not self.slow or rays in effort.slow_rays]
@@ -125,7 +130,7 @@ class Curve:
 
     @property
     def unit(self):
-        """What the samples of its points count."""
+        """The unit of the samples of its points."""
         return UNITS.get(self.group, "rays a texel")
 
 
@@ -138,12 +143,12 @@ class Curves:
     effort: CurveEffort
 
     def of(self, name):
-        """The Curve of a name, or None."""
+        """Returns the Curve of a name, or None."""
         return next((curve for curve in self.curves if curve.name == name), None)
 
 
 def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
-    """The Curves of the bump box in its scene; run(work, label): see experiments.py.
+    """Returns the Curves of the bump box in its scene; run(work, label): see experiments.py.
 
     cycles: whether Cycles gets a curve. Raises LeaflightError, Cancelled.
     """
@@ -183,7 +188,7 @@ def measure_curves(effort, run, *, seed=0, threads=0, cycles=True, kinds=KINDS):
 
 
 def _work(volume, scene, kind, samples, **settings):
-    """work(progress) that returns a Bake of all isosurfaces, with so many samples (UNITS)."""
+    """Returns work(progress), which bakes all isosurfaces with this number of samples (UNITS)."""
     settings["isovalues"] = volume.data_range()
     if kind.group == "bake":
         return lambda progress: bake(
@@ -197,7 +202,7 @@ def _work(volume, scene, kind, samples, **settings):
 
 
 def _by_cycles(scene, reference, samples, seed, threads, run):
-    """(radiance at the points, Cost) for each number of samples; costs are those of one isosurface.
+    """Returns (radiance at the points, Cost of one isosurface) for each number of samples.
 
     A pass before the first one warms up. Neither Blender's start nor its building of the scene
     counts.

@@ -8,7 +8,7 @@ from leaflight.io.markdown import table
 from volume_recipes import absent_text
 from .against_cycles import REACHED, EXCEEDED, REPORTED, TRUE_WITHIN
 
-# A mean colour below which a share of it says nothing.
+# A mean color below which a share of it says nothing.
 DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",
@@ -32,7 +32,7 @@ CYCLES_FORMATS = {
 
 
 def bake_rows(rows):
-    """One row for each bake."""
+    """Returns one row for each bake."""
     # A row a case, in the order of the cases.
     bakes = {row.bake.case.name: row.bake for row in rows}
     return [
@@ -53,7 +53,7 @@ def bake_rows(rows):
 
 
 def cycles_rows(rows):
-    """One row for each isosurface that Cycles judged."""
+    """Returns one row for each isosurface that Cycles judged."""
     return [
         {
             "bake": ": ".join(filter(None, (row.bake.case.name, row.volume))),
@@ -72,7 +72,7 @@ def cycles_rows(rows):
 
 
 def summary(rows):
-    """A paragraph about the rows of cycles_rows()."""
+    """Returns a paragraph about the rows of cycles_rows()."""
     errors = np.array([row["RMS %"] for row in rows])
     noise = [row["noise %"] for row in rows]
     off = [row["mean off by %"] for row in rows if row["mean off by %"] is not None]
@@ -125,5 +125,5 @@ def cycles_text(rows, absent, effort):
 
 
 def _off_by(errors):
-    """Percent; None where all is dark."""
+    """Returns the deviation of the mean in percent; None if all is dark."""
     return None if errors["mean_radiance"] < DARK else 100 * (errors["mean_ratio"] - 1)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The thesis's data sets and some real ones: one bake against isosurfaces rendered directly.
 
-Thesis Fig. 5.14. Of its four data sets Colin27 alone is public; particles.py generates others of
-the same kind, and some scans stand beside them where there are any.
+Thesis Fig. 5.14. Colin27 alone of its four data sets is public. particles.py generates others of
+the same kind. Scans join them, if there are any.
 """
 
 from dataclasses import dataclass
@@ -56,11 +56,14 @@ class DataSet:
 
 @dataclass(frozen=True)
 class DataRow:
-    """What became of a data set: its bake beside one isosurface rendered directly.
+    """The result of a data set: its bake beside one isosurface rendered directly.
 
-    texels: of the bake; cost: of the bake; estimated: the error that it reports; error: RMS in
-    percent, of which noise is that of the reference; vertices: of one isosurface, on average;
-    direct: seconds of a processor in which paths light these with the same error.
+    texels, cost: texels and cost of the bake
+    estimated: the error that the bake reports
+    error: RMS error in percent, including the noise of the reference
+    noise: noise of the reference in percent
+    vertices: vertices of one isosurface, on average
+    direct: seconds of a processor in which paths light these vertices with the same error
     """
 
     data_set: DataSet
@@ -142,7 +145,7 @@ def measure_data_sets(effort, run, *, folder=None, seed=0, threads=0, data_sets=
 def _row(data_set, volumes, effort, run, seed, threads):
     scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
-    # Those of the thesis hold everything that is in the data; others have the default range.
+    # Bakes of the thesis cover the whole range of the data; others have the default range.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
     isovalue_range = range_to_bake(whole if data_set.printed else None, volumes, scene.isosurfaces)
 

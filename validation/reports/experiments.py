@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thesis's tables on sampling, computed anew: the same scenes, samples and measure of error.
+"""The thesis's tables on sampling, computed again: the same scenes, samples and measure of error.
 
 Each table is a function of (effort, run), where run(work, label) calls work(progress) with a
 Progress and returns its result, as run_with_progress does.
@@ -32,12 +32,13 @@ OTHER_ISOVALUES = (20.0, 100.0)
 
 @dataclass(frozen=True)
 class Effort:
-    """How much work the tables take, by default that of the full report; and its seed.
+    """The work of the tables, by default of the full report, and its seed.
 
-    rays: shadow and gather rays of each scattered sample. References are a texture of regular
-    samples in the plane, and in space paths at some vertices of an isosurface. repetitions: of
-    the first row of Table 4.2, with other seeds; filters: its rows with other filters and
-    estimators, too.
+    The reference in the plane is a texture of regular samples. The reference in space are paths at
+    some vertices of an isosurface.
+    rays: shadow and gather rays of each scattered sample
+    repetitions: repetitions of the first row of Table 4.2, with other seeds
+    filters: True to add its rows with other filters and estimators
     """
 
     photons: int = 2_000_000
@@ -57,7 +58,7 @@ class Effort:
     neuron_texels: int = 60
     neuron_samples: int = 64_000
     neuron_rays: int = 16
-    # How many times as many stratified samples as by importance.
+    # Ratios of stratified samples to samples by importance.
     neuron_factors: tuple = (1, 4, 8, 32)
     seed: int = 0
     threads: int = 0
@@ -75,10 +76,12 @@ QUICK = Effort(
 
 @dataclass(frozen=True)
 class Trial:
-    """What a row is computed with. scattered: None for samples in each texel.
+    """The settings of a row.
 
-    printed: the thesis's error, if it has one; judged: whether the error must be as low as the
-    thesis's, or high for a bad strategy; repetition: what its seed is more than the others'.
+    scattered: None for samples in each texel
+    printed: the error in the thesis, if it has one
+    judged: True if the error must be as low as the thesis's, or high for a bad strategy
+    repetition: number that is added to the seed
     """
 
     name: str
@@ -93,10 +96,12 @@ class Trial:
 
 @dataclass(frozen=True)
 class Row:
-    """The result of a trial, a bake of so many seconds.
+    """The result of a trial: a bake, its error and its seconds.
 
-    error: RMS in percent; others: the same in other respects, by their names; verdict: in words;
-    passed: whether the error is what it must be, None where nothing is asked.
+    error: RMS error in percent
+    others: further errors in percent, by their names
+    verdict: the verdict in words
+    passed: True if the error is as it must be; None if it is not judged
     """
 
     trial: Trial
@@ -194,7 +199,7 @@ def _flat_trials(effort):
 
 
 def table_4_2(effort, run):
-    """An isosurface of the 3D bump box (thesis Table 4.2)."""
+    """Returns the rows of an isosurface of the 3D bump box (thesis Table 4.2)."""
     scene = packaged_scene("bump_box.json")
     volume = bump_box(effort.texels)
     box = _Isosurface("table 4.2", volume, scene, ISOVALUE, effort, run)
@@ -230,7 +235,7 @@ def table_4_2(effort, run):
 
 
 def _space_trials(effort, column, samples, rays):
-    """The rows of a column of thesis Table 4.2, numbered from 0.
+    """Returns the rows of a column of thesis Table 4.2, numbered from 0.
 
     The second has the thesis's filter alone.
     """
@@ -273,7 +278,7 @@ def _space_trials(effort, column, samples, rays):
 
 
 def table_4_9(effort, run):
-    """Importance against stratified samples on a neuron (thesis Fig. 4.9)."""
+    """Returns the rows of importance and stratified samples on a neuron (thesis Fig. 4.9)."""
     volume = neuron(effort.neuron_texels)
     surface = _Isosurface("figure 4.9", volume, cornell_box(), NEURON_ISOVALUE, effort, run)
 
@@ -301,7 +306,7 @@ def table_4_9(effort, run):
 
 
 def judged(rows):
-    """The rows with their verdicts; the first is that of uniform samples, with a printed error.
+    """Returns the rows with their verdicts; the first row has uniform samples and a printed error.
 
     Good strategies must not exceed the printed error of uniform samples, bad ones must be clearly
     worse than ours.
@@ -337,7 +342,7 @@ class _Isosurface:
         self.vertices = self._mesh.vertices
 
     def bake(self, trial):
-        """The Bake of a trial, whose samples in each texel are as many rays as it has in all."""
+        """Returns the Bake of a trial; samples in texels have the trial's total number of rays."""
         texels = self._volume.values.size
         rays = trial.rays if trial.scattered else max(1, trial.samples * trial.rays // texels)
 
@@ -362,7 +367,7 @@ class _Isosurface:
         return Row(trial, error, baked.statistics.seconds)
 
     def note(self):
-        """Where errors are taken, and against what."""
+        """Returns a note on the points of the errors, and on their reference."""
         return (
             f"The error is that at {len(self._mesh.chosen)} of the isosurface's "
             f"{len(self.vertices)} vertices, against {self._effort.paths} paths at each; mean "
@@ -371,7 +376,7 @@ class _Isosurface:
         )
 
     def picture(self, radiance):
-        """The isosurface with a radiance (n, 3) of its vertices."""
+        """Returns the isosurface with a radiance (n, 3) of its vertices."""
         return surface_picture(self.vertices, self._mesh.triangles, radiance, self._scene.exposure)
 
     def reference_picture(self):
@@ -379,7 +384,7 @@ class _Isosurface:
         return self.picture(self._lit(len(self.vertices), self._effort.picture_paths, label).truth)
 
     def _lit(self, vertices, paths, label):
-        """The Isosurfaces of this one alone."""
+        """Returns the Isosurfaces of this one alone."""
         isovalue_range, effort = self._volume.data_range(), self._effort
         return isosurfaces(
             [self._volume],

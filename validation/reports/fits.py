@@ -38,7 +38,7 @@ class Fit:
     power: float = 1.0
 
     def interval(self, number):
-        """The Estimate of a coefficient."""
+        """Returns the Estimate of a coefficient."""
         value = float(self.coefficients[number])
         reach = quantile(self.freedom) * float(np.sqrt(self.covariance[number, number]))
         return Estimate(value, value - reach, value + reach)
@@ -55,19 +55,19 @@ class Fit:
 
 
 def quantile(freedom):
-    """By how many standard errors a value may be off, at so many degrees of freedom."""
+    """Returns the number of standard errors that a value may be off, by degrees of freedom."""
     if freedom < 1:
         return float("nan")
     return float(_statistics().t.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
 
 
 def slope(samples, errors):
-    """The Estimate of d log error / d log samples."""
+    """Returns the Estimate of d log error / d log samples."""
     return _least_squares(np.log(samples), np.log(errors), 1.0).interval(1)
 
 
 def noise_and_floor(samples, errors, power=-0.5):
-    """The Fit of error^2 = floor^2 + a samples^(2 power): its coefficients are (floor^2, a).
+    """Returns the Fit of error^2 = floor^2 + a samples^(2 power), with coefficients (floor^2, a).
 
     power: the slope of the noise, -0.5 for random samples.
     """
@@ -75,12 +75,12 @@ def noise_and_floor(samples, errors, power=-0.5):
 
 
 def cost(samples, seconds):
-    """The Fit of seconds = start + each * samples: its coefficients are (start, each)."""
+    """Returns the Fit of seconds = start + each * samples: its coefficients are (start, each)."""
     return _least_squares(samples, seconds, 1.0, relative=True)
 
 
 def root(estimate):
-    """The Estimate of the square root, of what may be below 0 by chance."""
+    """Returns the Estimate of the square root, of what may be below 0 by chance."""
     values = (estimate.value, estimate.low, estimate.high)
     return Estimate(*(float(np.sqrt(max(0.0, value))) for value in values))
 
@@ -91,11 +91,12 @@ def samples_for(error, fit):
 
 
 def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
-    """The Estimate of how many isosurfaces a bake of so many seconds and this error is worth.
+    """Returns the Estimate of the number of isosurfaces that such a bake is worth.
 
-    fit, costs: Fits of the error and of the seconds with which one isosurface is computed without
-    a bake; varying: by which share seconds of either may differ from one run to the next (95 %).
-    The value is 0 where that does not reach the error.
+    error, seconds: error and seconds of the bake
+    fit, costs: Fits of the error and of the seconds of one isosurface computed without a bake
+    varying: share by which the seconds of either may differ between runs (95 %)
+    The value is 0 if one isosurface without a bake never reaches the error.
     """
     rng = np.random.default_rng(seed)
 
@@ -113,7 +114,7 @@ def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
 
 
 def _samples_for(error, coefficients, power):
-    """Of coefficients (n, 2); noise and floor are not below 0."""
+    """Returns the samples for an error by coefficients (n, 2); noise and floor are not below 0."""
     floor_squared, a = np.maximum(coefficients, 0.0).T
     above = error**2 - floor_squared
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -121,7 +122,7 @@ def _samples_for(error, coefficients, power):
 
 
 def _least_squares(samples, values, power, relative=False):
-    """The Fit of values (n,); relative: of their relative deviations."""
+    """Returns the Fit of values (n,); relative: of their relative deviations."""
     values = np.float64(values)
     columns = np.stack([np.ones_like(values), np.float64(samples) ** power], axis=1)
     if relative:

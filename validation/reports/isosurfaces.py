@@ -33,11 +33,12 @@ class Isosurface:
 
 @dataclass(frozen=True, eq=False)
 class Isosurfaces:
-    """What bakes are judged by; all isosurfaces count alike.
+    """The reference that judges bakes; all isosurfaces count equally.
 
     truth, standard_error: float32 (n, 3), the radiance of paths at each of the points, one surface
-    after the other, and its standard error. exposure: of the scene. seconds: of a processor, for
-    one path at one point.
+    after the other, and its standard error
+    exposure: the exposure of the scene
+    seconds: seconds of a processor for one path at one point
     """
 
     surfaces: list
@@ -49,12 +50,12 @@ class Isosurfaces:
 
     @property
     def noise(self):
-        """What the reference's noise adds to error(), in squares."""
+        """The noise of the reference, which error() includes as a sum of squares."""
         return noise_percent(self.truth, self.standard_error, self.exposure)
 
     @property
     def colour(self):
-        """The mean colour."""
+        """The mean color."""
         return float(np.clip(self.truth * self.exposure, 0, 1).mean())
 
     def seconds_to(self, error):
@@ -66,15 +67,15 @@ class Isosurfaces:
         return self.seconds * self.paths * self.noise**2 / own
 
     def radiance(self, baked):
-        """The radiance (n, 3) of a Bake at the points."""
+        """Returns the radiance (n, 3) of a Bake at the points."""
         return np.concatenate([baked.radiance(one.points, one.volume) for one in self.surfaces])
 
     def error(self, radiance):
-        """RMS error in percent (thesis Eq. 4.11, corrected) of a radiance (n, 3)."""
+        """Returns RMS error in percent (thesis Eq. 4.11, corrected) of a radiance (n, 3)."""
         return rms_percent(radiance, self.truth, self.exposure)
 
     def spread(self, radiances):
-        """RMS of the deviation, in percent, among bakes that differ by their seed alone."""
+        """Returns RMS of the deviation, in percent, among bakes that differ by their seed alone."""
         colours = np.clip(np.float64(radiances) * self.exposure, 0, 1)
         return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
 
@@ -82,11 +83,12 @@ class Isosurfaces:
 def isosurfaces(
     volumes, scene, isovalue_range, isovalues, vertices, paths, seed, threads, run, label
 ):
-    """The Isosurfaces of each volume at each common isovalue, of which some are empty.
+    """Returns the Isosurfaces of each volume at each common isovalue; some are empty.
 
-    scene: in world coordinates, with Isosurfaces for each volume; isovalue_range: (lo, hi) of the
-    common isovalue; vertices: to judge, in all, none of them inside another volume's isosurface;
-    run(work, label): see experiments.py.
+    scene: a scene in world coordinates, with Isosurfaces for each volume
+    isovalue_range: (lo, hi) of the common isovalue
+    vertices: number of vertices to judge; none is inside another volume's isosurface
+    run(work, label): see experiments.py
     """
     fields = [volume.field() for volume in volumes]
     rng = np.random.default_rng(seed)

@@ -34,7 +34,7 @@ def measured(work):
 
 
 def _forget_peak():
-    """Lets the peak of the process's memory begin anew, where Linux allows it."""
+    """Resets the peak of the process's memory, if Linux allows it."""
     try:
         Path("/proc/self/clear_refs").write_text("5")
     except OSError:

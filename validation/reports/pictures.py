@@ -5,7 +5,7 @@ import numpy as np
 
 from leaflight.io.images import display_colours
 
-# From where isosurfaces are shown, with y up.
+# Direction of view towards isosurfaces, with y up.
 TOWARDS = (0.3, 0.45, -1.0)
 SIZE = 600
 BACKGROUND = 40
@@ -13,18 +13,18 @@ GAP = 8
 
 
 def texture_picture(texture, exposure):
-    """A texture of radiance [y, x, RGB], y up, as it is displayed."""
+    """Returns a texture of radiance [y, x, RGB], y up, as it is displayed."""
     return display_colours(texture[::-1], exposure)
 
 
 def slice_picture(texture, exposure, zoom):
-    """The middle slice of a texture [z, y, x, RGB], y up, each texel a square of zoom pixels."""
+    """Returns the middle slice of a texture [z, y, x, RGB], y up; a texel is zoom pixels wide."""
     picture = texture_picture(texture[len(texture) // 2], exposure)
     return picture.repeat(zoom, axis=0).repeat(zoom, axis=1)
 
 
 def surface_picture(vertices, triangles, radiance, exposure):
-    """An isosurface with the radiance of its vertices, (n, 3) both, without perspective."""
+    """Returns an isosurface with the radiance of its vertices, (n, 3) both, without perspective."""
     from PIL import Image, ImageDraw
 
     forward = np.array(TOWARDS) / np.linalg.norm(TOWARDS)
@@ -39,7 +39,7 @@ def surface_picture(vertices, triangles, radiance, exposure):
     image = Image.new("RGB", (SIZE, SIZE), (BACKGROUND,) * 3)
     draw = ImageDraw.Draw(image)
     colours = display_colours(radiance[triangles].mean(axis=1), exposure)
-    # What is nearer is painted over what is farther.
+    # Nearer triangles are painted over farther ones.
     for t in np.argsort(-seen[triangles, 2].mean(axis=1), kind="stable"):
         draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colours[t].tolist()))
     return np.asarray(image)

@@ -8,10 +8,10 @@ import numpy as np
 from leaflight._core import LeaflightError
 from .curves import GATHER
 
-# Okabe and Ito's colours, which colour-blind eyes distinguish.
+# Okabe and Ito's colors, which color-blind eyes distinguish.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
-# Of curves that both panels show.
+# Styles of the curves that both panels show.
 STYLES = {
     "bake": {"color": "black", "linewidth": 2.5},
     "Cycles": {"color": "0.45", "linestyle": "--", "marker": "."},
@@ -25,7 +25,7 @@ def check_plotting():
 
 
 def error_against_seconds(curves):
-    """Two panels, estimators and strategies, over Cycles and the reference's noise."""
+    """Plots estimators and strategies in two panels, over Cycles and the reference's noise."""
     figure = _figure(11, 4.6)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     groups = (("estimators", "estimators"), ("strategies", "strategies of sampling (gather)"))
@@ -57,7 +57,7 @@ def error_against_seconds(curves):
 
 
 def convergence(curves, fits):
-    """Error and noise against samples, with the fits of noise and floor; a panel a curve.
+    """Plots error and noise against samples, with the fits of noise and floor; a panel a curve.
 
     fits: by the names of the curves that are shown, Fit of noise_and_floor.
     """
@@ -142,7 +142,7 @@ def _png(figure):
 
 
 def _figure(width, height):
-    """An empty figure of so many inches."""
+    """Returns an empty figure of so many inches."""
     try:
         from matplotlib.figure import Figure
     except ImportError:

@@ -49,7 +49,7 @@ class ReportEffort:
     cycles: CyclesEffort = CyclesEffort()
 
 
-# Less than `--tables --quick` alone: all tables and all else take ten minutes.
+# Less work than `--tables --quick` alone, so that the whole report takes ten minutes.
 QUICK_TABLES = replace(
     QUICK,
     flat_reference_samples=2_560_000,
@@ -62,10 +62,13 @@ QUICK_REPORT = ReportEffort(QUICK_TABLES, QUICK_CURVES, QUICK_DATA, QUICK_CYCLES
 def report(folder, effort, run, data=None, tables=TABLES):
     """Measures everything; writes folder/report.md, folder/images/*.png and folder/csv/*.csv.
 
-    effort: a ReportEffort; run(work, label): see experiments.py; data: the folder of the real data
-    sets, or None. Returns a dict: "out", "seed", "passed" (no row of the tables failed and none
-    against Cycles is exceeded), "rows" as those of report_tables, and "curves", "slopes",
-    "break_even", "data_sets", "bakes_against_cycles", "against_cycles", "memory": lists of dicts.
+    effort: a ReportEffort
+    run(work, label): see experiments.py
+    data: the folder of the real data sets, or None
+
+    Returns a dict: "out", "seed", "passed" (no row of the tables failed, and no row against Cycles
+    is exceeded), and "rows" as in report_tables. "curves", "slopes", "break_even", "data_sets",
+    "bakes_against_cycles", "against_cycles" and "memory" are lists of dicts.
     Raises LeaflightError, Cancelled, and then writes nothing.
     """
     folder = _prepared(folder, "report.md")
@@ -118,7 +121,7 @@ def report(folder, effort, run, data=None, tables=TABLES):
 
 
 def _page(effort, parts, choices, tables):
-    """The text of the report. parts: lines by their title; choices: of advice()."""
+    """Returns the text of the report. parts: lines by their title; choices: of advice()."""
     lines = [
         "# Report",
         "",
@@ -192,7 +195,7 @@ def _against_cycles(judged):
 
 
 def _prepared(folder, name):
-    """The folder, made with those for images and figures, and able to hold a file of the name."""
+    """Makes the folder and those for images and figures; checks that it can hold the named file."""
     folder = Path(folder)
     try:
         for part in ("images", "csv"):
@@ -217,7 +220,7 @@ def _result(folder, seed, tables=(), judged=()):
 
 
 def _reductions(effort):
-    """What is less than in the full report, as a paragraph, if anything is."""
+    """Returns a paragraph on the efforts below those of the full report, if there are any."""
     full, parts = ReportEffort(), []
     titles = {"data": "data sets", "cycles": "against Cycles"}
     for name in (field.name for field in fields(effort)):
@@ -243,7 +246,7 @@ def _short(value):
 
 
 def _split(rows):
-    """Rows whose Estimates are cells of their own: value, low and high."""
+    """Returns rows with three cells for each Estimate: value, low and high."""
     return [
         {
             key: cell
@@ -259,7 +262,7 @@ def _split(rows):
 
 
 def _finite(found):
-    """Rows that JSON can hold: what is infinite or not known is None."""
+    """Returns rows that JSON can hold: infinite and unknown numbers are None."""
     return {
         name: [
             {
@@ -273,7 +276,7 @@ def _finite(found):
 
 
 def _cells(row):
-    """The COLUMNS of a row; what it has not is None."""
+    """Returns the COLUMNS of a row; absent ones are None."""
     trial, scattered = row.trial, row.trial.scattered
     cells = (
         trial.name,
@@ -312,7 +315,7 @@ def _table_files(tables, seed, each):
 
 
 def _small_png(picture):
-    """The bytes of a PNG file with 128 colours: a document does not need more."""
+    """Returns the bytes of a PNG file with 128 colors: a document does not need more."""
     from PIL import Image
 
     file = io.BytesIO()

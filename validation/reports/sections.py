@@ -36,7 +36,7 @@ class Analysis:
 
 
 def analysed(curves, seed):
-    """The Analysis of Curves."""
+    """Returns the Analysis of Curves."""
     slopes, errors, costs = {}, {}, {}
     for curve in _sampled(curves):
         name, samples = curve.name, [point.samples for point in curve.points]
@@ -48,12 +48,12 @@ def analysed(curves, seed):
 
 
 def _sampled(curves):
-    """Those along which samples grow."""
+    """Returns the curves along which samples grow."""
     return [curve for curve in curves.curves if curve.name != BAKE]
 
 
 def _break_even_rows(curves, errors, costs, seed):
-    """One row for each bake by leaflight.bake and by the thesis's default estimator."""
+    """Yields one row for each bake by leaflight.bake and by the thesis's default estimator."""
     cycles = curves.of(CYCLES)
     if cycles is None:
         return
@@ -74,7 +74,7 @@ def _break_even_rows(curves, errors, costs, seed):
 
 
 def curve_rows(curves):
-    """One row for each point of each curve."""
+    """Returns one row for each point of each curve."""
     return [
         {
             "curve": curve.name,
@@ -123,7 +123,7 @@ def curves_text(curves):
 
 
 def slope_rows(curves, analysis):
-    """One row for each curve: slopes and floors, with their intervals."""
+    """Returns one row for each curve: slopes and floors, with their intervals."""
     rows = []
     for curve in _sampled(curves):
         samples = [point.samples for point in curve.points]
@@ -185,7 +185,7 @@ def break_even_text(curves, analysis):
 
 
 def data_rows(rows):
-    """One row for each data set."""
+    """Returns one row for each data set."""
     result = []
     for row in rows:
         printed = row.data_set.printed
@@ -228,7 +228,7 @@ def data_text(rows, absent, effort):
 
 
 def memory_rows(curves, rows):
-    """Of each curve with the most samples, and of each data set."""
+    """Returns a row for the last point of each curve, and for each data set."""
     result = []
     for curve in curves.curves:
         point = curve.points[-1]

@@ -37,7 +37,7 @@ TARGETS = {
 
 
 def build(target):
-    """The compiler, then the libraries."""
+    """Prepares the compiler and builds the libraries."""
     if shutil.which("ld64.lld-19") is None:
         raise PackageError("LLVM's linker for macOS is missing; run scripts/setup --macos.")
     _compiler(target)
@@ -45,7 +45,7 @@ def build(target):
 
 
 def _zig():
-    """The folder of the compiler, fetched once."""
+    """Returns the folder of the compiler, fetched once."""
     venv = WORK / "venv"
     stamp = venv / "requirements.txt"
     if not stamp.exists() or stamp.read_text() != REQUIREMENTS.read_text():

@@ -9,8 +9,8 @@ from ..tools import ROOT, PackageError
 
 WORK = ROOT / "build" / "windows"
 TOOLCHAIN = Path(__file__).parent / "toolchain.cmake"
-# Blosc has threads of its own on Windows, by the names of those that GCC's runtime has. -mxsave:
-# GCC wants it for a query of the processor, which is made only where the processor has it.
+# On Windows, Blosc defines thread functions with the same names as GCC's runtime. They get other
+# names here. -mxsave: GCC requires it for a query that only processors with XSAVE run.
 _BLOSC_THREADS = "create cond_init cond_destroy cond_wait cond_signal cond_broadcast".split()
 _BLOSC_FLAGS = " ".join(
     ["-mxsave", *(f"-Dpthread_{name}=blosc_pthread_{name}" for name in _BLOSC_THREADS)]

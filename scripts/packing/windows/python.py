@@ -24,7 +24,7 @@ BUILDS = {
 
 
 def tag(version):
-    """As names of wheels have it: cp311."""
+    """Returns the tag of a Python in names of wheels: cp311."""
     return f"cp{version.replace('.', '')}"
 
 

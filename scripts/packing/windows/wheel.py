@@ -21,7 +21,7 @@ def wheel(built, version):
 
 
 def build_folder(version, *more):
-    """Where CMake builds for a version of Python, configured; more: options of CMake."""
+    """Configures the build for a version of Python; returns its folder. more: options of CMake."""
     libraries.build()
     home = python.folder(version)
     tag = python.tag(version)

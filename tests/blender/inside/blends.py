@@ -34,7 +34,7 @@ def volume_object():
 
 
 def brighten(factor=2.0):
-    """Another light, too, so that a bake of the one before does not follow it."""
+    """Brightens the lamp and moves it: an earlier bake cannot follow a lamp that moved."""
     lamp = bpy.data.objects["lamp"]
     lamp.data.energy *= factor
     lamp.location.z -= 0.01
@@ -54,7 +54,7 @@ def pixels_of(image):
 
 
 def assert_lit(obj, isovalue=None):
-    """Mesh and image show the object's own bake as its file holds it, without a problem."""
+    """Checks that mesh and image show the bake of the object's file, without a problem."""
     assert obj.name_full not in surface_object.problems
     bake = leaflight.load_bake(bake_files.locate(obj))
     assert bake.id == obj.leaflight.bake_id

@@ -25,7 +25,7 @@ def build_cornell_box():
 
 
 def _camera(box):
-    """Before the open side, which fills the height of its frame."""
+    """Adds a camera before the open side, which fills the height of its frame."""
     corners = np.concatenate([mesh.vertices for mesh in box.meshes]).astype(np.float64)
     low, high = corners.min(axis=0), corners.max(axis=0)
     width = max(high[0] - low[0], high[2] - low[2])

@@ -113,7 +113,7 @@ def check_caustics_of_a_glass_isosurface_and_a_mirror_before_the_wall(scene):
     bpy.context.view_layer.objects.active = scene
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()
-    # Of glass and mirrors the baked still has noise, too: with 16 samples 4 % (3.1 to 4.5 %).
+    # The baked still is noisy on glass and mirrors, too: 4 % with 16 samples (3.1 to 4.5 %).
     assert_agrees(scene, 47.0, samples=1024, baked_samples=256)
 
 

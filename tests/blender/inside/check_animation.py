@@ -33,7 +33,7 @@ def check_a_sweep_shows_the_whole_range(patient, monkeypatch):
     made, make = [], isosurface.isosurface_of
     monkeypatch.setattr(isosurface, "isosurface_of", lambda *a: made.append(a) or make(*a))
     bpy.ops.leaflight.animate(kind="SWEEP", frames=11)
-    # Those that nobody sees are not made.
+    # Isosurfaces that nobody sees are not extracted.
     assert len(made) < 3
     for frame, part in ((1, 0.0), (6, 0.5), (11, 1.0)):
         bpy.context.scene.frame_set(frame)

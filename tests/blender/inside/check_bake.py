@@ -17,7 +17,7 @@ from tools import assert_shows, close, error_of, mesh_arrays, start, wait_while
 
 
 def _state():
-    """All that a cancelled or failed bake must leave alone."""
+    """Returns the state that a cancelled or failed bake must leave alone."""
     obj = bpy.context.object
     return {
         "objects": sorted(o.name for o in bpy.data.objects),

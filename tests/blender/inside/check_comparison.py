@@ -176,7 +176,7 @@ def check_it_is_cancelled_at_once(baked, small_frame, tmp_path):
 
 
 def check_the_interval_of_the_mean_holds():
-    """Of halves with noise, 95 % of the intervals hold what the image is off by."""
+    """Checks that 95 % of the intervals contain the true deviation, for halves with noise."""
     random, mask, held = np.random.default_rng(2), np.ones((30, 30), bool), 0
     for _ in range(400):
         baked, cycles = (

@@ -69,7 +69,7 @@ def check_only_what_can_be_is_continued(passes, tmp_path):
         bpy.ops.leaflight.continue_bake()
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    # What lowers the error is offered, where a lower one is asked for.
+    # A lower target error makes the panel offer the operator that reaches it.
     settings, offers = passes.leaflight, {"leaflight.continue_bake", "leaflight.finer_texels"}
     assert not offers & set(drawn(bake_panel.LEAFLIGHT_PT_bake))
     settings.error = 0.5 * settings.bake_error
@@ -117,7 +117,7 @@ def check_an_interrupted_bake_is_resumed(passes):
     with pytest.raises(leaflight.Cancelled):
         job.run(leaflight.Progress())
     assert "leaflight.resume_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    # Of another bake than that of the settings.
+    # The checkpoint belongs to a bake with other settings.
     passes.leaflight.error = 0.31
     with pytest.raises(RuntimeError, match="of another bake"):
         bpy.ops.leaflight.resume_bake()
@@ -130,7 +130,7 @@ def check_an_interrupted_bake_is_resumed(passes):
     whole = cache.bake_of(passes)
     assert whole.id == resumed.id and whole.statistics.passes > 1
     assert (whole.grid.dense("radiance") == resumed.grid.dense("radiance")).all()
-    # What is thrown away is not gone on with either.
+    # A bake that was thrown away cannot be resumed.
     passes.leaflight.error = UNREACHED
     job, work = begin(passes)
     job.checkpoint.path.write_bytes(b"of this bake")

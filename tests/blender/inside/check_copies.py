@@ -16,7 +16,7 @@ from tools import error_of, mesh_arrays
 
 @pytest.fixture
 def linked(saved, tmp_path):
-    """A volume linked into another .blend, in another folder."""
+    """Returns a volume linked into another .blend, in another folder."""
     blend, name = bpy.data.filepath, saved.name
     bpy.ops.wm.read_homefile(use_empty=True)
     (tmp_path / "main").mkdir()
@@ -236,7 +236,7 @@ def check_walls_are_known_after_a_rename_and_in_a_copy_of_the_scene(saved):
         copy.leaflight.show_walls = shown
         assert len(_displays(copy)) == (count if shown else 0)
         assert len(_displays(scene)) == count
-    # Baked anew the object that now has the name is the one that counts.
+    # A new bake takes the object that now has the name.
     bpy.context.window.scene = scene
     bpy.data.objects["ground"].hide_render = False
     impostor.data = bpy.data.objects["ground"].data

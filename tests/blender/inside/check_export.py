@@ -22,7 +22,7 @@ from leaflight_addon.export import export_bake
 from leaflight_addon.store import cache
 from tools import close, error_of, mesh_arrays, render_exr, to_world
 
-# Of square pictures, in pixels.
+# Side of the square pictures, in pixels.
 SIDE = 256
 
 
@@ -66,7 +66,7 @@ def check_a_range_is_a_sequence(baked, tmp_path):
     assert meshes_of(tmp_path / "box.glb") == [f"isovalue {c}" for c in (40, 50, 60)]
     export(tmp_path / "listed.glb", isovalues="LIST", listed="60, 45.5")
     assert meshes_of(tmp_path / "listed.glb") == ["isovalue 60", "isovalue 45.5"]
-    # Of one isosurface alone there is no range.
+    # A .ply holds one isosurface, so a range is refused.
     pytest.importorskip("meshio", reason="meshio is not in this Blender")
     assert "one isosurface" in error_of(export, path=tmp_path / "box.ply", **options)
     listed = {"isovalues": "LIST", "listed": "45.5"}
@@ -74,7 +74,7 @@ def check_a_range_is_a_sequence(baked, tmp_path):
 
 
 def meshes_of(path):
-    """The names of the meshes of a .glb."""
+    """Returns the names of the meshes of a .glb."""
     content = path.read_bytes()
     size = int.from_bytes(content[12:16], "little")
     return [mesh["name"] for mesh in json.loads(content[20 : 20 + size])["meshes"]]
@@ -131,7 +131,7 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
 
 
 def in_a_browser(page, camera):
-    """What a page shows from a Camera: uint8 [row, column, RGBA]."""
+    """Returns the picture of a page from a Camera: uint8 [row, column, RGBA]."""
     tests = Path(__file__).resolve().parents[2]
     sys.path += [str(tests / "web"), str(tests / "python")]
     missing = [name for name in ("node", "chromium") if shutil.which(name) is None]
@@ -149,7 +149,7 @@ def in_a_browser(page, camera):
 
 
 def linear(colors):
-    """Of uint8 sRGB."""
+    """Returns the linear values of uint8 sRGB colors."""
     encoded = colors / 255.0
     return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 

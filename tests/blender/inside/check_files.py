@@ -98,7 +98,7 @@ def check_the_first_save_takes_the_bake_along(unsaved, tmp_path):
     assert not old.exists() and not atlases.beside(old) and not old.parent.exists()
     assert obj.leaflight.bake_path == f"//leaflight/{old.name}"
     assert_lit(obj)
-    # What was written is right at once: the folder moves as a whole.
+    # The saved .blend needs no second save: its folder can move as a whole.
     here.rename(there)
     obj = open_blend(there / "scene.blend")
     assert obj.leaflight.bake_path == f"//leaflight/{old.name}"

@@ -31,7 +31,7 @@ def _read(collection, name, width, dtype=np.float64):
 
 
 def _edges(mesh):
-    """What there is of each edge, ascending by its vertices; and these of the edge of each loop."""
+    """Returns the vertices and flags of the edges, sorted, and the vertices of each loop's edge."""
     vertices = np.sort(_read(mesh.edges, "vertices", 2, np.int32), axis=1)
     flags = [_read(mesh.edges, name, 1) for name in EDGES]
     known = np.concatenate([vertices, *flags], axis=1)

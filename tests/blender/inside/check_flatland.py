@@ -29,7 +29,7 @@ def lit(bump_graph):
 
 
 def _expected_lines(graph):
-    """Points, heights and isovalues of all isolines, as the core has them."""
+    """Yields points, heights and isovalues of all isolines, as the core has them."""
     field = graph_object.field_of(graph)
     settings = graph.leaflight_flat
     low, high = field.field().range

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume that changes over time: frames of its file play, each with a bake of its own."""
+"""A volume that changes over time: the frames of its file play, and each has one bake."""
 
 import bpy
 import nibabel
@@ -17,7 +17,7 @@ FRAMES = 3
 
 @pytest.fixture
 def values(tmp_path):
-    """A ball that shrinks, [frame, x, y, z], in series.nii."""
+    """Returns a ball that shrinks, [frame, x, y, z], in series.nii."""
     x, y, z = np.mgrid[-1:1:12j, -1:1:12j, -1:1:12j]
     ball = 100 - 80 * np.sqrt(x**2 + y**2 + z**2)
     values = np.stack([ball - 12 * frame for frame in range(FRAMES)]).astype(np.float32)

@@ -12,7 +12,7 @@ from blends import save
 from leaflight import blender
 from tools import HANG, close, render_exr
 
-# What the other Blender does: it must not know Leaflight.
+# Script that the other Blender runs. Leaflight must not be enabled there.
 RENDER = """
 import bpy, sys
 assert not hasattr(bpy.types.Object, "leaflight"), "the add-on is enabled"
@@ -24,7 +24,7 @@ print("RENDERED")
 
 
 def render_elsewhere(blend, path):
-    """Pixels of the scene as a Blender without the add-on renders it."""
+    """Returns pixels of the scene as a Blender without the add-on renders it."""
     if not bpy.app.binary_path:
         pytest.skip("Blender as a Python module has no program to start")
     nothing = {
@@ -49,7 +49,7 @@ def render_elsewhere(blend, path):
 
 
 def bake_in_a_file(tmp_path):
-    """(path of the .blend in a folder of its own, picture of the bake); to be saved once more."""
+    """Bakes in a new .blend and returns its path and a picture; the caller saves it again."""
     blend = tmp_path / "made" / "scene.blend"
     blend.parent.mkdir()
     save(blend)

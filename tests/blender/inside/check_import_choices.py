@@ -230,7 +230,7 @@ def check_the_histogram_has_every_voxel_and_the_picture_its_marks(bumps):
     heights = data_picture.bars(found.counts)
     assert np.all(np.diff(heights[np.argsort(found.counts, kind="stable")]) >= 0)
 
-    # What is inside of the isosurface is tinted: more of it at a lower isovalue.
+    # The picture tints the inside of the isosurface, which grows at a lower isovalue.
     def tinted(isovalue):
         pixels = data_picture.paint(found, settings.low, settings.high, isovalue)
         above = pixels[data_picture.HISTOGRAM + 4 :]

@@ -117,7 +117,7 @@ def check_each_job_has_its_check():
 
 @pytest.fixture
 def small(boxed, tmp_path):
-    """A baked volume in a saved file, with a bake of a moment."""
+    """Yields a baked volume in a saved file, with a bake of a moment."""
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "jobs.blend"))
     boxed.leaflight.error, boxed.leaflight.resolution = 20.0, 9
     bpy.ops.leaflight.bake()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps at other strengths than at the bake: what is shown follows at once."""
+"""Lamps at other strengths than at the bake: the display follows at once."""
 
 import bpy
 import numpy as np
@@ -17,7 +17,7 @@ SCALED = "Lamps have changed since the bake: direct light is exact, indirect lig
 
 @pytest.fixture
 def lit(passes):
-    """Baked in passes, with its walls; shown by vertex attributes."""
+    """Bakes a volume in passes, with its walls; vertex attributes show it."""
     passes.leaflight.error = 20.0
     passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
@@ -35,7 +35,7 @@ def walls():
 
 
 def colours(obj):
-    """Of the isosurface, and of all walls."""
+    """Returns the colors of the isosurface and the colors of all walls."""
     return colours_of(obj), np.concatenate([colours_of(wall) for wall in walls()])
 
 
@@ -143,7 +143,7 @@ def check_undo_files_frames_and_renders(lit, tmp_path):
     energy = lamp().energy
     lamp().energy = 0.5 * energy
     bpy.context.view_layer.update()
-    # Of half precision in the file that was read again.
+    # The file stores half precision.
     assert_scaled(obj, before, 1.0, 1e-3)
     # Keyframes.
     for frame, factor in ((1, 0.5), (11, 1.5)):

@@ -31,7 +31,7 @@ def probe():
 
 @pytest.fixture
 def assert_probe_agrees(probe, tmp_path, record_property):
-    """A function that compares the radiance of the probe by Cycles with the bake's.
+    """Returns a function that compares the radiance of the probe by Cycles with the bake's.
 
     most: by how much they may differ, their noise included. It returns the scene description.
     """
@@ -104,7 +104,7 @@ def check_a_sun(assert_probe_agrees, angle):
 
 
 def check_a_wide_point_light_without_soft_falloff(assert_probe_agrees):
-    """Which Blender offers from 4.2 on; before, light falls off softly."""
+    """Checks hard falloff, which Blender offers from 4.2 on; before, light falls off softly."""
     lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0)
     hard = hasattr(lamp.data, "use_soft_falloff")
     lamp.data.shadow_soft_size = 0.5 if hard else 0.05
@@ -114,7 +114,7 @@ def check_a_wide_point_light_without_soft_falloff(assert_probe_agrees):
 
 
 def check_exposure_and_temperature(assert_probe_agrees):
-    """Of lights, from 4.4 on."""
+    """Checks the exposure and the temperature of lights, which Blender has from 4.4 on."""
     lamp = add_light("POINT", (0.6, 0.3, 1.5), energy=40.0, color=(1.0, 0.7, 0.4))
     lamp.data.shadow_soft_size = 0.0
     (plain,) = assert_probe_agrees().lights

@@ -47,7 +47,7 @@ def held(monkeypatch):
 
 @pytest.fixture
 def lit(passes, held):
-    """Baked with its walls, and live."""
+    """Bakes a volume with its walls, and turns Live on."""
     passes.leaflight.error = 20.0
     passes.leaflight.resolution = 16
     passes.leaflight.light_walls = True
@@ -75,13 +75,13 @@ def put_lamp(place):
 
 
 def tick():
-    """As Blender's event loop would, once."""
+    """Runs one step as Blender's event loop would."""
     live._tick()
     time.sleep(0.005)
 
 
 def to_passes():
-    """Until all direct light of the newest place is shown, and passes wait."""
+    """Waits until all direct light of the newest place is shown, and passes wait."""
     tick()
     work = live.at_work()
     while not (live._job is not None and live._job._can_be_cancelled and has_lit_walls()):
@@ -108,7 +108,7 @@ def change(obj):
 
 
 def baked_anew(obj):
-    """What Bake would make of the present scene."""
+    """Returns a new bake of the present scene."""
     job = live.LiveJob(bpy.context, obj)
     return leaflight.bake(**job._arguments)
 
@@ -119,7 +119,7 @@ def walls():
 
 
 def assert_shows_moved(obj, fresh):
-    """New direct light, to the last bit of its maps, over indirect light of the bake."""
+    """Checks for new direct light, to the last bit of its maps, over the bake's indirect light."""
     shown = preview.of(obj).bake
     assert shown.is_moved and shown.original is cache.bake_of(obj)
     points = len(fresh.grid.direct.light_points)
@@ -263,10 +263,10 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.context.object
-    # The bake of the earlier place, which the panel says.
+    # The bake belongs to the earlier place, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED
-    # Of half precision in the file.
+    # The file stores half precision.
     close(colours_of(obj), before, 1e-3 * before.max())
     # Live goes on by itself.
     to_passes()

@@ -129,7 +129,7 @@ def check_a_bake_of_the_command_line_comes_with_its_scene(tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     obj.leaflight.isovalue = 80.0
     assert_lit(obj, 80.0)
-    # What Blender bakes of what came in is what the command line baked.
+    # Blender bakes the same light from the loaded scene as the command line did.
     obj.leaflight.error, obj.leaflight.resolution = 5.0, 20
     obj.leaflight.seed = 1
     obj.leaflight.bake_folder = str(tmp_path)
@@ -208,7 +208,7 @@ def check_what_is_no_bake_is_refused(bumps, tmp_path):
 
 
 def check_a_bake_of_an_earlier_version_says_so(saved):
-    """Its file has no id, and the object has one that no file knows."""
+    """Checks the message for a file without an id, while the object stores an id."""
     blend, path = bpy.data.filepath, bake_files.locate(saved)
     bake = cache.bake_of(saved)
     metadata = {"statistics": "{}"}

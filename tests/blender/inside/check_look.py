@@ -24,7 +24,7 @@ SIZE = 48
 
 @pytest.fixture
 def dusty(tmp_path):
-    """A large ball and a speck of two voxels beside it."""
+    """Returns a large ball and a speck of two voxels beside it."""
     z, y, x = np.mgrid[:24, :24, :24].astype(np.float32)
     ball = 9.0 - np.sqrt((x - 11) ** 2 + (y - 11) ** 2 + (z - 11) ** 2)
     speck = 1.5 - np.sqrt((x - 21) ** 2 + (y - 21) ** 2 + (z - 21) ** 2)

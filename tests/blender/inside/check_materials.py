@@ -74,7 +74,7 @@ def check_glass():
 
 
 def _brightness(path, material, angle):
-    """What a slab with polished faces sends on of a white world, seen at an angle: (r, g, b)."""
+    """Returns the light (r, g, b) of a white world through a polished slab, seen at an angle."""
     bpy.context.scene.world = one_coloured_world((1, 1, 1))
     bpy.ops.mesh.primitive_cube_add(size=2)
     slab = bpy.context.object
@@ -88,7 +88,7 @@ def _brightness(path, material, angle):
 
 
 def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
-    """Only what it reflects differs: 4 % at each face, which the bake colours as well."""
+    """Only what it reflects differs: 4 % at each face, which the bake colors as well."""
     principled = principled_material(Transmission=1.0, Roughness=0.0, IOR=1.5)
     found = surface(principled)
     assert len(found.warnings) == 1 and "Glass BSDF" in found.warnings[0]
@@ -121,7 +121,7 @@ def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_pa
 
 
 def check_thin_films_and_thin_walls():
-    """Where this Blender has them, from 4.2, 4.5, 5.0 or 5.2 on."""
+    """Checks each input that this Blender has; they came with 4.2, 4.5, 5.0 and 5.2."""
     white = {"Base Color": (1, 1, 1, 1), "Roughness": 0.0}
     film = {"Thin Film Thickness": 400.0}
     for material, inputs in (
@@ -238,7 +238,7 @@ def _diffuse(tree):
 
 
 def _textured_plane(image, extension="REPEAT"):
-    """A plane with a second UV map that turns, scales and moves the image; that one is used."""
+    """Adds a plane whose second UV map is used; it turns, scales and moves the image."""
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     plane = bpy.context.object
     second = plane.data.uv_layers.new(name="Second")
@@ -265,7 +265,7 @@ def _exported(plane):
 
 
 def _albedo_at(part, points):
-    """The texture of a mesh, looked up at points (n, 2) of its plane z = 0, between pixels."""
+    """Looks up the texture of a mesh at points (n, 2) of its plane z = 0, between pixels."""
     colours = np.full((len(points), 3), np.nan)
     for triangle, uv in zip(part.triangles, part.uv):
         a, b, c = part.vertices[triangle][:, :2].astype(np.float64)

@@ -28,12 +28,12 @@ MOST = 250
 
 @pytest.fixture
 def large(monkeypatch):
-    """What is small becomes too large to move in its whole detail."""
+    """Lowers the limit, so that a small surface is too large to move in full detail."""
     monkeypatch.setattr(surface_object, "MOVING_TRIANGLES", MOST)
 
 
 def _field_misses(obj, isovalue):
-    """RMS distance of the vertices from the isosurface, in voxels."""
+    """Returns the RMS distance of the vertices from the isosurface, in voxels."""
     field = cache.volume_of(obj).field()
     points = vertices_of(obj)
     values = field.sample(points)
@@ -149,7 +149,7 @@ def check_vertices_where_light_steps_do_not_make_it_large(baked, interactive, mo
 
 
 def check_undo_keeps_the_coarse_surface(baked, interactive, large):
-    """What a step of undo keeps is what there is when the slider is let go."""
+    """Checks that an undo step keeps the surface of the moment when the slider is released."""
     name = baked.name
     bpy.ops.ed.undo_push(message="start")
     edit_as_the_slider_does(baked, 50.0)
@@ -167,7 +167,7 @@ def check_undo_keeps_the_coarse_surface(baked, interactive, large):
 
 @pytest.fixture
 def exports(monkeypatch):
-    """The exports of the scene that are made."""
+    """Returns a list that records the exports of the scene."""
     found = []
     export = scene_export.export_scene
 

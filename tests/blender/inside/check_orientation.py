@@ -22,7 +22,7 @@ def scan(bumps):
 
 
 def _axes(obj):
-    """The axes of a volume that point to the right, to the back and up, by name."""
+    """Returns the axes of a volume that point to the right, to the back and up, by name."""
     matrix = np.array(obj.matrix_world.to_3x3().normalized())
     names = list(orientation.AXES)
     vectors = np.array(list(orientation.AXES.values()))

@@ -129,7 +129,7 @@ def check_materials_are_compiled_before_the_first_pass(endless):
 
 
 def _nodes_of(material):
-    """What decides how Blender compiles the nodes of a material."""
+    """Returns the nodes and links of a material, from which Blender compiles its shader."""
     tree = material.node_tree
     return (
         [(node.type, getattr(node, "attribute_name", "")) for node in tree.nodes],
@@ -326,7 +326,7 @@ def check_the_cost_is_estimated_before(passes):
     draft, good, final = (
         estimate_bake.estimate_of(passes, error) for error in bake_properties.QUALITIES.values()
     )
-    # Where texels are the error, less noise is of no use: then Final takes no longer than Good.
+    # If texels cause the error, less noise does not help: Final then takes no longer than Good.
     assert 0 < draft.seconds <= min(good.seconds, final.seconds)
     settings.error = 0.3
     assert estimate_bake.estimate_of(passes) is None
@@ -360,7 +360,7 @@ def check_a_quality_is_an_error(bumps):
 
 
 def check_preferences_reach_the_bake(passes, tmp_path, monkeypatch):
-    # Of any machine.
+    # The same memory on any machine.
     monkeypatch.setattr(leaflight._core, "machine_memory", lambda: 8 << 30)
     chosen = bpy.context.preferences.addons[ADDON].preferences
     try:

@@ -48,7 +48,7 @@ def check_it_is_upright_or_asked_framed_and_lit(name, tmp_path):
 
 
 def _rendered(path):
-    """Pixels (n, 3) as they are displayed, of a small picture by Cycles."""
+    """Returns pixels (n, 3) as they are displayed, of a small picture by Cycles."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", 8
     scene.render.resolution_percentage = 10

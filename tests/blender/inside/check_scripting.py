@@ -56,7 +56,7 @@ def check_a_comparison_returns_its_figures(volume, tmp_path):
     assert (
         0 < found["isosurface_rms_percent"] < 20 and found["isovalue"] == volume.leaflight.isovalue
     )
-    # Of the volume's own isosurface alone.
+    # Only the volume's own isosurface is compared.
     blender.add_isosurface(volume, volume.leaflight.isovalue - 20.0, opacity=1.0)
     again = blender.compare(volume, tmp_path / "images", samples=16, baked_samples=4, share=0.5)
     assert again["samples"] == 16 and again["isosurface_pixels"] == found["isosurface_pixels"] > 0

@@ -22,7 +22,7 @@ from tools import (
 
 
 def _animate(obj):
-    """Isovalue 40 at frame 1 to 120 at frame 11, linear."""
+    """Animates the isovalue linearly from 40 at frame 1 to 120 at frame 11."""
     for frame, isovalue in ((1, 40.0), (11, 120.0)):
         obj.leaflight.isovalue = isovalue
         obj.keyframe_insert(properties.ISOVALUE_PATH, frame=frame)

@@ -16,7 +16,7 @@ ENGINES = ("CYCLES", "EEVEE")
 
 @pytest.fixture
 def patient(tmp_path):
-    """A head of a kind, baked: a wrinkled ball with a speck beside, as bytes."""
+    """Returns a head of a kind, baked: a wrinkled ball with a speck beside, as bytes."""
     z, y, x = np.mgrid[:24, :22, :20].astype(np.float32)
     wrinkles = 0.4 * np.sin(2.5 * x) * np.sin(2.5 * y) * np.sin(2.5 * z)
     ball = 9.0 + wrinkles - np.sqrt((x - 9) ** 2 + (y - 10) ** 2 + (z - 12.5) ** 2)
@@ -83,7 +83,7 @@ SETTINGS = {
 
 
 def _pictures(folder):
-    """By engine."""
+    """Returns pictures by engine."""
     pictures = {}
     for engine in ENGINES:
         pictures[engine] = render_exr(folder / "picture.exr", engine, samples=4, size=SIZE)[..., :3]

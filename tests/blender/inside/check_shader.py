@@ -12,7 +12,7 @@ SLOPE_X, SLOPE_Y, HEIGHT = 0.3, 0.2, 0.8
 
 
 def _tilted_plane(isosurface):
-    """A plane through the volume, with the isosurface's transform and so its object coordinates."""
+    """Adds a plane through the volume, with the isosurface's transform and object coordinates."""
     corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)]
     world = np.array([(x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y) for x, y in corners])
     inverse = np.linalg.inv(np.array(isosurface.matrix_world, np.float64))

@@ -28,7 +28,7 @@ SIZE = 32
 
 
 def assert_lit_by_the_bake(obj, isovalue):
-    """The mesh of an added isosurface is the volume's there, in the light of the volume's bake."""
+    """Checks that an added isosurface has the volume's mesh there, and the light of its bake."""
     volume = obj.parent
     field, grid = cache.volume_of(volume).field(), cache.grid_of(volume)
     vertices, triangles, radiance = mesh_arrays(obj)
@@ -122,7 +122,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     assert_lit_by_the_bake(display.added_to(baked)[1], 50.0)
     opacities = [o.data.materials[0].node_tree.nodes["opacity"] for o in (obj, own)]
     assert [round(node.outputs[0].default_value, 4) for node in opacities] == [0.5, 0.9]
-    # What is taken from it stays away; what is deleted goes alone.
+    # Removed isosurfaces do not come back. A deleted volume takes only its own along.
     for isosurface in (own, other):
         bpy.ops.leaflight.remove_isosurface(name=isosurface.name)
     bpy.context.view_layer.update()
@@ -188,7 +188,7 @@ def check_tissues_have_names(bumps):
 
 
 def _seen_from_above(obj, path, engine):
-    """Pixels from above of some objects alone, in a black world."""
+    """Returns pixels from above of some objects alone, in a black world."""
     bpy.context.scene.world = None
     for other in bpy.context.scene.objects:
         other.hide_render = other not in obj and other.type != "LIGHT"

@@ -21,7 +21,7 @@ def _seen_alone(obj, path):
 
 
 def _values_from_above(volume, height):
-    """The data at a height in the coordinates of the file, for each pixel of the camera."""
+    """Returns the data at a height in the coordinates of the file, for each pixel of the camera."""
     x, y = camera_rays_down(1.6, SIZE)
     matrix = np.array(volume.matrix_world)
     z = (source_files.place_of_file(volume) @ [0.0, 0.0, height, 1.0])[2]

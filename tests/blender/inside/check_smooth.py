@@ -15,7 +15,7 @@ from tools import assert_shows, close, vertices_of
 
 @pytest.fixture
 def steps(tmp_path):
-    """A ball of bytes that rises by two a voxel."""
+    """Returns a ball of bytes that rises by two a voxel."""
     z, y, x = np.mgrid[:24, :24, :24]
     distance = np.sqrt((x - 11.5) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2)
     np.save(tmp_path / "steps.npy", np.uint8(np.maximum(0, 60 - 2 * distance)))

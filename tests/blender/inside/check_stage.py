@@ -53,7 +53,7 @@ def _find(items, name):
 
 @pytest.fixture
 def head(tmp_path):
-    """A NIfTI file whose values rise towards the patient's front, as the face of a head does."""
+    """Imports a NIfTI file whose values rise towards the patient's front, as in a head's face."""
     values = np.fromfunction(lambda x, y, z: 10.0 * y + x, (12, 16, 10)).astype(np.float32)
     path = tmp_path / "head.nii"
     nibabel.save(nibabel.Nifti1Image(values, np.diag([1.0, 1.0, 1.0, 1.0])), path)
@@ -64,7 +64,7 @@ def head(tmp_path):
 
 @pytest.fixture
 def ball(tmp_path):
-    """A ball within a volume that is empty around it, with a speck of dust in a corner."""
+    """Imports a volume of a ball, empty around it, with a speck of dust in a corner."""
     x, y, z = np.mgrid[:40, :40, :40]
     values = np.clip(100.0 - 10.0 * np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 22) ** 2), 0, 100)
     values[1:3, 1:3, 1:3] = 100.0

@@ -71,7 +71,7 @@ def check_beyond_the_window_they_show_its_end(lit):
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_frames_of_an_animation_show_each_its_own_light(lit, tmp_path, engine):
-    """The left wall alone, seen from the inside: its vertices' colours, frame by frame."""
+    """The left wall alone, seen from the inside: its vertices' colors, frame by frame."""
     for obj in bpy.context.scene.objects:
         # Without its lamp it would be dark.
         if obj.type != "LIGHT":

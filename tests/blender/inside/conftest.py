@@ -28,7 +28,7 @@ def empty_scene():
 
 @pytest.fixture
 def bump_file(tmp_path):
-    """The bump box as a file without a header, voxels not cubic."""
+    """Returns the bump box as a file without a header, voxels not cubic."""
     path = tmp_path / "bumps.raw"
     leaflight._core.bump_box(N).astype("<f4").tofile(path)
     return path
@@ -36,7 +36,7 @@ def bump_file(tmp_path):
 
 @pytest.fixture
 def bumps(bump_file, tmp_path):
-    """The object of the imported bump box."""
+    """Returns the object of the imported bump box."""
     bpy.ops.leaflight.import_volume(
         filepath=str(bump_file),
         dims=(N, N, N),
@@ -46,7 +46,7 @@ def bumps(bump_file, tmp_path):
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
     obj.leaflight.error, obj.leaflight.resolution = 20.0, N
-    # In files beside the bake, unlike what is shown by default.
+    # Colors in files beside the bake. This is not the default.
     obj.leaflight.shading = "ATLAS"
     bpy.context.view_layer.update()
     return obj
@@ -54,21 +54,21 @@ def bumps(bump_file, tmp_path):
 
 @pytest.fixture
 def boxed(bumps):
-    """The same in a Cornell box."""
+    """Returns the same in a Cornell box."""
     build_cornell_box()
     return bumps
 
 
 @pytest.fixture
 def baked(boxed):
-    """The same, baked."""
+    """Returns the same, baked."""
     bpy.ops.leaflight.bake()
     return boxed
 
 
 @pytest.fixture
 def unsaved(boxed):
-    """The boxed bumps in a .blend that was never saved, baked into the user's folder."""
+    """Yields the boxed bumps in a .blend that was never saved, baked into the user's folder."""
     boxed.leaflight.bake_folder = ""
     bpy.ops.leaflight.bake()
     yield boxed
@@ -77,14 +77,14 @@ def unsaved(boxed):
 
 @pytest.fixture
 def saved(boxed, tmp_path):
-    """The boxed bumps, baked in a .blend in a folder of its own."""
+    """Returns the boxed bumps, baked in a .blend in a new folder."""
     boxed.leaflight.bake_folder = ""
     return open_saved(tmp_path / "here" / "scene.blend", bake=True)
 
 
 @pytest.fixture
 def passes(boxed):
-    """The boxed bumps, to be baked in passes in a window of their isovalues."""
+    """Returns the boxed bumps, to be baked in passes in a window of their isovalues."""
     boxed.leaflight.property_unset("error")
     boxed.leaflight.use_resolution = False
     boxed.leaflight.low, boxed.leaflight.high = 40.0, 60.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the checks of bakes in passes share."""
+"""Helpers of the checks of bakes in passes."""
 
 import math
 import os
@@ -19,7 +19,7 @@ UNREACHED = 0.01
 
 
 def state():
-    """All that a bake which is thrown away must leave alone."""
+    """Returns the state that a bake which is thrown away must leave alone."""
     obj = bpy.context.object
     return {
         "objects": sorted(o.name for o in bpy.data.objects),
@@ -37,7 +37,7 @@ def state():
 
 
 def begin(obj, passes=1, kind=bake.BakeJob):
-    """A bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
+    """Returns a bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
 
     The next pass waits until job.most allows it, or until the bake is cancelled.
     """

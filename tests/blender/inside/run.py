@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --background --python run.py -- check_file.py: runs pytest within Blender.
 
-Checks that judge the machine (marker machine) are left out unless LEAFLIGHT_MACHINE=1 is set. What
-came of each check, and what it recorded, goes to the file named by LEAFLIGHT_RESULTS.
+Checks that judge the machine (marker machine) are left out unless LEAFLIGHT_MACHINE=1 is set. The
+file named by LEAFLIGHT_RESULTS receives the result of each check and the values it recorded.
 """
 
 import json

@@ -43,7 +43,7 @@ def close(a, b, tolerance):
 
 
 def mesh_arrays(obj):
-    """vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of the mesh of an object."""
+    """Returns vertices (n, 3), triangles (m, 3) and radiance (n, 3) or None of an object's mesh."""
     mesh = obj.data
     vertices = vertices_of(obj)
     triangles = np.empty(len(mesh.loops), np.int32)
@@ -55,21 +55,21 @@ def mesh_arrays(obj):
 
 
 def vertices_of(obj):
-    """Vertices (n, 3) of the mesh of an object."""
+    """Returns the vertices (n, 3) of the mesh of an object."""
     vertices = np.empty(3 * len(obj.data.vertices), np.float32)
     obj.data.vertices.foreach_get("co", vertices)
     return vertices.reshape(-1, 3)
 
 
 def colours_of(obj, name="radiance"):
-    """Linear RGB (n, 3) of a colour attribute of the mesh of an object."""
+    """Returns linear RGB (n, 3) of a color attribute of the mesh of an object."""
     colours = np.empty(4 * len(obj.data.vertices), np.float32)
     obj.data.attributes[name].data.foreach_get("color", colours)
     return colours.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
-    """The same three of the core itself, for the volume and the bake of an object."""
+    """Returns the same three of the core itself, for the volume and the bake of an object."""
     field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
         vertices, _, triangles = leaflight._core.contour(field, isovalue)
@@ -79,7 +79,7 @@ def expected_surface(obj, isovalue):
 
 
 def lit_mesh(obj, isovalue):
-    """(vertices, triangles) of the isosurface as the bake of a volume's object lights it."""
+    """Returns (vertices, triangles) of the isosurface as the bake of an object lights it."""
     field, bake, grid = cache.volume_of(obj).field(), cache.bake_of(obj), cache.grid_of(obj)
     vertices, _, triangles, *_ = grid.lit_contour(
         field, isovalue, back=grid.has_back, largest_step=bake.largest_step
@@ -88,20 +88,20 @@ def lit_mesh(obj, isovalue):
 
 
 def to_world(obj, points):
-    """Points (n, 3) in the coordinates of an object, in world space."""
+    """Returns points (n, 3) in the coordinates of an object, in world space."""
     matrix = np.array(obj.matrix_world, np.float64)
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def in_frame(obj):
-    """Where the large parts of an isosurface are in the camera's frame, and how far away."""
+    """Returns the places of an isosurface's large parts in the camera's frame, and distances."""
     scene = bpy.context.scene
     points = camera.shown_points([obj])
     return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
 
 
 def assert_shows(obj, isovalue):
-    """The mesh is the core's isosurface with the core's radiance."""
+    """Checks that the mesh is the core's isosurface with the core's radiance."""
     vertices, triangles, radiance = mesh_arrays(obj)
     expected_vertices, expected_triangles, expected_radiance = expected_surface(obj, isovalue)
     assert len(vertices) > 100
@@ -145,12 +145,12 @@ def rest():
         time.sleep(0.005)
 
 
-# What start() has started in this check.
+# Work that start() has started in this check.
 _started = []
 
 
 def start(job):
-    """A Job at work in a thread, which ends with the check, also where that fails."""
+    """Returns a Job at work in a thread, which ends with the check, also where that fails."""
     work = jobs.BackgroundWork(job)
     _started.append(work)
     return work
@@ -174,7 +174,7 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """The sentence with which an operator reports that it was cancelled."""
+    """Returns the sentence with which an operator reports that it was cancelled."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
     text = str(caught.value).strip()
@@ -197,14 +197,14 @@ def add_camera(location, rotation, orthographic=None):
 
 
 def require_eevee():
-    """The engine's name; skips the check where Eevee has no OpenGL."""
+    """Returns the engine's name; skips the check where Eevee has no OpenGL."""
     if sys.platform == "win32" and "DISPLAY" not in os.environ:
         pytest.skip("Wine has OpenGL on a screen alone: run it by xvfb-run.")
     return EEVEE
 
 
 def render_exr(path, engine="CYCLES", samples=1, size=48):
-    """Linear pixels (size, size, 4), top row first; each pixel is sampled at its centre."""
+    """Returns linear pixels (size, size, 4), top row first; each pixel is sampled at its center."""
     scene = bpy.context.scene
     scene.render.engine = require_eevee() if engine == "EEVEE" else engine
     scene.render.resolution_x = scene.render.resolution_y = size
@@ -232,7 +232,7 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
 
 
 def build_probe(albedo):
-    """A tiny Lambertian square at the origin that faces up, in a black world.
+    """Returns a tiny Lambertian square at the origin that faces up, in a black world.
 
     A camera hangs closely above it; lights belong beside the camera, not above.
     """
@@ -264,14 +264,14 @@ def traced_probe(description, samples=1 << 19):
 
 
 def rendered_probe(path, samples, seed=0):
-    """Radiance (3,) of the probe by Cycles."""
+    """Returns the radiance (3,) of the probe by Cycles."""
     bpy.context.view_layer.update()
     bpy.context.scene.cycles.seed = seed
     return render_exr(path, samples=samples, size=16)[..., :3].mean(axis=(0, 1))
 
 
 def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
-    """A light object of the scene; settings: attributes of the light."""
+    """Returns a light object of the scene; settings: attributes of the light."""
     light = bpy.data.lights.new("Lamp", kind)
     for name, value in settings.items():
         setattr(light, name, value)
@@ -282,7 +282,7 @@ def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
 
 
 def plain_material(name, colour):
-    """A diffuse material as a user leaves it, without nodes where Blender still has such."""
+    """Returns a new diffuse material, without nodes if this Blender still has such."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (*colour, 1.0)
     tree = versions.node_tree(material)
@@ -294,7 +294,7 @@ def plain_material(name, colour):
 
 
 def one_coloured_world(colour, name="World"):
-    """The same of a world."""
+    """Returns the same of a world."""
     world = bpy.data.worlds.new(name)
     world.color = colour
     tree = versions.node_tree(world)
@@ -305,7 +305,7 @@ def one_coloured_world(colour, name="World"):
 
 
 def constant_material(kind, **inputs):
-    """A material of one shader node of this kind, its inputs set by name."""
+    """Returns a material of one shader node of this kind, its inputs set by name."""
     material = bpy.data.materials.new("Material")
     nodes = versions.give_nodes(material).nodes
     nodes.clear()
@@ -318,14 +318,14 @@ def constant_material(kind, **inputs):
 
 
 def noise_image(width, height):
-    """A float image of random colours, the same each time."""
+    """Returns a float image of random colors, the same each time."""
     return _image(np.random.default_rng(0).random((height, width, 3)), True)
 
 
 def smooth_image(width, height):
-    """An 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+    """Returns an 8-bit image that changes little from pixel to pixel, and nothing at its seam.
 
-    Between pixels Cycles interpolates 8-bit colours while they are still encoded.
+    Between pixels Cycles interpolates 8-bit colors while they are still encoded.
     """
     y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
     waves = [
@@ -345,7 +345,7 @@ def _image(colours, is_float):
 
 
 def camera_rays_down(width, size):
-    """World x and y of the pixels of an orthographic camera that looks down, top row first."""
+    """Returns world x and y of the pixels of an orthographic camera above, top row first."""
     centre = (np.arange(size) + 0.5) / size - 0.5
     return np.meshgrid(width * centre, -width * centre)
 
@@ -355,14 +355,14 @@ def look_down(height, width):
 
 
 def displayed_gray(shares):
-    """The linear gray, between nine colors, of shares of white as a display shows them."""
+    """Returns the linear gray, between nine colors, of shares of white as a display shows them."""
     shown = np.linspace(0.0, 1.0, 9)
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return np.interp(shares, shown, linear)
 
 
 def texels_at(bake, points, name="radiance"):
-    """Where the shader blends eight texels that are all active, and what they say there."""
+    """Returns where the shader blends eight active texels, and their blended values."""
     texels = np.array(bake.grid.resolution)
     nodes = np.array(bake.volume.values.shape[::-1])
     inverse = np.linalg.inv(bake.volume.index_to_world)

@@ -38,7 +38,7 @@ def main():
         lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
     )
     bpy.context.preferences.view.show_splash = False
-    # 5.2 crashes when a script presses the button of a browser in a window of its own.
+    # 5.2 crashes when a script presses the button of a browser in a separate window.
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
@@ -80,7 +80,7 @@ def compare(window, obj):
         now = time.perf_counter()
         gaps += [] if last is None else [now - last]
         last = now
-        # As a hand that goes on with its work.
+        # The user moves the isovalue meanwhile.
         blender.show(obj, 45.0 + len(gaps) % 5)
         yield 0.05
     yield 0.5
@@ -122,7 +122,7 @@ def export(window):
 
 
 def cancel_import(window):
-    """Of half a gigabyte of zeros, which take no room on the disk; read in part before Esc."""
+    """Cancels the import of half a gigabyte of zeros by Esc, after a part of it was read."""
     readinto = watched._Watched.readinto
 
     def wait_for_esc(file, buffer):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_isovalue.py -- VOLUME.npy WINDOW_LOW WINDOW_HIGH:
-drags the isovalue's slider to and fro with the mouse, as a user does, and prints what came of it.
+drags the isovalue's slider back and forth with the mouse, as a user does.
 
-Three times: with the whole detail in every step, as Leaflight shows it, and beside a bake. Prints a
-line WINDOW and a JSON object: of each drag the seconds between pictures of the viewport.
+It does so three times: with full detail in every step, as Leaflight shows it, and beside a bake.
+Prints a line WINDOW and a JSON object: per drag, the seconds between pictures of the viewport.
 """
 
 import os
@@ -19,8 +19,7 @@ from leaflight_addon.show import surface_object
 sys.path.insert(0, os.path.dirname(__file__))
 import stepwise  # noqa: E402
 
-# Steps of the mouse in a drag, of so many pixels, that many times a second; and how often a drag
-# goes to and fro.
+# Steps of the mouse per drag, pixels per step, steps per second, and turns back and forth per drag.
 STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
 
 found = {}
@@ -200,7 +199,7 @@ def begin_bake(window):
 
 
 def bake_alone():
-    """A while of the bake, with passes that are shown, and nobody at the mouse."""
+    """Lets the bake show passes for a while, without the mouse."""
     pictures.clear()
     start, before, passes = time.perf_counter(), None, 0
     statuses = set()

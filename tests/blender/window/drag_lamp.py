@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
-the Studio over a baked volume with the mouse, with Live on, stops the light by Esc, moves it again.
+the Studio over a baked volume with the mouse, with Live on. Then stops the light by Esc and moves
+the lamp again.
 
 Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
 moves to light.
@@ -90,7 +91,7 @@ def press(key, x, y):
 def drive():
     view = area().spaces.active
     view.show_region_ui = False
-    # Without a graphics card all else takes seconds for each picture.
+    # Without a graphics card, other shading takes seconds for each picture.
     view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
     view.overlay.show_overlays = False
     view.region_3d.view_perspective = "CAMERA"
@@ -102,7 +103,7 @@ def drive():
     found["bake"] = time.perf_counter() - start
     found["triangles"] = len(volume().data.polygons)
     found["points"] = len(volume_bake().grid.direct.light_points)
-    # Of a small volume, too, isosurfaces are coarse while the lamp moves. The light adds triangles
+    # Isosurfaces of a small volume, too, are coarse while the lamp moves. The light adds triangles
     # to those of its nodes.
     live._QUICK_MAPS = 0
     limit = min(surface_object.MOVING_TRIANGLES, found["triangles"] // 8)
@@ -130,7 +131,7 @@ def at_rest():
 
 
 def drag():
-    """With G and the mouse; what is shown meanwhile."""
+    """Drags the light with G and the mouse, and records the display meanwhile."""
     x, y = region().x + 0.3 * region().width, region().y + 0.6 * region().height
     labels, times, before, triangles = set(), [], label(), found["triangles"]
     place = tuple(key_light().location)
@@ -165,7 +166,7 @@ def drag():
 
 
 def stop():
-    """Esc, while the passes are under way; nothing begins again by itself."""
+    """Presses Esc during the passes, and records whether Live stays at rest."""
     x, y = region().x + 0.5 * region().width, region().y + 0.5 * region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
     event("MOUSEMOVE", "NOTHING", x, y)
@@ -181,7 +182,7 @@ def stop():
 
 
 def move_and_wait():
-    """One step of the lamp, and the seconds until its light."""
+    """Moves the lamp one step and records the seconds until its light."""
     seconds, before, walls = found["seconds"], label(), label_of_walls()
     key_light().location.x -= 0.3 * abs(key_light().location.x) + 0.1
     start, processor = time.perf_counter(), time.process_time()
@@ -207,7 +208,7 @@ def move_and_wait():
 
 
 def picture(name):
-    """In the shading that Stage chose, which takes seconds without a graphics card."""
+    """Takes a picture in Stage's shading, which needs seconds without a graphics card."""
     shading, drawn = area().spaces.active.shading, []
     shading.type = "MATERIAL"
     handle = bpy.types.SpaceView3D.draw_handler_add(
@@ -224,7 +225,7 @@ def picture(name):
 
 
 def pixels(path):
-    """Of a picture, bottom row first."""
+    """Returns the 8-bit RGB pixels of a picture, bottom row first."""
     image = bpy.data.images.load(path)
     width, height = image.size
     read = np.empty(width * height * 4, np.float32)
@@ -233,7 +234,7 @@ def pixels(path):
 
 
 def write_all():
-    """Two rows of two, in the order in which they were taken."""
+    """Writes the pictures in two rows of two, in the order in which they were taken."""
     first, second, third, fourth = map(pixels, pictures)
     rows = np.vstack([np.hstack([third, fourth]), np.hstack([first, second])])
     write_png(FOLDER / "live.png", np.ascontiguousarray(rows[::-1]))

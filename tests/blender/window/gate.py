@@ -7,9 +7,9 @@ import leaflight
 from leaflight import flatland
 from leaflight_addon.operators import jobs
 
-# Where work waits: before it begins, or after its first pass; empty where it does not wait.
+# Place where work waits: before it begins, or after its first pass. Empty if it does not wait.
 closed = ""
-# Whether work waits, or has waited.
+# True if work waits, or has waited.
 reached = False
 
 

@@ -18,7 +18,7 @@ def steps(number):
         yield _STEP
 
 
-# Which of Blender's windows the hand is over.
+# Number of the Blender window under the pointer.
 _window = 0
 
 
@@ -40,7 +40,7 @@ def view():
 
 
 def in_view():
-    """A context of the viewport, as a button in it has."""
+    """Returns a context of the viewport, as a button in it has."""
     area = view()
     region = next(region for region in area.regions if region.type == "WINDOW")
     return bpy.context.temp_override(window=window(), area=area, region=region)
@@ -57,7 +57,7 @@ def bind(key, operator, options):
 
 
 def event(kind, value, x=0.5, y=0.5, **modifiers):
-    """At shares of the width and the height of the viewport, or of what covers it."""
+    """Sends an event at shares of the width and height of the viewport, or of its cover."""
     area = max(window().screen.areas, key=lambda area: area.width * area.height)
     area = next(iter(areas("FILE_BROWSER")), next(iter(areas("VIEW_3D")), area))
     place = int(area.x + x * area.width), int(area.y + y * area.height)
@@ -73,7 +73,7 @@ def key(name, **modifiers):
 
 
 def drag(start, end, height):
-    """With the left button, between two shares of the viewport's width."""
+    """Drags with the left button between two shares of the viewport's width."""
     event("MOUSEMOVE", "NOTHING", start, height)
     yield from steps(2)
     event("LEFTMOUSE", "PRESS", start, height)

@@ -49,7 +49,7 @@ class Heartbeat:
 
 
 def _place(frame):
-    """The innermost functions of Leaflight in a stack; none while Blender is about its own work."""
+    """Returns the innermost functions of Leaflight in a stack; none during Blender's own work."""
     ours = [
         f"{re.sub('.*/leaflight(_addon)?/', '', part.filename)}:{part.name}"
         for part in traceback.extract_stack(frame)

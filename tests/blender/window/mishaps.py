@@ -192,7 +192,7 @@ def see_the_clip_box():
 
 
 def open_volume(stages=False):
-    """The factory scene with the bump box, as a user has them who has begun anew."""
+    """Opens the factory scene and imports the bump box, as a new user would."""
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield from stepwise.wait(0.5)
     with over_viewport():
@@ -239,7 +239,7 @@ def volume():
 
 
 def height_in_frame():
-    """The share of the height of the camera's frame that large parts of the isosurface fill."""
+    """Returns the share of the camera frame's height that the isosurface's large parts fill."""
     scene = bpy.context.scene
     places = map(mathutils.Vector, camera.shown_points([volume()]))
     heights = [world_to_camera_view(scene, scene.camera, place)[1] for place in places]

@@ -153,7 +153,7 @@ def note_passes():
 
 
 def take_pictures():
-    """The viewport as it is; through the camera with and without the volume."""
+    """Takes pictures of the window, and of the camera's view with and without the volume."""
     with bpy.context.temp_override(window=the_window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
     yield from stepwise.wait(0.5)
@@ -258,7 +258,7 @@ def copy_and_delete():
 
 
 def play():
-    """An animation through the isovalue range, as it plays by itself."""
+    """Plays an animation through the isovalue range."""
     obj, scene = volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)
@@ -297,7 +297,7 @@ def view_area():
 
 
 def header_button(x):
-    """The place of a button above the viewport, so many pixels from its left."""
+    """Returns the place of a button above the viewport, so many pixels from its left."""
     region = next(r for r in view_area().regions if r.type == "TOOL_HEADER")
     return region.x + x, region.y + region.height // 2
 
@@ -310,7 +310,7 @@ _mouse = [0, 0]
 
 
 def move(place):
-    """In small steps: menus judge where the mouse is heading."""
+    """Moves the mouse in small steps, since menus judge its direction."""
     for k in range(1, 5):
         x, y = (round(a + (b - a) * k / 4) for a, b in zip(_mouse, place))
         the_window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
@@ -328,7 +328,7 @@ def click(place):
 
 
 def key(name, **modifiers):
-    """Over the middle of the viewport."""
+    """Presses a key over the middle of the viewport."""
     areas = [area for area in the_window().screen.areas if area.type == "VIEW_3D"]
     if areas:
         yield from move((areas[0].x + areas[0].width // 2, areas[0].y + areas[0].height // 2))

@@ -36,7 +36,7 @@ def volume():
 
 
 def event(kind, value, share, height=60):
-    """At a share of the viewport's width, so many pixels above its floor."""
+    """Sends an event at a share of the viewport's width, so many pixels above its bottom."""
     x = int(region().x + share * region().width)
     window().event_simulate(type=kind, value=value, x=x, y=int(region().y + height))
 
@@ -56,7 +56,7 @@ def steps():
         bpy.data.objects.remove(obj)
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
     area().spaces.active.show_region_ui = False
-    # A grey viewport, before which the mark's color stands out.
+    # A gray viewport, before which the mark's color stands out.
     volume().hide_set(False)
     found["imported"] = volume().leaflight.isovalue
     pick()
@@ -83,7 +83,7 @@ def steps():
 
 
 def orange_pixels():
-    """How many pixels have the color of the isovalue's mark, below in the viewport."""
+    """Returns the number of pixels in the mark's color, at the bottom of the viewport."""
     seen = {}
     yield from stepwise.pixels_of(area(), seen)
     part = seen["pixels"][:220, :, :3]

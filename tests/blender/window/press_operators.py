@@ -38,7 +38,7 @@ def main():
     preferences.system.viewport_aa = "OFF"
     space = hand.view().spaces.active
     space.overlay.show_overlays = space.show_gizmo = False
-    # 5.2 crashes when a script presses the button of a browser in a window of its own.
+    # 5.2 crashes when a script presses the button of a browser in a separate window.
     preferences.view.filebrowser_display_type = "SCREEN"
     names = [cls.bl_idname for cls in bpy.types.Operator.__subclasses__()]
     print(

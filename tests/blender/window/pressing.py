@@ -26,7 +26,7 @@ bpy.types.WorkSpace.status_text_set = lambda _workspace, text: _status.append(te
 
 
 class Failed(Exception):
-    """What does not hold, a sentence."""
+    """A check that failed; its text is a sentence."""
 
 
 class Pressing:
@@ -77,7 +77,7 @@ class Pressing:
                 _expect(self._see() == restored, f"{what} leaves {self._see()} for {restored}")
 
     def _cancelled(self):
-        """In the dialog or browser, and half way through the work."""
+        """Cancels in the dialog or browser, and halfway through the work."""
         before = self._see()
         if self._row.asks:
             yield from self._press()
@@ -120,7 +120,7 @@ class Pressing:
             bpy.ops.ed.undo_push(message=_STEP)
         yield from self._to_half_way()
         for _ in range(2):
-            # What the file browser executes is a step of its own.
+            # An operator that the file browser executes pushes a separate undo step.
             if _STEP in bpy.context.scene:
                 yield from hand.key("Z", ctrl=True)
                 yield from hand.steps(_FEW)
@@ -129,7 +129,7 @@ class Pressing:
         yield from self._settle()
 
     def _closed(self):
-        """The second of two windows, in which the operator was pressed."""
+        """Presses the operator in a second window and closes that window meanwhile."""
         before = self._see()
         with hand.in_view():
             bpy.ops.wm.window_new()
@@ -171,7 +171,7 @@ class Pressing:
         self._beat.start()
 
     def _begin_bake(self):
-        """A bake at half way."""
+        """Starts a bake and waits halfway, after its first pass."""
         hand.bind(hand.PRESS, "leaflight.bake", {})
         gate.close("pass")
         yield from hand.key(hand.PRESS)
@@ -224,7 +224,7 @@ class Pressing:
             yield from hand.drag(0.5, 0.6, 0.1)
 
     def _until(self, is_so):
-        """Work goes on in the background meanwhile, or Blender has come to its own many times."""
+        """Waits for a condition while work runs; raises Failed after many steps without work."""
         for _ in range(_MANY):
             if is_so():
                 return
@@ -233,12 +233,12 @@ class Pressing:
         raise Failed("what was pressed did not begin")
 
     def _while_alive(self):
-        """Until gate.py holds the work, or its thread has ended."""
+        """Waits until gate.py holds the work, or its thread has ended."""
         while (work := jobs.running()) is not None and work.is_alive() and not gate.reached:
             yield from hand.steps(1)
 
     def _settle(self):
-        """Until all work has ended; raises Failed where it hangs although its thread has ended."""
+        """Waits until all work has ended; raises Failed if it hangs after its thread has ended."""
         yield from hand.steps(_FEW)
         waited = 0
         while jobs.running() is not None or live.at_work() is not None:
@@ -256,7 +256,7 @@ class Pressing:
     # ---- At the end ----
 
     def _is_free(self):
-        """What holds after each way."""
+        """Checks that Blender is free for the next work; every way ends with this."""
         if hand.areas("FILE_BROWSER"):
             raise Failed("the file browser is still open")
         yield from self._decide()

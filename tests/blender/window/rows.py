@@ -24,13 +24,18 @@ _DIALOG = dict.fromkeys((DELETED, NEW), "Its dialog takes all events until it is
 class Row:
     """An operator, and how it is pressed.
 
-    operator: without "leaflight."; scene: of scenes.py, opened before; sees: of seen.py, what it
-    changes; options: of the operator; asks: "dialog" or "browser", which the press opens; file:
-    that the browser chooses; held: where half way is: before the "work" in the background, after
-    its first "pass", while its "dialog" or browser is open, or while it takes events ("modal");
-    without: {way: reason} of the ways that make no sense; also: words that tell it from another
-    row of the same operator; short: whether it is of the short suite; undone: whether undo brings
-    back what was seen before.
+    operator: its name without "leaflight."
+    scene: the scene of scenes.py to open first
+    sees: the name in seen.py of the state that it changes
+    options: arguments of the operator
+    asks: "dialog" or "browser", if the press opens one
+    file: the file that the browser chooses
+    held: the point halfway: before the "work" in the background, after its first "pass", while
+    its "dialog" or browser is open, or while it takes events ("modal")
+    without: {way: reason} for the ways that make no sense
+    also: words that distinguish it from another row of the same operator
+    short: True if the short suite includes it
+    undone: True if undo restores the state from before
     """
 
     operator: str
@@ -63,8 +68,8 @@ def _instant(operator, scene, sees, **how):
     return Row(operator, scene, sees, without=_INSTANT, **how)
 
 
-# The twelve of the guide's main way are short: import, stage, bake, stop, keep, continue, another
-# isosurface, a look, a cut, a slice of time, a label, a file for others.
+# The short suite presses the twelve operators of the guide's main way. They import, stage, bake,
+# stop, keep, continue, add an isosurface, choose a look, cut, slice time, label and export.
 ROWS = (
     Row(
         "import_volume",

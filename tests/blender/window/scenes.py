@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scenes in which operators are pressed: each is made once, saved, and opened for each row.
 
-A scene, and each row, has a folder of its own with a .blend and its bakes.
+Each scene and each row has one folder, with a .blend and its bakes.
 """
 
 import math
@@ -22,13 +22,13 @@ _EASY, _UNREACHED = 20.0, 0.01
 
 
 class Scenes:
-    """folder: holds the files that are imported, and gets all else."""
+    """The saved scenes. folder: the files to import, and the place of the folders of scenes."""
 
     def __init__(self, folder):
         self._folder = folder
 
     def file(self, name):
-        """The path of a file that a browser shall choose."""
+        """Returns the path of the file that the file browser is to choose."""
         if name != "a bake":
             return self._folder / name
         return next(self._made("baked").glob("leaflight/*.vdb"))
@@ -42,7 +42,7 @@ class Scenes:
         seen.set_folder(folder)
 
     def _made(self, name):
-        """The folder of a scene."""
+        """Returns the folder of a scene."""
         folder = self._folder / "scenes" / name
         if folder.exists():
             return folder
@@ -170,7 +170,7 @@ def _interrupt(_scenes, folder):
     assert job.checkpoint.path.is_file()
 
 
-# (the scene that it is made of, what is done there)
+# Scenes by name: (the scene to start from, the function that changes it).
 _SCENES = {
     "home": ("", _nothing),
     "imported": ("home", _import),

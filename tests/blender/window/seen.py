@@ -70,7 +70,7 @@ def _numbers(matrix):
 SEEN = {
     "volumes": lambda: [obj.name for obj in volumes()],
     "graphs": lambda: [obj.name for obj in graphs()],
-    # Of each volume, the bake whose light its isosurface has.
+    # The bake that lights the isosurface of each volume; empty without light.
     "lit": lambda: [
         obj.leaflight.bake_id if "radiance" in obj.data.attributes else "" for obj in volumes()
     ],

@@ -89,9 +89,9 @@ def reopen():
 def beside_walls():
     """The file has just been opened: the walls of its bake have no light before it is there.
 
-    Returns what "waited" for that light in Blender's own threads, and what was seen: the "box", the
-    "size" of a page, "live" at work, the number of "walls" when they are wanted, when a picture
-    was rendered and at last, and the texts of the "status" bar.
+    Returns the steps that "waited" for that light in a thread of Blender, the "box", the "size" of
+    a page and whether "live" was at work. "walls" are their numbers when they are wanted, after a
+    rendering and at the end; "status" are the texts of the status bar.
     """
     may_go_on, with_walls, result = threading.Event(), reading.with_walls, reading.Reading.result
     step, waited, status, shown = "", [], [], {}

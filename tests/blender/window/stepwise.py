@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user does in a window, step by step, while Blender goes on with its own work."""
+"""Runs the actions of a user in a window step by step, while Blender keeps working."""
 
 import json
 import os
@@ -44,7 +44,7 @@ def until(is_so):
 
 
 def wait(seconds):
-    """Yields for at least so long, in which Blender comes to its own work several times."""
+    """Yields for at least these seconds, while Blender does its own work several times."""
     end, steps = time.perf_counter() + seconds, 0
     while time.perf_counter() < end or steps < 10:
         steps += 1
@@ -52,8 +52,8 @@ def wait(seconds):
 
 
 def pixels_of(area, found):
-    """Yields until the viewport of an area was drawn, with all that is drawn over it; then found
-    holds its pixels, float32 (height, width, 4), bottom row first.
+    """Yields until the viewport of an area and its overlays were drawn. Then found holds its
+    pixels, float32 (height, width, 4), bottom row first.
 
     Screenshots are black in Blender 5.2 with OpenGL.
     """

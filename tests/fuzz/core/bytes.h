@@ -9,8 +9,7 @@
 
 namespace leaflight::fuzz {
 
-// What libFuzzer gives, taken piece by piece from the front, as validation/fuzz packs its seeds;
-// zeros when it is used up.
+// Input of libFuzzer, read from the front as validation/fuzz packs its seeds. Zeros follow its end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
@@ -25,7 +24,7 @@ class Bytes {
     left_ -= size;
     return number;
   }
-  // One of so many.
+  // Returns a number from 0 to count - 1.
   int choice(int count) { return take<std::uint8_t>() % count; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of checkpoints, and of those whose seal is right the text and the numbers of the state.
-// What a bake does with the numbers is not tried: whoever can write the seal writes them.
+// Reads checkpoint files; if the seal is right, also the text and the numbers of the state. No bake
+// uses the numbers here: they come from the program that wrote the seal.
 #include "bake/texels/checkpoint.h"
 
 #include "input_file.h"
@@ -11,7 +11,7 @@
 
 namespace {
 
-// As many as a small bake has.
+// Largest number of items of the state, as in a small bake.
 constexpr std::size_t most = 1000;
 
 void read(const std::filesystem::path& path) {

@@ -44,7 +44,7 @@ bool finite(const Vector& v) {
   return all;
 }
 
-// What contours say of themselves, vertex by vertex.
+// True if all vertices of a contour are finite.
 template <class Vertices>
 bool all_finite(const Vertices& vertices) {
   bool all = true;

@@ -20,8 +20,8 @@ inline void require(bool holds, const std::string& what) {
   std::abort();
 }
 
-// Calls read(): it may succeed, or refuse what it is given by an Error of one sentence; all else is
-// a failure. Returns whether it succeeded.
+// Calls read(), which may succeed or throw an Error of one sentence. Anything else is a failure.
+// Returns true if it succeeded.
 template <class Read>
 bool accepted(const Read& read) {
   try {
