@@ -194,7 +194,8 @@ def stop_and_keep():
         "offered": stopped.offered() is not None,
         "bake": volume().leaflight.bake_id == first,
     }
-    # Keep Bake stands where Bake stood.
+    # Keep Bake stands where Bake stood, once the header is drawn.
+    yield from stepwise.wait(1.0)
     yield from click(header_button(386))
     yield from stepwise.until(lambda: volume().leaflight.bake_id != first)
     yield from stepwise.until(lambda: jobs.running() is None)
