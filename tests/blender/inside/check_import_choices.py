@@ -203,13 +203,14 @@ def check_a_word_with_numbers_is_translated(tmp_path):
 
 
 def check_an_absent_package_is_reported_in_words_of_blender(tmp_path, monkeypatch):
-    path = tmp_path / "x.h5"
+    # Another process reads HDF5, with its own h5py. This one reads MINC.
+    path = tmp_path / "x.mnc"
     path.write_bytes(b"")
-    monkeypatch.setitem(sys.modules, "h5py", None)
-    monkeypatch.delitem(sys.modules, "leaflight.io.readers.hdf5", raising=False)
+    monkeypatch.setitem(sys.modules, "nibabel", None)
+    monkeypatch.delitem(sys.modules, "leaflight.io.readers.minc", raising=False)
     sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path))
-    assert "h5py" in sentence and "start Blender again" in sentence
-    assert ("apt install python3-h5py" in sentence) == (sys.prefix == "/usr")
+    assert "nibabel" in sentence and "start Blender again" in sentence
+    assert ("apt install python3-nibabel" in sentence) == (sys.prefix == "/usr")
 
 
 def check_the_histogram_has_every_voxel_and_the_picture_its_marks(bumps):

@@ -112,7 +112,7 @@ def _all_jobs(kind=jobs.Job):
 
 
 def check_each_job_has_its_check():
-    assert set(_all_jobs()) == {*MAKERS, *SPECIAL}
+    assert set(_all_jobs()) - {_EndlessJob} == {*MAKERS, *SPECIAL}
 
 
 @pytest.fixture
@@ -191,9 +191,24 @@ def _break(job, callback, patch):
         assert "KeyError" in failures.report() and "broken on purpose" in failures.sentence()
 
 
+class _EndlessJob(bake.BakeJob):
+    """A bake whose first pass lasts until the bake is canceled, however fast the machine is."""
+
+    def _light(self, on_pass, progress):
+        def hold(baked):
+            on_pass(baked)
+            while not progress.cancelled:
+                time.sleep(0.005)
+
+        baked = super()._light(on_pass=hold, progress=progress)
+        # The first pass may be the last, which is returned alone.
+        hold(baked)
+        return baked
+
+
 def check_a_job_whose_passes_cannot_be_shown_offers_the_last(small, monkeypatch):
     small.leaflight.error = UNREACHED
-    job = bake.BakeJob(bpy.context, small)
+    job = _EndlessJob(bpy.context, small)
     shown = job.show
 
     def broken():
@@ -243,7 +258,7 @@ def check_live_goes_on_after_an_error(small, monkeypatch):
 
 def check_a_deleted_volume_stops_its_bake(small):
     small.leaflight.error = UNREACHED
-    job = bake.BakeJob(bpy.context, small)
+    job = _EndlessJob(bpy.context, small)
     window = Window(job)
     shown = job.show
 
