@@ -13,10 +13,12 @@ from ..store import bake_files, cache
 
 @dataclass(frozen=True)
 class StateAtBake:
-    """What was so when a volume object was baked.
+    """The state of a volume object and its scene at the start of its bake.
 
-    matrix: the object's transform, 16 numbers row by row. fingerprint: of the scene. seconds: that
-    the bake took. file_state: of the volume's file.
+    - matrix: the object's transform, 16 numbers row by row.
+    - fingerprint: that of the scene.
+    - seconds: duration of the bake.
+    - file_state: that of the volume's file.
     """
 
     matrix: Sequence[float]

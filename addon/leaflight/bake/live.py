@@ -328,7 +328,7 @@ PROPERTIES = (
             name="Live",
             description=(
                 "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
-                "once, then the passes of a new bake. Each final light is a file of its own"
+                "once, then the passes of a new bake. The last pass is saved to a new file"
             ),
             update=_switched,
         ),

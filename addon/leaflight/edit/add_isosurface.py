@@ -93,7 +93,7 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
     tissue: EnumProperty(
         name="Tissue",
-        description="Which tissue of a CT scan to show",
+        description="Tissue of the CT scan to show",
         items=TISSUE_ITEMS,
         options={"SKIP_SAVE"},
     )

@@ -163,7 +163,7 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     )
     isovalues: EnumProperty(
         name="Isovalues",
-        description="Which isosurfaces to write",
+        description="Isosurfaces to write",
         items=(
             ("CURRENT", "Current", "The isosurface that is shown"),
             ("RANGE", "Range", "Several at even distances, as the frames of an animation"),

@@ -99,7 +99,7 @@ class LEAFLIGHT_OT_import_volume(
     )
     unit: EnumProperty(
         name="Unit",
-        description="What the voxel size is measured in, where the file does not say",
+        description="Unit of the voxel size, for files that lack it",
         items=volume_properties.UNIT_ITEMS,
         options={"SKIP_SAVE"},
     )
@@ -110,7 +110,7 @@ class LEAFLIGHT_OT_import_volume(
     )
     dataset: StringProperty(
         name="Dataset",
-        description="Which of several volumes in a file or series in a folder to read",
+        description="Volume to read from a file, or series from a folder, that has several",
         search=lambda self, _context, _text: self._datasets(),
     )
 

@@ -75,11 +75,11 @@ MESSAGES = {
     "Live": "Mitgehend",
     (
         "Once there is a bake, follow lamps, walls and volumes that move: direct light at once, "
-        "then the passes of a new bake. Each final light is a file of its own"
+        "then the passes of a new bake. The last pass is saved to a new file"
     ): (
         "Nach dem ersten Beleuchten Lampen, Wänden und Volumen folgen, die sich bewegen: direktes "
-        "Licht sofort, dann die Durchgänge eines neuen Lichts. Jedes endgültige Licht ist eine "
-        "eigene Datei"
+        "Licht sofort, dann die Durchgänge eines neuen Lichts. Der letzte Durchgang wird in eine "
+        "neue Datei gesichert"
     ),
     "Stopped: direct light is new, indirect light is of an earlier position": (
         "Angehalten: direktes Licht ist neu, indirektes Licht von einer früheren Lage"

@@ -186,9 +186,10 @@ class BackgroundOperator(LeaflightOperator):
 
 
 class AskingOperator(BackgroundOperator):
-    """Asks the user for its options first, by a dialog or the file browser.
+    """An operator that first asks for its options, in a dialog or the file browser.
 
-    An operator that these execute cannot itself go on as a modal one: it is started anew.
+    Blender does not let an operator that these execute become modal. It therefore calls itself
+    again with the chosen options.
     """
 
     asked: bpy.props.BoolProperty(options={"HIDDEN", "SKIP_SAVE"})

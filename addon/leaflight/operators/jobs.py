@@ -20,13 +20,15 @@ is_free = needs(lambda _: _running is None, "Leaflight is at work; Esc ends it")
 
 
 class Job:
-    """What a BackgroundOperator does; its warnings are sentences for the user.
+    """The work of a BackgroundOperator.
 
-    name: for a terminal; cancelled: the sentence after it was cancelled without leaving anything.
+    - name: its name in a terminal.
+    - warnings: sentences for the user.
+    - cancelled: sentence after a cancellation that leaves nothing.
 
-    run(progress) works in any thread and touches no Blender data. All else is called in Blender's
-    own: apply() puts the result into the scene and returns a sentence for the user.
-    Any of them may raise: BackgroundWork ends the job then.
+    run(progress) works in any thread and touches no Blender data. All other methods run in
+    Blender's main thread. apply() puts the result into the scene and returns a sentence for the
+    user. Each method may raise an error, after which BackgroundWork ends the job.
     """
 
     warnings: tuple[str, ...] = ()
@@ -59,7 +61,7 @@ class Job:
 
 
 class BackgroundWork:
-    """A Job whose run() is at work in a thread of its own.
+    """A Job whose run() works in a separate thread.
 
     Whatever one of its callbacks raises ends the work. result() raises the first such error.
     """

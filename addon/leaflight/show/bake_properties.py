@@ -83,7 +83,7 @@ class BakeOptions:
     )
     quality: EnumProperty(
         name="Quality",
-        description="How exact the bake shall be",
+        description="Accuracy of the bake",
         items=QUALITY_ITEMS,
         get=_quality,
         set=_set_quality,

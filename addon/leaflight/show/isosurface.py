@@ -20,11 +20,14 @@ _COUNTED = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class Isosurface:
-    """What it takes to make one, in the object's coordinates.
+    """The inputs of one isosurface, in the object's coordinates.
 
-    volume: a leaflight.Volume; grid: the radiance grid that lights it, or None; largest_step: see
-    Bake. halvings: of the volume's fineness, None for the whole detail, which the light adds to.
-    dust: connected parts that are shorter than this are left out.
+    - volume: a leaflight.Volume.
+    - grid: the radiance grid that lights it, or None.
+    - largest_step: see Bake.
+    - halvings: how often the volume's resolution is halved; None for the full detail, to which the
+      light adds vertices.
+    - dust: length below which connected parts are left out.
     """
 
     volume: object

@@ -111,7 +111,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     keep: EnumProperty(
         name="Keep",
-        description="Which part of the isosurfaces stays",
+        description="Part of the isosurfaces that stays",
         items=[
             ("OUTSIDE", "Outside", "Cut away what lies in the box"),
             ("INSIDE", "Inside", "Show only what lies in the box"),
@@ -120,7 +120,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     cut_colors: EnumProperty(
         name="Cut",
-        description="What is seen where the clip box cuts the isosurfaces open",
+        description="Appearance of the isosurfaces where the clip box cuts them open",
         items=data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,

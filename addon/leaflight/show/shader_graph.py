@@ -27,11 +27,12 @@ class Cut:
 
 @dataclass(frozen=True)
 class View:
-    """What of a surface is seen.
+    """The display options of a surface.
 
-    is_translucent: whether what lies behind it shows through; lies_among: whether other such
-    surfaces do, or it through them; cut: a Cut or None; is_glossy: whether it has a coat, which
-    the scene's own lamps light.
+    - is_translucent: True if objects behind it show through.
+    - lies_among: True if it is one of several translucent surfaces.
+    - cut: a Cut or None.
+    - is_glossy: True if it has a coat, which the scene's lamps light.
     """
 
     is_translucent: bool = False

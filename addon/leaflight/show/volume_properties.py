@@ -70,7 +70,7 @@ def _frame_changed(settings, _context):
 
 
 class ReadingChoices:
-    """Which volume of a file is read, and how: as it was, and as it is to be on import."""
+    """Choices by which a volume is read from its file, at import or since."""
 
     dims: IntVectorProperty(
         name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
@@ -100,19 +100,18 @@ class ReadingChoices:
     )
     frame: IntProperty(
         name="Frame",
-        description="Which volume of a series to read, counted from 0; -1 for a single volume",
+        description="Number of the volume in its series, counted from 0; -1 for a single volume",
         default=-1,
         min=-1,
     )
     channel: IntProperty(
         name="Channel",
-        description="Which of several values a voxel has to read, counted from 0; -1 where it has "
-        "one",
+        description="Number of the value to read from each voxel, counted from 0; -1 if it has one",
         default=-1,
         min=-1,
     )
     level: IntProperty(
-        name="Level", description="Which of several resolutions to read; 0 is the finest", min=0
+        name="Level", description="Number of the resolution to read; 0 is the finest", min=0
     )
 
 
@@ -138,8 +137,8 @@ class VolumeSource(ReadingChoices):
     )
     shown_frame: IntProperty(
         name="Frame",
-        description="Which volume of the file's series over time is shown, counted from 0. "
-        "Keyframes play them. Each frame has a bake of its own",
+        description="Number of the shown volume in the file's series over time, counted from 0. "
+        "Keyframes play the series. Each frame has its own bake",
         min=0,
         update=_frame_changed,
     )
@@ -169,10 +168,10 @@ class VolumeSource(ReadingChoices):
         description="Place of the object's origin in the coordinates of the file, its middle",
         size=3,
     )
-    unit: StringProperty(name="Unit", description="What the file measures lengths in")
+    unit: StringProperty(name="Unit", description="Unit of lengths in the file")
     unit_choice: EnumProperty(
         name="Unit",
-        description="What the coordinates of the file are measured in",
+        description="Unit of the coordinates in the file",
         items=UNIT_ITEMS,
         get=lambda settings: unit_number(settings.unit),
         set=lambda settings, number: setattr(settings, "unit", unit_at(number)),

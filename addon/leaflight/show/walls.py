@@ -100,7 +100,10 @@ def finish(scene):
 
 def are_left_alone(scene):
     """True if the volume that lit the displays of a scene is gone."""
-    return any(not any(map(_leader, obj.users_scene)) for obj in _displays(scene))
+    displays = _displays(scene)
+    if not displays or _leader(scene) is not None:
+        return False
+    return any(not any(map(_leader, obj.users_scene)) for obj in displays)
 
 
 def remove_left_alone():

@@ -112,7 +112,7 @@ def moved(description, up):
 class LeaflightStage(bpy.types.PropertyGroup):
     preset: EnumProperty(
         name="Stage",
-        description="What Stage puts around the volumes",
+        description="Objects that Stage puts around the volumes",
         items=ITEMS,
     )
     collection: PointerProperty(

@@ -31,7 +31,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     )
 
     preset: EnumProperty(
-        name="Stage", description="What to put around the volumes", items=presets.ITEMS
+        name="Stage", description="Objects to put around the volumes", items=presets.ITEMS
     )
     collection: StringProperty(
         name="Collection",

@@ -107,7 +107,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
 
 
 class LEAFLIGHT_PT_bake_details(ClosedPanel, bpy.types.Panel):
-    """What the one line about a bake leaves out."""
+    """Details of a bake that the panel above leaves out."""
 
     bl_label = "Details"
     bl_parent_id = "LEAFLIGHT_PT_bake"
