@@ -50,9 +50,12 @@ LARGEST_STEP = 0.05
 class Surface:
     """One lit isosurface in world coordinates.
 
-    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time of contouring and lookup; unit: of
-    the world, as of a Volume.
+    vertices: Positions, float32 (n, 3).
+    normals: Unit normals towards the lit side, float32 (n, 3).
+    radiance: Radiance of each vertex in W/(m^2 sr), linear RGB, float32 (n, 3).
+    triangles: Vertex numbers, int32 (m, 3).
+    seconds: Time of contouring and lookup.
+    unit: Unit of the world, as in a Volume.
     """
 
     vertices: Array
@@ -72,12 +75,14 @@ class Bake:
 
     Every `isovalue` is the common isovalue (see scene.py): the isovalue of a single volume, and
     0..1 with several.
-    isovalues: (lo, hi), the baked isovalue range.
-    grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
-    statistics: the cost and the estimated error, see Statistics.
-    provenance: everything that the result depends on, a Provenance; equal bakes have equal ones.
-    original: the bake that relit() or moved() was called on; None for a bake that was computed.
-    factors: (r, g, b) of each lamp of the scene, its strength relative to the original; None unless
+
+    isovalues: The baked isovalue range (lo, hi).
+    grids: One _core.RadianceGrid for each volume.
+    walls: A _core.WallRadiance or None.
+    statistics: The cost and the estimated error.
+    provenance: Everything that the result depends on. Equal bakes have equal ones.
+    original: The bake that relit() or moved() was called on. None for a bake that was computed.
+    factors: Strength (r, g, b) of each lamp of the scene relative to the original. None unless
         relit() made this bake.
     """
 

@@ -25,9 +25,10 @@ def checkpoint_for(out: str | os.PathLike[str]) -> Path:
 class Checkpoint:
     """The file in which a bake in passes saves its state; a bake of fixed work writes none.
 
-    path: of the file; recipe: data in JSON's types from which the caller can start the same bake
-    again; resume: continues from the existing file; seconds: between two checkpoints, None for
-    SECONDS.
+    path: Path of the file.
+    recipe: Data in JSON's types from which the caller can start the same bake again.
+    resume: True continues from the existing file.
+    seconds: Time between two checkpoints. None is SECONDS.
     """
 
     path: Path

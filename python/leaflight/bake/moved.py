@@ -29,8 +29,9 @@ from .provenance import Provenance, frozen, values_sha256
 class Detail:
     """The sampling density of direct light.
 
-    wider: factor on the width of texels of visibility maps; spacing: upper bound on the voxels
-    between the lines that sample them; share: keeps one of this many shadow rays of the walls.
+    wider: Factor on the width of texels of visibility maps.
+    spacing: Upper bound on the voxels between the lines that sample the maps.
+    share: Number of shadow rays of the walls of which one is traced.
     """
 
     wider: int = 1
@@ -56,14 +57,15 @@ def moved(
 ) -> Bake:
     """Returns the Bake in another scene: computes direct light and scales indirect light.
 
-    bake: a Bake in passes. volumes, scene: as for bake(). The values must be those of the bake;
-        their positions may differ. isovalues: as for bake(); None is the range of the bake.
-    quick: makes the texels of visibility maps twice as wide and traces fewer shadow rays. It takes
-        a fifth of the time. Shadows are blurred and may miss thin parts.
-    walls: lights baked walls again, too; without it the result has none.
-    progress: a Progress, which can cancel the work.
-    Save and resume the original, because the result itself cannot be saved. Raises LeaflightError
-    if direct light is not exact or the texels belong to other volumes, Cancelled.
+    bake: A Bake in passes.
+    volumes, scene: As for bake(). The values must be those of the bake; their positions may differ.
+    isovalues: As for bake(). None is the range of the bake.
+    quick: True makes the texels of visibility maps twice as wide and traces fewer shadow rays. It
+        takes a fifth of the time. Shadows are blurred and may miss thin parts.
+    walls: True lights baked walls again, too. Otherwise the result has none.
+    progress: A Progress, which can cancel the work.
+    Save and resume the original, because the result itself cannot be saved. Raises Cancelled, and
+    LeaflightError if direct light is not exact or the texels belong to other volumes.
     """
     original = bake.original or bake
     progress = progress or _core.Progress()

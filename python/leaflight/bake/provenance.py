@@ -28,11 +28,12 @@ EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
 
 @dataclass(frozen=True)
 class VolumeRecord:
-    """The record of a volume that was baked.
+    """The record of a volume that was baked. The other fields are those of Volume and Isosurfaces.
 
-    values_sha256: the result of values_sha256(); index_to_world: four rows; the others as in Volume
-    and Isosurfaces. resolution: of the texels, () before the first pass; map_resolution: of the
-    visibility maps, () if there are none.
+    values_sha256: Result of values_sha256().
+    index_to_world: Four rows of the matrix.
+    resolution: Texels along each axis, () before the first pass.
+    map_resolution: Texels of the visibility maps, () if there are none.
     """
 
     name: str
@@ -51,12 +52,17 @@ class VolumeRecord:
 class Provenance:
     """Everything that the light of a bake depends on; equal bakes have equal ones.
 
-    volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the isovalue range.
-    seed, both_sides, walls, error: as for bake(); asked_resolution: zeros if none was asked for.
-    passes, blocks: numbers of passes and blocks of indirect light in the averages; continued: the
-    id of the bake that this one resumed, or ""; fixed: the settings of a fixed number of samples
-    (../thesis), or None. With fixed settings error is None and there are no passes.
-    lamps: (r, g, b) of each lamp of a bake that relit() made, which is never saved; else None.
+    volumes: A VolumeRecord of each volume.
+    scene: Text of a scene file.
+    isovalues: The isovalue range.
+    seed, both_sides, walls, error: As for bake(). error is None with fixed settings.
+    asked_resolution: Resolution that the user asked for, or zeros.
+    passes, blocks: Numbers of passes and blocks of indirect light in the averages. Fixed settings
+        have none.
+    continued: Id of the bake that this one resumed, or "".
+    fixed: Settings of a fixed number of samples (../thesis), or None.
+    lamps: Strength (r, g, b) of each lamp of a bake that relit() made, which is never saved; else
+        None.
     """
 
     volumes: tuple[VolumeRecord, ...]

@@ -45,11 +45,12 @@ def resume(
     the new bake count the passes, the seconds and the rays of both. A bake with only its first,
     coarse result starts again. So does one whose time limit made its texels coarser.
 
-    previous: a Bake in passes, or one that load_bake() read. error: percent, as for bake(); None is
-    the target of the previous bake. time: limit on the added seconds, None for no limit. walls:
-    lights the meshes, too, again from the start; None is as before. threads, on_pass,
-    progress, checkpoint, workers: as for bake().
-    Raises LeaflightError if the bake cannot be resumed, Cancelled.
+    previous: A Bake in passes, or one that load_bake() read.
+    error: Target in percent, as for bake(). None is the target of the previous bake.
+    time: Limit on the added seconds. None is no limit.
+    walls: True lights the meshes, too, again from the start. None is as before.
+    threads, on_pass, progress, checkpoint, workers: As for bake().
+    Raises Cancelled, and LeaflightError if the bake cannot be resumed.
     """
     if previous.original is not None:
         raise LeaflightError(

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Masks and label maps: few values in pieces, within which all voxels are alike."""
+"""Detects masks and label maps: few values, and each fills connected pieces."""
 
 import numpy as np
 
 from ..arrays import Array
 from .voxels import as_voxels
 
-# The share of the voxels of a label whose next neighbors along all axes have it, too, and the share
-# of the labels of which this is so. In a mask with soft edges, only the inside passes.
+# Least share of the voxels of a label whose next neighbors along all axes have the same label, and
+# least share of labels that pass. In a mask with soft edges, only the inside passes.
 ALIKE, LABELS = 0.2, 0.6
-# Slices that are looked at.
+# Upper bound on the slices that are examined.
 _PLANES = 64
 
 
 def are_labels(values: Array, levels: Array) -> bool:
-    """Returns True if values [z, y, x], all among the levels, look like labels.
+    """Returns True if values [z, y, x] look like labels.
 
-    levels: in ascending order, of which the first is the background. Any two may be a mask; of
-    more each must be a whole number.
+    levels: All different values in ascending order; the first is the background. Two levels are a
+        mask. More must be whole numbers in connected pieces.
     """
     if len(levels) <= 2 or not (levels == np.rint(levels)).all():
         return len(levels) == 2
@@ -36,6 +36,6 @@ def are_labels(values: Array, levels: Array) -> bool:
 
 
 def _occurrences(values: Array, levels: Array) -> Array:
-    """How many of the values, which may be NaN, are at each of the levels."""
+    """Returns the number of values at each level. Values may be NaN."""
     known = values[np.isfinite(values)]
     return np.bincount(np.searchsorted(levels, known), minlength=len(levels))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes of other libraries' arrays and images, recognised by what they offer, not by their class.
+"""Converts arrays and images of other libraries to volumes. It checks attributes, not classes.
 
-No library is imported that the object has not brought. Plain arrays are [z, y, x].
+It imports only libraries that the object has already loaded. Plain arrays are [z, y, x].
 """
 
 import sys
@@ -21,19 +21,20 @@ from .voxels import as_voxels
 
 # Values, index_to_world or None, unit, name.
 _Read = tuple[Any, Array | None, str, str]
-# From left, back, up to right, front, up: from the patient's coordinates of ITK to those of NIfTI.
+# Matrix from the patient coordinates of ITK (left, back, up) to those of NIfTI (right, front, up).
 _TO_NIFTI = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = None) -> Volume:
-    """The Volume of an array or an image with three axes of real numbers; a Volume as it is.
+    """Returns the Volume of an array or an image with three axes of real numbers; a Volume as it
+    is.
 
-    data: a NumPy array or any that becomes one, such as of Zarr, Dask or h5py, [z, y, x]; of xarray
-        with dimensions x, y and z in any order, else as they are, and even coordinates; an image of
-        nibabel, SimpleITK, ITK, VTK or PyVista with its place in the world. Masked values are
-        without data. Axes of length 1 beyond the three do not count.
-    spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
-    name: for people; None is the data's own.
+    data: One of: an array [z, y, x] of NumPy, Zarr, Dask, h5py or the like; an array of xarray with
+        evenly spaced coordinates; an image of nibabel, SimpleITK, ITK, VTK or PyVista. Dimensions
+        x, y and z of xarray may be in any order. Masked values become missing data. Further axes of
+        length 1 are dropped.
+    spacing: Voxel size of arrays that have none: one number or (x, y, z).
+    name: Name for display. None is the name of the data.
     Raises LeaflightError.
     """
     if isinstance(data, Volume):
@@ -52,7 +53,7 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
 
 
 def as_volumes(data: Any, spacing: ArrayLike | None = None) -> list[Volume]:
-    """The list of Volumes of one such object, or of a list or tuple of them."""
+    """Returns a list of Volumes from one such object, or from a list or tuple of them."""
     several = isinstance(data, (list, tuple))
     return [as_volume(one, spacing) for one in (data if several else [data])]
 
@@ -71,13 +72,13 @@ def _of_array(data: Any) -> _Read:
 
 
 def _of_nibabel(image: Any) -> _Read:
-    """Also of others whose axes are x, y and z, which an affine takes to the world."""
+    """Reads an image of nibabel, or one with axes x, y, z and an affine to the world."""
     header: Any = getattr(image, "header", None)
     unit = header.get_xyzt_units()[0] if hasattr(header, "get_xyzt_units") else ""
     path = image.get_filename() if hasattr(image, "get_filename") else None
     values = _without_single_axes(_array(getattr(image, "dataobj", image)))
     affine = np.eye(4) if image.affine is None else np.array(image.affine, np.float64)
-    # Where the header does not say, it is what the format was made for.
+    # A header without a unit means millimeters, as is usual for the format.
     return values.T, affine, unit_of(unit) or "mm", Path(path or "image").name.partition(".")[0]
 
 
@@ -92,7 +93,7 @@ def _of_itk(image: Any) -> _Read:
 
 
 def _of_vtk(image: Any) -> _Read:
-    """Also of PyVista, whose images are VTK's: values at points, else in cells."""
+    """Reads an image of VTK or PyVista: its values at points, else in cells."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     shape, shift = np.array(image.GetDimensions()), np.eye(4)
@@ -120,7 +121,7 @@ def _of_xarray(data: Any) -> _Read:
     known = {"x", "y", "z"} <= by_name.keys()
     order = [by_name[axis] for axis in "zyx"] if known else list(data.dims)
     data = data.transpose(*order)
-    # Times are no places.
+    # Times are not coordinates.
     places = {d: data.coords[d] for d in order if d in data.coords and _is_real(data.coords[d])}
     if not places:
         return data.data, None, "", name
@@ -139,7 +140,7 @@ def _is_real(array: Any) -> bool:
 
 
 def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
-    """(first, step) of even coordinates. Raises LeaflightError for others."""
+    """Returns (first, step) of evenly spaced coordinates. Raises LeaflightError for others."""
     places = np.asarray(places, np.float64)
     step = (places[-1] - places[0]) / (len(places) - 1)
     even = places[0] + step * np.arange(len(places))
@@ -176,7 +177,7 @@ def _without_single_axes(values: Array) -> Array:
 
 
 def _scalars(data: Any, name: str) -> Array:
-    """An array of real numbers with three axes. Raises LeaflightError."""
+    """Returns an array of real numbers with three axes. Raises LeaflightError."""
     if isinstance(data, (str, Path)):
         raise LeaflightError(f"{data}: this is a path, not a volume: read it by read_volume().")
     values = _without_single_axes(_array(data))

@@ -6,7 +6,7 @@ from ..words import figures
 
 
 class SettingError(LeaflightError):
-    """A sentence about settings, which `settings` names: on the command line they are flags."""
+    """An error about `settings`. The command line shows these names as flags."""
 
     def __init__(self, sentence: str, *settings: str) -> None:
         super().__init__(sentence)
