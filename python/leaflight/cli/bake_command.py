@@ -31,7 +31,7 @@ _WHO_WORKS = {"threads", "workers", "scheduler"}
 _AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
 # Options of a resumed bake; it takes all others from the previous bake.
 _OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
-# The options that a bake depends on, by which it is baked again.
+# Options that the result depends on. They start the same bake again.
 _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
@@ -103,7 +103,7 @@ def _continued(options: Namespace) -> Bake:
 
 
 def _interrupted(options: Namespace) -> Namespace:
-    """The options of the bake that left a checkpoint."""
+    """Returns the options of the bake that left a checkpoint."""
     given = _given(options, {"resume"} | _AT_WILL)
     if given:
         raise LeaflightError(
@@ -125,7 +125,7 @@ def _interrupted(options: Namespace) -> Namespace:
 
 
 def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
-    """Its recipe are the options, with paths that mean the same in any folder."""
+    """Returns the Checkpoint of a bake. Its recipe is the options, with absolute paths."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
     for name in ("scene", "previous"):
@@ -148,14 +148,14 @@ def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
             raise Cancelled(f"cancelled; {goes_on}") from None
         raise
     except LeaflightError as error:
-        # One of before this bake may be of another one.
+        # A checkpoint from before this bake may belong to another bake.
         if _checkpoint_time(options) != before:
             raise LeaflightError(f"{str(error).rstrip('.')}; after that, {goes_on}") from None
         raise
 
 
 def _checkpoint_time(options: Namespace) -> int | None:
-    """When a checkpoint of the output was written, None where there is none."""
+    """Returns the time at which a checkpoint of the output was written; None if there is none."""
     try:
         return os.stat(checkpoint_for(options.out)).st_mtime_ns
     except (OSError, ValueError):
@@ -163,7 +163,7 @@ def _checkpoint_time(options: Namespace) -> int | None:
 
 
 def _given(options: Namespace, own: Collection[str]) -> list[str]:
-    """The flags that were given but for a command's own."""
+    """Returns the flags that were given, without the command's own."""
     return [
         "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
         for name, value in vars(options).items()

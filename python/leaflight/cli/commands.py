@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: info, bake, batch, surface, still, export, photons, render, compare, flatland.
 
-Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
-Exit status: 0; 1 when a report finds an error that is not what it must be; 2 after an error, which
-is one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
+Results go to stdout, with --json as one JSON object on the last line. Progress goes to stderr. The
+exit status is 0 for success and 1 if `report` finds a wrong error. It is 2 after an error, which is
+one line on stderr, and 130 after Ctrl-C; no file is written then.
 """
 
 import warnings
@@ -46,7 +46,8 @@ from .output import Command, Output, json_line, print_error, print_lines
 
 
 def run(options: Namespace, command: Command | None = None) -> int:
-    """Runs a command, or that of COMMANDS which the options name; returns the exit status.
+    """Runs a command, by default the one of COMMANDS that the options name. Returns the exit
+    status.
 
     command(options) returns the result, a dict for --json, and sentences about it.
     """
@@ -82,7 +83,7 @@ def _print_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """In the place of warnings.showwarning()."""
+    """Prints a warning as one line; replaces warnings.showwarning()."""
     print_error(str(message))
 
 
@@ -142,7 +143,7 @@ def _photons(options: Namespace) -> Output:
 
 
 def _in_flags(error: LeaflightError) -> str:
-    """The sentence of an error on one line, with the flags of the settings that it speaks of."""
+    """Returns the message of an error on one line, with settings as flags."""
     sentence = " ".join(str(error).split())
     flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
@@ -214,7 +215,7 @@ def _parts(parts: Mapping[str, float | None]) -> str:
 
 
 def _isovalue(baked: Bake, options: Namespace) -> str:
-    """The common isovalue asked for, and with several volumes what it shows of the one."""
+    """Returns the common isovalue asked for and, with several volumes, that of the chosen volume."""
     if len(baked.volumes) == 1:
         return figures(options.isovalue, *baked.isovalues)[0]
     own = baked.isovalue_of(options.volume, options.isovalue)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command render: the frames of a .blend by workers, and a video of them.
+"""The command render: renders the frames of a .blend by workers, and makes a video of them.
 
-Animation is keyframed in the .blend: isovalue, camera, anything. The machines of a scheduler see
-the same files and have a Blender with the add-on.
+The .blend has keyframes of the isovalue, the camera or anything else. Workers of a scheduler need
+the same shared files and a Blender with the add-on.
 """
 
 import os
@@ -58,7 +58,7 @@ def run_render(options: Namespace) -> Output:
                 assert workers is not None
                 _render_all(workers, options.blender, blend, paths, left, progress)
         for part in folder.glob(".frame_*.png"):
-            part.unlink(missing_ok=True)  # of a Blender that was killed
+            part.unlink(missing_ok=True)  # a killed Blender left it
         if is_video:
             progress.begin("Video")
             with replaced(out) as temporary:
@@ -108,7 +108,7 @@ def _raise_what_failed(future: "Future") -> None:
         future.result()
     except (LeaflightError, Cancelled):
         raise
-    except Exception as error:  # Dask's own: the worker died, again and again
+    except Exception as error:  # Dask's own error: the worker died repeatedly
         raise LeaflightError(
             f"A worker died ({type(error).__name__}); the same command goes on where it stopped."
         ) from None

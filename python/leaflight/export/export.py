@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""export(): a bake in the format that the suffix of a file names; export_page(): a web page."""
+"""export() writes a bake in the format of a file's suffix; export_page() writes a web page."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -21,8 +21,8 @@ from .page import PageOptions, write_page
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# Suffix -> (module of this room or of io, its function): a page of all, of the whole volume, of one
-# isosurface, or of one or a sequence.
+# Suffix -> (module, function), for a web page, the whole volume, one isosurface, and one or a
+# sequence.
 PAGE = ".html"
 OF_VOLUME = {".vti": ("vti", "write_vti"), ".am": ("amira", "write_amira")}
 OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("..io.ply", "write_ply")}
@@ -61,13 +61,14 @@ def export(
 ) -> dict[float, Surface]:
     """Writes a Bake in another program's format (docs/export.md); leaves no incomplete file.
 
-    path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
-        isosurface, .glb, .usda, .usdc and .usd one or a sequence; an .html shows all of all
-        volumes, at first the isovalue that is given (docs/export.md).
-    isovalues: of the isosurfaces (of the common isovalue, see Bake), in their order; None is the
-        default one.
-    volume: the number of one of several; back: the back.
-    page: coarser, embed and lengths of an .html, see write_page() in page.py.
+    path: File whose suffix chooses the format. A .vti or .am holds the volume with the light of all
+        isosurfaces. A .vtp or .ply holds one lit isosurface. A .glb, .usda, .usdc or .usd holds one
+        or a sequence. An .html shows all isosurfaces of all volumes.
+    isovalues: Common isovalues of the isosurfaces, in their order. None is the default one. An
+        .html shows the given one first.
+    volume: Number of the volume, if there are several.
+    back: True writes the back.
+    page: Options coarser, embed and lengths of an .html, see write_page().
     Returns {isovalue: Surface} of the written surfaces, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
@@ -117,7 +118,7 @@ def export_page(
     lengths: tuple[float, str] | None = None,
     progress: _core.Progress | None = None,
 ) -> Path:
-    """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
+    """Writes a Bake as a web page, see write_page(). isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     return write_page(path, bake, isovalue, coarser, embed, progress, lengths)
 
@@ -161,7 +162,7 @@ def _writer(path: Path, suffix: str) -> Callable[..., None]:
     try:
         loaded = import_module(relative, __package__)
         if suffix == ".ply":
-            import_module("meshio")  # which io.ply imports when it writes, after all the work
+            import_module("meshio")  # fail early; io.ply imports it only when it writes
     except ImportError as error:
         package = (error.name or "").partition(".")[0]
         raise LeaflightError(

@@ -39,9 +39,10 @@ STEP_BYTES = 1 << 22
 
 @dataclass
 class PageData:
-    """header: a JSON object; its "blocks": [first byte, bytes, bytes when inflated] of body.
+    """The header and the body of a page.
 
-    progress: _core.Progress, which counts bytes before they are deflated.
+    header: A JSON object. Its "blocks" are [first byte, bytes, bytes when inflated] of body.
+    progress: A _core.Progress, which counts bytes before they are deflated.
     """
 
     progress: Progress
@@ -77,10 +78,11 @@ def by_significance(raw: Array) -> Array:
 
 
 def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> PageData:
-    """Returns the PageData of a Bake; isovalue: the common isovalue that is shown at first.
+    """Returns the PageData of a Bake. Raises Cancelled.
 
-    coarser: how many times voxels and texels are halved along each axis. progress:
-    _core.Progress. Raises Cancelled.
+    isovalue: Common isovalue that is shown at first.
+    coarser: Number of times that voxels and texels are halved along each axis.
+    progress: A _core.Progress.
     """
     data = PageData(progress)
     numbers = range(len(bake.volumes))

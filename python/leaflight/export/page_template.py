@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The web page without a bake, built by web/bundle.mjs as a part of the package."""
+"""The web page without a bake. web/bundle.mjs builds it as a part of the package."""
 
 import os
 from pathlib import Path
@@ -10,7 +10,7 @@ TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 
 
 def read_template(path: str | os.PathLike[str]) -> str:
-    """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
+    """Returns the page without a bake. Raises LeaflightError, which names path, if it is missing."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except OSError:

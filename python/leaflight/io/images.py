@@ -19,9 +19,9 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
 def read_pixels(path: str | os.PathLike[str]) -> Array:
-    """The numbers as the file stores them: [row, column] or [row, column, RGB], top row first.
+    """Returns the numbers as stored: [row, column] or [row, column, RGB], top row first.
 
-    uint8, uint16 or floating point; alpha is left out. Raises LeaflightError.
+    The type is uint8, uint16 or floating point. Alpha is left out. Raises LeaflightError.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -46,7 +46,8 @@ def read_pixels(path: str | os.PathLike[str]) -> Array:
 
 
 def read_texture(path: str | os.PathLike[str]) -> Array:
-    """Linear RGB, float32 [row, column, 3], bottom row first; integers are taken as sRGB.
+    """Returns linear RGB, float32 [row, column, 3], bottom row first. Integers are sRGB in the
+    file.
 
     Raises LeaflightError.
     """
@@ -61,7 +62,9 @@ def read_texture(path: str | os.PathLike[str]) -> Array:
 
 
 def luminance(pixels: Array) -> Array:
-    """Gray of RGB by the weights of Rec. 709, float32 [row, column]; gray stays what it is."""
+    """Returns the luminance of RGB by the weights of Rec. 709, float32 [row, column]; gray as it
+    is.
+    """
     # Values beyond single precision become infinite, which volumes refuse.
     with np.errstate(over="ignore", invalid="ignore"):
         grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
@@ -69,7 +72,7 @@ def luminance(pixels: Array) -> Array:
 
 
 def display_colours(radiance: ArrayLike, exposure: float) -> Array:
-    """Radiance (..., 3) to uint8 sRGB: times the exposure, clamped to 0..1, encoded."""
+    """Returns uint8 sRGB of radiance (..., 3): times the exposure, clamped to 0..1, encoded."""
     linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
     curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
@@ -78,14 +81,14 @@ def display_colours(radiance: ArrayLike, exposure: float) -> Array:
 
 
 def png_bytes(path: str | os.PathLike[str], pixels: Array) -> bytes:
-    """uint8 [row, column, RGB or RGBA], top row first, as PNG; path: of the file that holds it."""
+    """Returns uint8 [row, column, RGB or RGBA], top row first, as PNG. path: Name in errors."""
     buffer = io.BytesIO()
     _pillow(path).fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
 def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
-    """Writes png_bytes() as a whole or not at all."""
+    """Writes a complete PNG or none."""
     content = png_bytes(path, pixels)
     with replaced(path) as temporary:
         temporary.write_bytes(content)
@@ -124,7 +127,8 @@ def _pillow(path: str | os.PathLike[str]) -> Any:
 def _read_with_pillow(path: Path) -> Array:
     Image = _pillow(path)
     try:
-        # A warning of a large image is harmless; of a far too large one Pillow raises an error.
+        # Ignore Pillow's warning of a large image; it raises an error for one that is far too
+        # large.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path, formats=("PNG", "JPEG")) as image:
@@ -138,7 +142,7 @@ def _read_with_pillow(path: Path) -> Array:
     except MemoryError:
         raise
     except Exception:
-        # On damaged files Pillow fails with whatever comes first, from OSError to struct.error.
+        # On damaged files Pillow raises many types, from OSError to struct.error.
         raise LeaflightError(
             f"{path}: this is not a readable image, or it is truncated or damaged; fetch it again."
         ) from None

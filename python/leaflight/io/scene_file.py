@@ -82,21 +82,21 @@ def load_scene(path: str | os.PathLike[str]) -> SceneDescription:
 
 
 def cornell_box() -> SceneDescription:
-    """The default walls, in box coordinates: scenes/cornell.json."""
+    """Returns the default walls, in box coordinates: scenes/cornell.json."""
     return packaged_scene("cornell.json")
 
 
 def packaged_scene(name: str) -> SceneDescription:
-    """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
+    """Returns the SceneDescription of a scene file of the package. Raises LeaflightError."""
     return load_scene(Path(__file__).parent.parent / "scenes" / name)
 
 
 def scene_from_json(
     text: str, source: str = "scene", folder: str | os.PathLike[str] = "."
 ) -> SceneDescription:
-    """Parses the text of a scene file; source names it in errors. Raises LeaflightError.
+    """Parses the text of a scene file. Raises LeaflightError.
 
-    folder: what the names of files in it are relative to.
+    source: The file's name in errors. folder: Folder of the files that it names.
     """
     root = parse(text, source)
     both = ("name", "coordinates", "exposure", "meshes", "lights", "environment", "comment")
@@ -129,7 +129,7 @@ def scene_from_json(
 
 
 def _look(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
-    """The Isosurfaces of an object whose keys begin with a prefix."""
+    """Returns the Isosurfaces of an object whose keys have this prefix."""
     return Isosurfaces(
         name=name,
         albedo=item.ramp(prefix + "albedo", largest=1.0),
@@ -187,7 +187,7 @@ def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
 
 
 def _triangles(faces: list[list[Any]]) -> list[list[Any]]:
-    """Each face of 3 or 4 corners as one or two triangles."""
+    """Splits each face of 3 or 4 corners into one or two triangles."""
     return [[face[0], face[i], face[i + 1]] for face in faces for i in range(1, len(face) - 1)]
 
 
@@ -279,7 +279,7 @@ def _environment(item: JsonObject, folder: str | os.PathLike[str]) -> Environmen
 
 
 def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
-    """An image file or an embedded image, float32 [row, column, 3], bottom row first."""
+    """Returns an image file or an embedded image, float32 [row, column, 3], bottom row first."""
     value = item.get(key)
     if isinstance(value, str):
         try:
@@ -298,12 +298,12 @@ def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
         raise image.error('"pixels" is not zlib in base64; embed the image again') from None
     if len(pixels) != size or not decompressor.eof:
         raise image.error(f'"pixels" does not hold {width} x {height} float32 RGB values')
-    # A copy, because what comes from bytes cannot be written to.
+    # Copy the array, because one over bytes is read-only.
     return np.frombuffer(pixels, dtype="<f4").reshape(height, width, 3).astype(np.float32)
 
 
 def scene_to_json(description: SceneDescription) -> str:
-    """The text that scene_from_json turns into the same description again."""
+    """Returns a text that scene_from_json turns into the same description again."""
     data = _plain(description) | {"coordinates": description.coordinates}
     data["volumes"] = [_plain(isosurfaces) for isosurfaces in description.isosurfaces]
     data["meshes"] = [_plain(mesh) for mesh in description.meshes]
@@ -314,12 +314,12 @@ def scene_to_json(description: SceneDescription) -> str:
     return json.dumps(data, separators=(",", ":"))
 
 
-# How the keys of a scene file are called where they differ from the fields.
+# Keys of a scene file whose names differ from the fields.
 KEYS = {"triangles": "faces"}
 
 
 def _plain(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass that differ from their defaults, as JSON holds them."""
+    """Returns the fields of a dataclass that differ from their defaults, as JSON data."""
     data = {}
     for field in fields(item):
         value = _json(getattr(item, field.name))
@@ -330,7 +330,7 @@ def _plain(item: Any) -> dict[str, Any]:
 
 def _json(value: object) -> object:
     if isinstance(value, np.ndarray):
-        # The floating-point arrays of three dimensions whose last is color are images; uv has two.
+        # Floating-point arrays [row, column, 3] are images; the last axis of uv is 2.
         return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
     if isinstance(value, (list, tuple)):
         return [_json(item) for item in value]
@@ -341,7 +341,7 @@ def _json(value: object) -> object:
 
 def _embedded(image: Array) -> dict[str, object]:
     height, width, _ = image.shape
-    # More effort hardly makes floating-point numbers shorter.
+    # Higher levels hardly compress floating-point numbers more.
     pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4").data, level=1)
     return {"width": width, "height": height, "pixels": base64.b64encode(pixels).decode()}
 

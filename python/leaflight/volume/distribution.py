@@ -39,8 +39,7 @@ class Distribution:
             self.count = sum(plane.size for plane in self._planes())
 
     def _count_whole(self) -> tuple[Array, Array]:
-        """Returns the different values, float32, and the voxels that have each, for whole numbers.
-        """
+        """Returns the different values, float32, and the voxels of each, for whole numbers."""
         limits = np.iinfo(as_voxels(self._data[:1]).dtype)
         least, voxels = int(limits.min), np.zeros(limits.max - limits.min + 1, np.int64)
         for plane in self._data:

@@ -41,8 +41,7 @@ def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None)
 
 
 def memory_of_light(voxels: int) -> int | None:
-    """Returns the bytes that the light of a volume of this many voxels may take; None if unknown.
-    """
+    """Returns the bytes that the light of this many voxels may take; None if unknown."""
     if _limit is not None:
         return int((1 - _SHARE_OF_VOLUMES) * _limit) - _PROGRAM
     machine = _core.machine_memory()

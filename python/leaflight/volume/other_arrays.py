@@ -29,9 +29,9 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
     """Returns the Volume of an array or an image with three axes of real numbers; a Volume as it
     is.
 
-    data: One of: an array [z, y, x] of NumPy, Zarr, Dask, h5py or the like; an array of xarray with
-        evenly spaced coordinates; an image of nibabel, SimpleITK, ITK, VTK or PyVista. Dimensions
-        x, y and z of xarray may be in any order. Masked values become missing data. Further axes of
+    data: An array [z, y, x] of NumPy, Zarr, Dask, h5py or the like. Or an array of xarray with
+        evenly spaced coordinates; its dimensions x, y and z may be in any order. Or an image of
+        nibabel, SimpleITK, ITK, VTK or PyVista. Masked values become missing data. Further axes of
         length 1 are dropped.
     spacing: Voxel size of arrays that have none: one number or (x, y, z).
     name: Name for display. None is the name of the data.

@@ -93,8 +93,7 @@ def _plume(rng: np.random.Generator, droplets: int) -> Array:
 
 
 def neuron(n: int = 150) -> Volume:
-    """Returns a neuron, a cell body with branching dendrites: a mostly empty Volume of n^3 nodes.
-    """
+    """Returns a neuron with branching dendrites: a mostly empty Volume of n^3 nodes."""
     return _density("neuron", "neuron", _neuron_positions(), 0.014, n)
 
 
@@ -142,8 +141,7 @@ def _electron_3d(n: int) -> Array:
 
 
 def _density(source: str, name: str, particles: Array, sigma: float, n: int) -> Volume:
-    """Returns the particles (m, 3) convolved with a Gaussian: a Volume of n^3 nodes, values 0..255.
-    """
+    """Returns the particles (m, 3) convolved with a Gaussian: a Volume with values 0..255."""
     return on_unit_cube(n, lambda n: _convolved(particles, sigma, n), name, source)
 
 

@@ -159,8 +159,7 @@ def _averages(places: Array, values: Array, counts: Array) -> tuple[Array, Array
 
 
 def _filled(sums: Array, weights: Array) -> Array:
-    """Returns the means. Nodes that no point reaches take those of their neighbors, layer by layer.
-    """
+    """Returns the means. Nodes without points take those of their neighbors, layer by layer."""
     known = weights > 0
     means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
     while not known.all():
