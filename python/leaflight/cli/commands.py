@@ -215,7 +215,7 @@ def _parts(parts: Mapping[str, float | None]) -> str:
 
 
 def _isovalue(baked: Bake, options: Namespace) -> str:
-    """Returns the common isovalue asked for and, with several volumes, that of the chosen volume."""
+    """Returns the common isovalue asked for, with that of the chosen one of several volumes."""
     if len(baked.volumes) == 1:
         return figures(options.isovalue, *baked.isovalues)[0]
     own = baked.isovalue_of(options.volume, options.isovalue)

@@ -10,7 +10,7 @@ TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 
 
 def read_template(path: str | os.PathLike[str]) -> str:
-    """Returns the page without a bake. Raises LeaflightError, which names path, if it is missing."""
+    """Returns the page without a bake. Raises LeaflightError for path if it is missing."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except OSError:

@@ -198,7 +198,7 @@ def _texture(
 
 
 def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
-    """Returns radiance, float32 (nz, ny, nx, 3), at evenly spaced texels between the outer voxels."""
+    """Returns radiance, float32 (nz, ny, nx, 3), at texels evenly spaced between outer voxels."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
     is_indirect = shown.has_maps(back)
     if not shown.is_coarser:

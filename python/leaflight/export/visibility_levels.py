@@ -68,7 +68,7 @@ def ranges_in_plane(
 
 
 def levels(codes: Array, least: Array, greatest: Array, point: int) -> Array:
-    """Returns the levels, uint8, of codes for a light point, relative to least and greatest codes."""
+    """Returns the levels, uint8, of codes for a light point, between least and greatest codes."""
     part = np.clip(codes, least, greatest) - least
     place = (greatest - least).astype(np.uint16) * np.uint16(256) + part
     found: Array = _table(point * _SHIFT % 1.0).take(place)

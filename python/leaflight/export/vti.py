@@ -20,10 +20,11 @@ from .vtk_arrays import add_text_and_numbers, write
 def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
-    Point data have these arrays. value: Float, data units. radiance: Linear RGB in W/(m^2 sr) of
-    the isosurface through the point, 0 outside the isovalue range. radiance_error: Standard error
-    of its mean over the channels. radiance_back: Radiance of backs, if baked. color: Uchar, sRGB at
-    the scene's exposure. Field data are isovalues, exposure, bake_id and unit (of lengths).
+    Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error,
+    color (uchar, sRGB at the scene's exposure), and radiance_back if backs were baked. The radiance
+    is that of the isosurface through the point, 0 outside the isovalue range. The error is the
+    standard error of its mean over the channels. Field data are isovalues, exposure, bake_id and
+    unit (of lengths).
     """
     check_writable(path, ".vti")
     grid = point_grid(bake, volume)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NRRD: a header of text, and values behind it (.nrrd) or in files of their own (.nhdr).
+"""NRRD: a text header, with values behind it (.nrrd) or in other files (.nhdr).
 
 https://teem.sourceforge.net/nrrd/format.html
 """
@@ -34,7 +34,7 @@ _TYPES = {
     "float": "f4",
     "double": "f8",
 }
-# Name -> how it is called here.
+# Other names of a field -> its name here.
 _ENCODINGS = {
     "raw": "raw",
     **dict.fromkeys(("text", "txt", "ascii"), "text"),
@@ -42,13 +42,16 @@ _ENCODINGS = {
     **dict.fromkeys(("gzip", "gz"), "gzip"),
     **dict.fromkeys(("bzip2", "bz2"), "bzip2"),
 }
-# Upper bound on the bytes of a header, also with many comments.
+# Upper bound on the bytes of a header, including many comments.
 _MOST = 1 << 20
 _LARGEST_SIDE, _MOST_AXES = 1 << 16, 16
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Axes of time are frames; others that are not in space are channels, as of vectors."""
+    """Opens a volume. Axes of time are frames.
+
+    Other axes outside space, such as those of vectors, are channels.
+    """
     fields, listed, end = _header(path)
     sizes = _sizes(path, fields)
     dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
@@ -92,7 +95,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
-    """(the fields, the names of files behind them, where the data begin if they follow)."""
+    """Returns (fields, file names after them, start of the data if they follow)."""
     with open(path, "rb") as file:
         head = file.read(_MOST)
     if not re.match(rb"NRRD000\d\r?\n", head):
@@ -105,7 +108,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
         place = end + 1
         closed = not line
         if line.startswith("#") or re.match(r"[^:]*:=", line):
-            continue  # a comment, or a key and value, which is a note for others
+            continue  # a comment, or a key and a value for other programs
         name, colon, value = line.partition(":")
         name = {"datafile": "data file"}.get(name.strip().lower(), name.strip().lower())
         if colon and name in fields:
@@ -114,7 +117,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
             )
         if colon:
             fields[name] = value.strip()
-        # By the format's rule the last field.
+        # This is the last field by the format's rule.
         if name == "data file" and value.strip()[:4].upper() == "LIST":
             return fields, head[place:].decode("utf-8", "replace").splitlines(), place
     if not closed and "data file" not in fields:
@@ -166,7 +169,7 @@ def _value_files(
 
 
 def _whole(path: Path, fields: dict[str, str], name: str, least: int) -> int:
-    """A field that is a whole number, 0 where it is missing."""
+    """Returns a field that is a whole number, 0 if it is missing."""
     value = fields.get(name, fields.get(name.replace(" ", ""), "0"))
     if not re.fullmatch(r"-?\d{1,15}", value) or int(value) < least:
         raise LeaflightError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point clouds of .ply whose points have a value, interpolated into a volume.
+"""Point clouds in .ply whose points have a value, interpolated to a volume.
 
 http://paulbourke.net/dataformats/ply
 """
@@ -36,7 +36,7 @@ _TYPES = {
     "float64": "f8",
 }
 _MARKS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-# Properties that are no value of the point.
+# Properties that are not values.
 _OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t", "u", "v"}
 # Upper bound on the bytes of a header.
 _MOST = 1 << 16
@@ -45,7 +45,11 @@ _MOST = 1 << 16
 def open_volume(
     path: Path, dataset: str | None = None, dims: Sequence[int] | None = None
 ) -> StoredVolume:
-    """dataset: name of the property that is the value, where there are several."""
+    """Opens a point cloud.
+
+    dataset: Name of the property with the value, if there are several.
+    dims: Nodes, see interpolated().
+    """
     form, count, dtype, offset = _header(path)
     fields = dtype.names or ()
     names = tuple(name for name in fields if name not in _OTHERS)
@@ -58,7 +62,7 @@ def open_volume(
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     stored = path.stat().st_size - offset
-    # A number of text takes two characters at least.
+    # A number in text takes at least two characters.
     itemsize = dtype.itemsize if _MARKS[form] else 2 * len(fields)
     check_size(path, (count,), itemsize, stored)
 
@@ -79,7 +83,7 @@ def open_volume(
 
 
 def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
-    """(format, number of points, dtype of one, where they begin)."""
+    """Returns (format, number of points, dtype of a point, first byte of the points)."""
     with open(path, "rb") as file:
         begin = file.read(_MOST)
     found = re.search(rb"end_header\r?\n", begin)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values without a header, or behind one to skip: the caller gives the layout."""
+"""Raw values without a header, or after one to skip. The caller gives the layout."""
 
 from collections.abc import Sequence
 from math import prod
@@ -28,9 +28,10 @@ def open_volume(
     spacing: float | Sequence[float] = 1.0,
     skip: int = 0,
 ) -> StoredVolume:
-    """x-fastest values; behind `skip` bytes the file must hold just dims (nx, ny, nz) of them.
+    """Opens values, x fastest.
 
-    skip: -1 where the values are the end of the file, whatever is before them.
+    dims: Numbers of values (nx, ny, nz). They must end exactly at the end of the file.
+    skip: Bytes before the values; -1 if the values are the end of the file, after anything.
     """
     if dims is None or type is None:
         raise SettingError(
@@ -70,7 +71,7 @@ def open_volume(
 
 
 def _check_length(path: Path, shape: Sequence[int], dtype: np.dtype[Any], skip: int) -> None:
-    """Raises SettingError unless the values reach exactly to the end of the file."""
+    """Raises SettingError unless the values end exactly at the end of the file."""
     needed, found = prod(shape) * dtype.itemsize, path.stat().st_size
     left = found - max(skip, 0)
     if needed == left or (skip == -1 and needed <= left):

@@ -23,10 +23,11 @@ def open_slices(
     spacing: float | Sequence[float] | None = None,
     notes: Sequence[str] = (),
 ) -> StoredVolume:
-    """Opens the volume of the slices in a folder, or one of several by the common part of names.
+    """Opens the volume of the slices in a folder. Raises LeaflightError.
 
-    files: of the slices and of other pictures; read: gives the pixels of one, [y, x] or RGB
-    [y, x, s]. Raises LeaflightError.
+    files: Slices, and other pictures.
+    read: Function that returns the pixels of a file, [y, x] or RGB [y, x, s].
+    dataset: Common part of the names of one of several volumes.
     """
     found = sequences(folder, files)
     volumes = [(one.name, partial(_stack, one, read, tuple(notes))) for one in found]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK's image data in XML, in one piece or several; .pvti files have them in other files."""
+"""VTK image data in XML, in one piece or several. A .pvti has its pieces in other files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,36 +19,36 @@ from .vtk_xml import TYPES, Document, check_claim, dtype_of, open_document, valu
 from .watched import STAGE, begin
 
 _MOST_PIECES = 1 << 14
-# How many times as large as its pieces together an image may be.
+# Upper bound on the size of an image, relative to all of its pieces.
 _MOST_EMPTY = 100
 _PLACE = {"Origin": "0 0 0", "Spacing": "1 1 1", "Direction": "1 0 0 0 1 0 0 0 1"}
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """A part of an image; extent: the first and last of its points along x, y and z."""
+    """A part of an image. extent: The first and last of its points along x, y and z."""
 
     document: Document
     element: Element
     extent: Array
 
     def arrays(self, of_cells: bool) -> dict[str, Element]:
-        """Returns those of numbers, by name."""
+        """Returns the numeric arrays by name."""
         found = self.element.findall(("CellData" if of_cells else "PointData") + "/DataArray")
         return {one.get("Name") or "unnamed": one for one in found if one.get("type") in TYPES}
 
     def shape(self, of_cells: bool) -> tuple[int, ...]:
-        """Returns [z, y, x] of an array."""
+        """Returns the shape [z, y, x] of an array."""
         counts = self.extent[:, 1] - self.extent[:, 0] + 1
         return tuple(int(n) for n in (np.maximum(1, counts - 1) if of_cells else counts)[::-1])
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
+    """Opens an image. Its arrays are datasets; components of vectors and colors are channels."""
     document = open_document(path)
     image = _image(document)
     pieces = _pieces(document, image)
-    # Some programs claim a larger image than they save.
+    # Some programs write a larger extent than they save.
     low = np.min([piece.extent[:, 0] for piece in pieces], axis=0)
     high = np.max([piece.extent[:, 1] for piece in pieces], axis=0)
     points = tuple(int(n) for n in high - low + 1)
@@ -58,7 +58,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     notes: tuple[str, ...] = ()
     if claimed != points:
         notes = (f"Its pieces hold {text(points)} of the {text(claimed)} points that it claims.",)
-    # Parallel files leave out the direction.
+    # Parallel files omit the direction.
     first = _image(pieces[0].document)
     places = [image.get(key) or first.get(key) or default for key, default in _PLACE.items()]
     origin, spacing, axes = (np.array(numbers.split(), np.float64) for numbers in places)
@@ -84,7 +84,7 @@ def _image(document: Document) -> Element:
 
 
 def _pieces(document: Document, image: Element) -> list[_Piece]:
-    """Returns the pieces of an image, also those in other files. Raises LeaflightError."""
+    """Returns the pieces of an image, including those in other files. Raises LeaflightError."""
     found: list[_Piece] = []
     for piece in image.findall("Piece"):
         source = piece.get("Source")
@@ -114,7 +114,7 @@ def _extent(element: Element, key: str) -> Array:
 
 
 def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> ImageArray:
-    """Joins the arrays of this name of all pieces; low: the first of the image's points."""
+    """Joins the arrays of this name of all pieces. low: First of the image's points."""
     parts = [(one, one.arrays(of_cells)[name]) for one in pieces if name in one.arrays(of_cells)]
     document, element = parts[0][0].document, parts[0][1]
     dtype, channels = dtype_of(document, element), int(element.get("NumberOfComponents") or 1)
