@@ -77,7 +77,7 @@ def check_count(path: Path, shape: Sequence[int], packed: bool | None = None) ->
 
 
 def _end(text: bytes) -> int:
-    """Returns the end of the last complete line of a text; within a long line, of the last number."""
+    """Returns the end of the last complete line of a text; of a long line, the last number."""
     line = text.rfind(b"\n", max(0, len(text) - _LONGEST))
     if line < 0 and len(text) > _LONGEST:
         line = max(map(text.rfind, (b" ", b"\t", b"\r", b"\n")))

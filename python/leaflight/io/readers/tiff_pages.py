@@ -44,8 +44,7 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
     try:
         # ome.py reads the metadata of OME-TIFF.
         with tifffile.TiffFile(path, is_ome=False) as file:
-            # Counting the pages finds a chain of them that leads back to itself; whoever takes
-            # one after the other never comes to its end.
+            # Count the pages, which detects a cyclic chain. Iterating over one would not end.
             if len(file.pages) == 0:
                 raise damage
             yield file
@@ -70,8 +69,9 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
 
 
 class _Complaints(logging.Handler):
-    """A log handler. tifffile logs a broken chain of pages and continues with those before the
-    break.
+    """A log handler that collects the complaints of tifffile.
+
+    tifffile logs a broken chain of pages and continues with those before the break.
     """
 
     def __init__(self) -> None:

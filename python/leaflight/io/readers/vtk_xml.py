@@ -172,8 +172,7 @@ class _Run:
 def _unpacked(
     document: Document, run: _Run, start: int, size: int, progress: Progress
 ) -> Iterator[bytes]:
-    """Yields decompressed blocks. Before them are their number, two sizes, and each compressed
-    size.
+    """Yields decompressed blocks, after their number, two sizes, and each compressed size.
 
     In base64 the header and the blocks are encoded separately.
     """

@@ -103,7 +103,7 @@ def _gather(
     fetch: Callable[[tuple[int, ...]], Bytes | None],
     fill: Array,
 ) -> Array:
-    """Returns a part of a regular grid of chunks. fetch returns the bytes of one, None if absent."""
+    """Returns a part of a regular grid of chunks. fetch returns a chunk's bytes, None if absent."""
     values = np.full([one.stop - one.start for one in box], fill)
     ranges = [range(b.start // n, ceil(b.stop / n)) for b, n in zip(box, chunks.shape)]
     for place in product(*ranges):

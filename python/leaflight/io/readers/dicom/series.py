@@ -11,9 +11,9 @@ from .disc import files_of, is_directory, listed_by
 from .header import Header, damaged_header, read_header
 from .planes import Plane, planes_of
 
-# Kinds of series of which each file with several pages is a volume: of a beam, of an organ.
+# Kinds of series in which each file with several pages is a volume, as of a beam or an organ.
 _VOLUMES = {"RTDOSE", "SEG", "NM"}
-# Names of files that a note lists.
+# Upper bound on the file names in a note.
 _MOST_NAMES = 4
 
 Key = tuple[str, ...]
@@ -21,9 +21,9 @@ Key = tuple[str, ...]
 
 @dataclass
 class Series:
-    """The planes of a series, and words by which people know it.
+    """The planes of a series, and words that describe it.
 
-    problem: of one of its files, for whoever chooses the series.
+    problem: Error in one of its files, for a user who chooses the series.
     """
 
     number: str
@@ -41,9 +41,11 @@ class Series:
 
 @dataclass(frozen=True)
 class _Picture:
-    """A file with pixels. key: the same for all of a series; alone: whether it is a volume.
+    """A file with pixels.
 
-    cut: whether it ends before its pixels.
+    key: Equal for all pictures of a series.
+    alone: True if the file is a volume.
+    cut: True if the file ends before its pixels.
     """
 
     header: Header
@@ -54,9 +56,9 @@ class _Picture:
 
 
 def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
-    """The series of a folder or of a disc, or the one that a file belongs to; and notes.
+    """Returns the series of a folder or a disc, or the one that a file belongs to; and notes.
 
-    Raises LeaflightError where there is none.
+    Raises LeaflightError if there is none.
     """
     if path.is_dir():
         files, missing = files_of(path)
@@ -87,9 +89,10 @@ def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
 def _series_of(
     path: Path, files: list[Path], missing: int, own: Key | None = None
 ) -> tuple[list[Series], tuple[str, ...]]:
-    """The series of these files, and notes. Raises LeaflightError.
+    """Returns the series of these files, and notes. Raises LeaflightError.
 
-    missing: how many files are not there; own: the key of the only series that counts.
+    missing: Number of files that are missing.
+    own: Key of the only series to return.
     """
     series: dict[Key, Series] = {}
     colors, cut, damaged = 0, list[str](), list[str]()
@@ -136,7 +139,7 @@ def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
 
 
 def _picture(header: Header) -> _Picture | None:
-    """None of a file that is no picture. Raises LeaflightError."""
+    """Returns the picture of a file, None without pixels. Raises LeaflightError."""
     tags = header.tags
     if "Rows" not in tags or "Columns" not in tags:
         return None
@@ -148,7 +151,7 @@ def _picture(header: Header) -> _Picture | None:
             object_uid = str(tags.get("SOPInstanceUID", "")) if volume else ""
             key: Key = (str(tags.get("StudyInstanceUID", "")), uid, object_uid)
         else:
-            # Whoever made it anonymous took the identifiers out.
+            # Anonymized files may lack identifiers.
             names = ("SeriesNumber", "SeriesDescription", "Modality")
             key = (str(header.file.parent), *(str(tags.get(name, "")) for name in names))
         return _Picture(
@@ -159,7 +162,7 @@ def _picture(header: Header) -> _Picture | None:
             cut=header.found is None,
         )
     except Exception as error:
-        # pydicom fails with whatever comes first, when a damaged tag is looked at.
+        # pydicom raises many types of exceptions when a damaged tag is read.
         raise damaged_header(header.file) from error
 
 
