@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a .blend, rendered by workers in Blenders without a window, and a video of them.
+"""Renders frames of a .blend by workers in background Blenders, and makes a video of them.
 
-Runs in the workers' processes. A frame is there as a whole or not at all.
+It runs in the processes of workers. A frame's file is complete or absent.
 """
 
 import json
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
 
-# Characters of Blender's output in front of its failure that a message quotes.
+# Number of last characters of Blender's output that an error quotes.
 _LAST_WORDS = 300
 
 _RENDER = """
@@ -72,7 +72,10 @@ print("FRAMES", [scene.frame_start, scene.frame_end, render.fps, *size])
 def ask(
     blender: str | os.PathLike[str], blend: str | os.PathLike[str]
 ) -> tuple[int, int, int, int, int]:
-    """(first frame, last, frames a second, width, height) of a .blend. Raises LeaflightError."""
+    """Returns (first frame, last frame, frames per second, width, height) of a .blend.
+
+    Raises LeaflightError.
+    """
     said = _run([blender, "--background", blend, "--python-expr", _ASK])
     line = next((line for line in said.splitlines() if line.startswith("FRAMES ")), None)
     if line is None:
@@ -86,9 +89,10 @@ def render(
     blend: str | os.PathLike[str],
     work: Sequence[tuple[int, str]],
 ) -> None:
-    """Renders frames: work holds (number, path of the .png) of each.
+    """Renders frames. work: (number, path of the .png) of each frame.
 
-    key: what cancel() is given. Raises LeaflightError, Cancelled.
+    key: Key for cancel().
+    Raises LeaflightError, Cancelled.
     """
     _run([blender, "--background", blend, "--python-expr", _RENDER, "--", json.dumps(work)], key)
     missing = [path for _, path in work if not Path(path).exists()]
@@ -103,7 +107,7 @@ def assemble(
     fps: int,
     size: Sequence[int],
 ) -> None:
-    """Makes an .mp4 of pictures, all in one folder. Raises LeaflightError."""
+    """Makes an .mp4 of pictures in one folder. Raises LeaflightError."""
     work = json.dumps([[str(path) for path in frames], str(out), fps, size])
     options = ["--background", "--factory-startup", "--python-expr", _ASSEMBLE, "--", work]
     _run([blender, *options])
@@ -117,7 +121,7 @@ _cancelled: set[str] = set()
 
 
 def cancel(key: str) -> None:
-    """Ends the Blender that this process has started under a key, and starts no other."""
+    """Ends the Blender that this process started under a key, and starts no other."""
     with _lock:
         _cancelled.add(key)
         if key in _running:

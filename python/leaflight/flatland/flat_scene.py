@@ -46,7 +46,7 @@ class Lamp:
 
 @dataclass(frozen=True, eq=False)
 class FlatScene:
-    """The material of isolines, and the scene around them; coordinates as in SceneDescription."""
+    """The material of isolines, and the scene around them. Coordinates are as in SceneDescription."""
 
     name: str
     isosurfaces: Isosurfaces

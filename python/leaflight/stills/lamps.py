@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Local shading: lamps on a surface without shadows, and no light between surfaces.
+"""Local shading: lamps on a surface, without shadows or light between surfaces.
 
-Viewers of isosurfaces shade like this, and the thesis compares with it. Lamps with an extent become
-a few points.
+Viewers of isosurfaces shade in this way, and the thesis compares with it. A lamp with an extent
+becomes a few points.
 """
 
 import math
@@ -20,12 +20,15 @@ _SUN, _POINT, _ONE_SIDED, _TWO_SIDED = range(4)
 
 @dataclass(frozen=True, eq=False)
 class Lamps:
-    """rows: float64 (n, 12), of each lamp: position, kind; axis, cosine where a spot's cone ends;
-    intensity, cosine up to which it is bright. Kinds: 0 a sun, whose position is the direction to
-    it and whose intensity its irradiance; 1 a point or spot; 2 a piece of a surface that shines
-    along its axis; 3 of one that does so to both sides. ambient: mean radiance from all around.
-    lights: int (n,), the number of the scene's light that each belongs to, or -1. headlight: there
-    is no other light.
+    """Lamps for local shading.
+
+    rows: Position, kind; axis, cosine at the end of a spot's cone; intensity, cosine at the end of
+        its bright part. The array is float64 (n, 12). Kind 0 is a sun with the direction to it as
+        position and its irradiance as intensity. Kind 1 is a point or spot. Kind 2 is a piece of a
+        surface that emits along its axis, kind 3 one that emits to both sides.
+    ambient: Mean radiance from all directions.
+    lights: Number of the scene's light of each lamp, or -1, int (n,).
+    headlight: True if there is no other light.
     """
 
     rows: Array
@@ -63,7 +66,7 @@ def headlight(points: Array, normals: Array, eye: Array) -> Array:
 
 
 def lamps_of(description: SceneDescription) -> Lamps:
-    """The Lamps of a SceneDescription in world coordinates, the brightest if there are many."""
+    """Returns the Lamps of a SceneDescription in world coordinates, or the brightest of many."""
     rows = [(k, row) for k, light in enumerate(description.lights) for row in _rows(light)]
     for mesh in description.meshes:
         if max(mesh.emission) > 0.0:

@@ -46,7 +46,7 @@ class ValueFiles:
     skip: int = 0
 
     def check(self, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
-        """Raises LeaflightError if an array of this shape (slowest first) cannot be in the files."""
+        """Raises LeaflightError if the files cannot hold an array of this shape, slowest first."""
         encoding = ENCODINGS[self.encoding]
         if self.skip < 0 and self.encoding in ("text", "hex"):
             raise LeaflightError(

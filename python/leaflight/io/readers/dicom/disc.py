@@ -18,7 +18,7 @@ _PICTURES = {"IMAGE", "RT DOSE"}
 def files_of(folder: Path) -> tuple[list[Path], int]:
     """Returns the DICOM files of a folder, and how many more a DICOMDIR lists.
 
-    Files in folders within it count only if it has none of its own, or on a disc. Raises
+    Folders within it are searched on a disc, or if the folder itself has no DICOM files. Raises
     LeaflightError.
     """
     entries = [entry for entry in sorted(folder.iterdir()) if entry.is_file()]

@@ -22,8 +22,8 @@ _DEFLATED = "1.2.840.10008.1.2.1.99"
 _BIG_ENDIAN = "1.2.840.10008.1.2.2"
 _IMPLICIT = "1.2.840.10008.1.2"
 _UNDEFINED = 0xFFFFFFFF
-# Upper bounds on the size of pixels in a compressed file: bytes for a file of any size, because a
-# blank slice takes no bytes in JPEG 2000, and the ratio for larger ones.
+# Upper bounds on the size of decompressed pixels: bytes for any file, and the ratio for larger
+# files. A blank slice takes no bytes in JPEG 2000.
 MOST_BLANK = 1 << 28
 # Smallest size of a compressed page: the tag and the length of its item.
 _LEAST_PAGE = 8

@@ -142,7 +142,10 @@ def _check_kind(header: Header) -> None:
 
 
 def _vector(tags: pydicom.Dataset, name: str, pixels: Pixels) -> Floats | None:
-    """Returns a number for each page of a file, or None. Raises LeaflightError if some are missing."""
+    """Returns a number for each page of a file, or None.
+
+    Raises LeaflightError if numbers are missing.
+    """
     vector = _floats(tags.get(name, None)) if pixels.pages > 1 else None
     if vector is not None and len(vector) != pixels.pages:
         raise LeaflightError(
