@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A still of every scan in a folder.
+"""Renders a picture of every scan in a folder.
 
     blender --background --python examples/folder_to_stills.py -- scans/ --out stills/
 
-Needs the Leaflight add-on to be enabled. An unreadable scan is reported and left out; the exit
+Enable the Leaflight add-on first. Scans that cannot be read are reported and left out. The exit
 status is 1 then.
 """
 
@@ -49,7 +49,7 @@ def still(scan, out, options):
     if isovalue is None:
         isovalue = volume.leaflight.isovalue
     blender.stage(volume)
-    # One isosurface: a narrow isovalue range is baked faster.
+    # Bake a narrow isovalue range around one isosurface, which is faster.
     spread = 0.02 * (volume.leaflight.high - volume.leaflight.low)
     isovalue_range = (isovalue - spread, isovalue + spread)
     blender.bake(volume, isovalue_range, error=options.error, time_limit=options.time)

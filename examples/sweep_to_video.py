@@ -4,7 +4,7 @@
     blender --background --python examples/sweep_to_video.py -- head.nii.gz --out head.mp4 \
         --isovalues 20 120 --frames 120
 
-Needs the Leaflight add-on to be enabled. Each frame is an isovalue: none costs a bake of its own.
+Enable the Leaflight add-on first. Frames differ in their isovalue, and one bake lights them all.
 """
 
 import argparse
@@ -23,7 +23,7 @@ def main():
     low, high = options.isovalues or (volume.leaflight.low, volume.leaflight.high)
     blender.stage(volume)
     print("Baked into", blender.bake(volume, (low, high), error=options.error))
-    # The very ends of the isovalue range are the last specks of the volume.
+    # Isosurfaces at the ends of the isovalue range are only specks.
     isovalues = np.linspace(low, high, options.frames + 2)[1:-1]
     blender.animate(volume, isovalues)
     render(options.out, options.size, options.samples)

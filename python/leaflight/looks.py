@@ -10,8 +10,11 @@ Color = tuple[float, float, float]
 class Look:
     """A preset of an isosurface's material.
 
-    name, text: label and description; color: linear albedo; gloss: 0 to 1, the weight of a clear
-    coat, and its roughness; background: a linear color or None.
+    name, text: Label and description.
+    color: Linear albedo.
+    gloss: Weight of a clear coat, 0 to 1.
+    roughness: Roughness of the coat.
+    background: A linear color or None.
     """
 
     name: str

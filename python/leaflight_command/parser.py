@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options of the command line.
 
-Imports nothing of the package, because loading it would take most of the time of --help.
+It does not import the package, because loading that would take most of the time of --help.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from .shared_options import (
     workers_options,
 )
 
-# Names of the package.
+# Names in the package.
 GENERATED = (
     "bump_box",
     "nucleons:0",
@@ -37,7 +37,7 @@ _VOLUME = "a file, a folder of slices, or a generated volume"
 
 
 class _Version(argparse.Action):
-    """Prints the version of the package that is installed."""
+    """Prints the version of the installed package."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from leaflight import __version__
@@ -47,7 +47,7 @@ class _Version(argparse.Action):
 
 
 def make_parser() -> Parser:
-    """The parser of the whole command line; the name of the command is the option `command`."""
+    """Returns the parser of the whole command line. Its option `command` names the command."""
     parser = Parser(
         prog="leaflight", description="Global illumination for every isosurface of a volume."
     )
@@ -99,7 +99,7 @@ def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         metavar="BAKE.vdb",
         help="go on with a finished bake, in place of a VOLUME",
     )
-    # By itself it does where the back is what is seen.
+    # The default is true if the back is visible.
     parser.add_argument(
         "--both-sides",
         action="store_true",

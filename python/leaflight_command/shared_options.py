@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that several commands have, and the parser that they are of.
+"""Options that several commands share, and the class of their parsers.
 
-Imports nothing of the package, as parser.py.
+Like parser.py, it does not import the package.
 """
 
 import argparse
@@ -9,37 +9,37 @@ from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
 
-# Names of the package.
+# Names in the package.
 ENDIANS = ("little", "big")
-# Title of a group of options.
+# Title of the group of options for raw files.
 MACHINES = "machines"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
 
 class UsageError(Exception):
-    """Of options that cannot be parsed: one sentence."""
+    """Options cannot be parsed; one sentence."""
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises UsageError where argparse would print its usage and exit.
+    """A parser that raises UsageError. argparse would print its usage and exit.
 
-    --help leaves out the groups of options that have a title, which --help-all prints, too.
+    --help omits groups of options with a title; --help-all prints them.
     """
 
     def __init__(self, **options: Any) -> None:
-        # Abbreviations would change meaning whenever an option is added.
+        # An abbreviation would change its meaning if an option is added.
         super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
     def group(self, title: str) -> argparse._ArgumentGroup:
-        """The group of options of that title."""
+        """Returns the group of options with this title."""
         found = [group for group in self._titled() if group.title == title]
         return found[0] if found else self.add_argument_group(title)
 
     def finish(self) -> None:
-        """Adds --json, and --help-all where there are such groups."""
+        """Adds --json, and --help-all if there are groups with a title."""
         self.add_argument(
             "--json", action="store_true", help="print one JSON object as the last line"
         )
@@ -55,11 +55,11 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def format_all(self) -> str:
-        """The help with all options."""
+        """Returns the help with all options."""
         return super().format_help()
 
     def _titled(self) -> list[argparse._ArgumentGroup]:
-        # The first two are argparse's own: positional arguments and options. Commands stay.
+        # Keep argparse's own groups (positional arguments, options), and commands.
         return [group for group in self._action_groups[2:] if group is not self._subparsers]
 
 
@@ -71,7 +71,7 @@ class _HelpAll(argparse.Action):
 
 
 def layout_options() -> Parser:
-    """How the values of a volume lie in its file."""
+    """Returns the options for the layout of values in a volume's file."""
     whole = Parser(add_help=False)
     parser = whole.add_argument_group("files")
     parser.add_argument(
@@ -146,7 +146,7 @@ def threads_options() -> Parser:
 
 
 def lit_options(volume: str) -> Parser:
-    """Volumes in space that are to be lit."""
+    """Returns the options for volumes to be lit."""
     parser = Parser(add_help=False)
     parser.add_argument(
         "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
@@ -158,7 +158,7 @@ def lit_options(volume: str) -> Parser:
 
 
 def scene_options() -> Parser:
-    """In which light, and within which isovalues."""
+    """Returns the options for the light and the isovalue range."""
     parser = Parser(add_help=False)
     parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
     parser.add_argument(
@@ -172,7 +172,7 @@ def scene_options() -> Parser:
 
 
 def workers_options(parser: argparse._ActionsContainer, here: str) -> None:
-    """Adds the options of worker processes; here: the help of --workers."""
+    """Adds the options of worker processes. here: Help of --workers."""
     either = parser.add_mutually_exclusive_group()
     either.add_argument("--workers", type=integer, metavar="N", help=here)
     either.add_argument(
@@ -202,7 +202,7 @@ def resolution_options(parser: argparse._ActionsContainer) -> None:
 
 
 def limit_options(parser: argparse._ActionsContainer) -> None:
-    """When a bake ends."""
+    """Adds the options that end a bake."""
     parser.add_argument(
         "--error",
         type=number,
@@ -215,7 +215,7 @@ def limit_options(parser: argparse._ActionsContainer) -> None:
 
 
 def isosurface_options() -> Parser:
-    """One isosurface of a bake."""
+    """Returns the options for one isosurface of a bake."""
     parser = Parser(add_help=False)
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     parser.add_argument(

@@ -11,14 +11,14 @@ from .readers import PLATFORM, reader_wheels
 from .tools import OUT, ROOT, VENV, PackageError, run, version
 
 ADDON = ROOT / "addon" / "leaflight"
-# The Blender whose own program builds the extension: the oldest that has extensions.
+# The oldest Blender with extensions; its own program builds the extension.
 BPY = "4.2.23"
-# Most of it is one library of 120 MB, and scripts/demo waits for it.
+# Compress quickly. Most of the zip is one library of 120 MB, and scripts/demo waits for it.
 LEGACY_LEVEL = 1
 
 
 def extension(own, *platforms):
-    """Makes the zips for Blender 4.2 and later, one per platform, of our wheels for its Pythons."""
+    """Makes the zips for Blender 4.2 and later, one per platform, with wheels for its Pythons."""
     folder = wheels.WORK / "extension" / "-".join(platforms)
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
@@ -33,8 +33,8 @@ def extension(own, *platforms):
     listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
     named = ", ".join(f'"{name}"' for name in platforms)
     manifest.write_text(f"{manifest.read_text()}\nplatforms = [{named}]\nwheels = [\n{listed}]\n")
-    # As Blender's own program names extensions for one of several platforms; that for Linux alone
-    # has no suffix.
+    # Name zips as Blender's own program does for several platforms. A zip for Linux alone has no
+    # suffix.
     split = len(platforms) > 1
     suffixes = [f"-{name.replace('-', '_')}" for name in platforms]
     if not split and platforms[0] == "linux-x64":
@@ -84,7 +84,7 @@ def blender_ext():
 
 
 def legacy(own):
-    """Makes the zip for Blender 3.4 to 4.1: the add-on, and in modules/ the unpacked wheels."""
+    """Makes the zip for Blender 3.4 to 4.1: the add-on, and unpacked wheels in modules/."""
     target = OUT / f"leaflight-{version()}-legacy.zip"
     tags = sorted(path.name.split("-")[2] for path in own)
     partial = target.with_suffix(".partial")
@@ -101,7 +101,7 @@ def legacy(own):
 
 
 def _addon_files():
-    """Returns the add-on's files, without what only extensions have."""
+    """Returns the add-on's files, without those that only extensions have."""
     files = (path for path in ADDON.rglob("*") if path.is_file())
     return sorted(path for path in files if path.suffix == ".py")
 

@@ -1,39 +1,48 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene files: a SceneDescription as one JSON object.
+"""Scene files: a SceneDescription as one JSON object with these keys.
 
-    name          text
-    coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
-                  volumes, the longest side of whose common box runs from -1 to 1 around its
-                  center, so that the scene fits any volume
-    isosurface_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
-                  [[isovalue, [r, g, b]], ...] in ascending isovalues
-    isosurface_emission, isosurface_scattering, isosurface_ior, capped
-                  optional, as "emission", "scattering", "ior", "capped" of a volume
-    volumes       instead of isosurface_* and capped, a list of {"name", "albedo", and optionally
-                  "emission": as albedo, but radiance in W/(m^2 sr),
-                  "scattering": "diffuse", "mirror" or "glass", "ior": of glass (1.5),
-                  "isovalues": [lo, hi], what the common isovalues 0 and 1 show,
-                  "capped": true closes the isosurfaces at the border of the volume,
-                  "source": file, relative to the scene file, or generated volume,
-                  "reading": {"frame": 1, ...}, options of read_volume() for it}
-    exposure      positive factor from radiance to the color on the screen
-    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
-                  "faces": [[i, j, k] or [i, j, k, l], ...], and optionally "scattering", "ior",
-                  "emission": [r, g, b], "texture": image file, relative to the scene file, that
-                  multiplies the albedo, "uv": [[[u, v] for each corner] for each face]}
-    lights        list of {"name", "type", ...}; none blocks or reflects light:
-                  "area" (default): "corner", "edge_u", "edge_v", "radiance" towards
-                  cross(edge_u, edge_v) in W/(m^2 sr), "ellipse": true for the inscribed ellipse
-                  "point": "position", "radius" (0), "intensity" in W/sr
-                  "spot": as point, and "axis", "angle" of the cone in degrees, "blend" of its
-                  edge in 0..1 (0), "cosine_falloff" (false)
-                  "sun": "direction" in which light travels, "irradiance" in W/m^2, "angle" of its
-                  disc in degrees (0)
-    environment   optional {"radiance": [r, g, b], "name", "image": latitude-longitude image file,
-                  "rotation" of the image about +z in degrees, or "world_to_image": 3 x 3}
-    comment       optional text
+name: Text.
+coordinates: "world" for world coordinates, or "box". In "box" the longest side of the box around
+    all volumes is from -1 to 1 around its center, so that the scene fits any volume.
+isosurface_albedo: Albedo of every isosurface of every volume. It is [r, g, b] in 0..1, or stops
+    [[isovalue, [r, g, b]], ...] in ascending isovalues.
+isosurface_emission, isosurface_scattering, isosurface_ior, capped: Optional, as "emission",
+    "scattering", "ior" and "capped" of a volume.
+volumes: List of volumes, in place of isosurface_* and capped.
+exposure: Positive factor from radiance to the color on the screen.
+meshes: List of meshes.
+lights: List of lights. They neither block nor reflect light.
+environment: Optional {"radiance": [r, g, b], "name", "image"}. The image is a latitude-longitude
+    image file. Its optional "rotation" is about +z in degrees, or "world_to_image" is a 3 x 3
+    matrix.
+comment: Optional text.
 
-Colors are linear RGB. Images may be embedded: {"width", "height", "pixels"}, the pixels being
+A volume has "name" and "albedo", and these optional keys.
+
+"emission": As albedo, but radiance in W/(m^2 sr).
+"scattering": "diffuse", "mirror" or "glass".
+"ior": Refractive index of glass (1.5).
+"isovalues": Isovalues [lo, hi] at the common isovalues 0 and 1.
+"capped": True closes the isosurfaces at the border of the volume.
+"source": File, relative to the scene file, or a generated volume.
+"reading": Options of read_volume() for the source, such as {"frame": 1}.
+
+A mesh has "name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...] and "faces": [[i, j, k]
+or [i, j, k, l], ...]. Optional keys are "scattering", "ior", "emission": [r, g, b], "texture" and
+"uv". The texture is an image file, relative to the scene file, that multiplies the albedo. "uv" is
+[[[u, v] for each corner] for each face].
+
+A light has "name", "type" and the keys of its type.
+
+"area": The default. "corner", "edge_u", "edge_v", and "radiance" towards cross(edge_u, edge_v) in
+W/(m^2 sr). "ellipse": True is the inscribed ellipse.
+"point": "position", "radius" (0), and "intensity" in W/sr.
+"spot": As point. Also "axis", "angle" of the cone in degrees, "blend" of its edge in 0..1 (0), and
+"cosine_falloff" (false).
+"sun": "direction" in which light travels, "irradiance" in W/m^2, and "angle" of its disc in degrees
+(0).
+
+Colors are linear RGB. An image may be embedded: {"width", "height", "pixels"}. The pixels are
 little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 """
 

@@ -122,8 +122,9 @@ def framing(
 
 
 def _points(bake: Bake, isovalue: float) -> Array:
-    """Returns at most a sample of the vertices (n, 3) of the isosurfaces; corners if they are
-    empty.
+    """Returns vertices (n, 3) of the isosurfaces, thinned if there are many.
+
+    Empty isosurfaces give the corners of the volumes.
     """
     found = [
         _core.contour(volume.field(), bake.isovalue_of(number, isovalue), normals=False)[0]
