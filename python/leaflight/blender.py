@@ -28,7 +28,7 @@ try:
     import bpy
 except ImportError:
     raise LeaflightError(
-        "leaflight.blender works inside Blender alone: run the script there, or use "
+        "leaflight.blender works only inside Blender: run the script there, or use "
         "leaflight.bake() here."
     ) from None
 
@@ -133,7 +133,7 @@ def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int 
     """
     settings, isovalues = obj.leaflight, [float(isovalue) for isovalue in isovalues]
     if not isovalues:
-        raise LeaflightError("There is no isovalue to animate: give one for each frame.")
+        raise LeaflightError("The list of isovalues is empty: give one for each frame.")
     for frame, isovalue in enumerate(isovalues, start=first_frame):
         # Set the stored value directly: showing each isosurface would take long.
         settings["isovalue"] = isovalue
@@ -151,7 +151,9 @@ def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> Non
     """
     settings, scene = obj.leaflight, bpy.context.scene
     if settings.frames < 2:
-        raise LeaflightError(f'The file of "{obj.name}" holds one frame: there is none to animate.')
+        raise LeaflightError(
+            f'The file of "{obj.name}" holds only one frame: animate a file with several frames.'
+        )
     if first_frame is None:
         first_frame = scene.frame_start
     for frame in range(settings.frames):
@@ -220,7 +222,7 @@ def _set(
         settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
     for name, value in settings.items():
         if name not in obj.leaflight.bl_rna.properties:
-            raise LeaflightError(f'"{obj.name}" has no setting "{name}" of a bake; check its name.')
+            raise LeaflightError(f'"{obj.name}" has no bake setting "{name}": check its name.')
         setattr(obj.leaflight, name, value)
 
 
@@ -229,7 +231,9 @@ def _active(obj: "bpy.types.Object | None") -> Iterator[None]:
     """Makes an object the active one, on which operators work, within a `with` block."""
     if obj is None or not obj.leaflight.is_volume:
         name = "None" if obj is None else f'"{obj.name}"'
-        raise LeaflightError(f"{name} is no Leaflight volume: give what import_volume() returned.")
+        raise LeaflightError(
+            f"{name} is not a Leaflight volume: give the result of import_volume()."
+        )
     layer = bpy.context.view_layer
     before = layer.objects.active
     layer.objects.active = obj

@@ -32,7 +32,7 @@ def main(
     except KeyboardInterrupt:
         return 130
     except (UsageError, ImportError, MemoryError) as refusal:
-        why = str(refusal) or "there is not enough memory to begin with."
+        why = str(refusal) or "There is not enough memory to start: close other programs."
         if sys.stderr is not None:
             print(f"leaflight: {why}", file=sys.stderr)
         return 2

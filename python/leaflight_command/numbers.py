@@ -13,7 +13,7 @@ def integer(text: str) -> int:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a whole number") from None
     if not -(2**31) <= value < 2**31:
-        raise argparse.ArgumentTypeError(f"{text[:40]} is beyond 2^31")
+        raise argparse.ArgumentTypeError(f"{text[:40]} is not within 32 bits")
     return value
 
 
@@ -26,7 +26,7 @@ def memory(text: str) -> int:
     except ValueError:
         value = math.nan
     if not 0 < value < 2**60:
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is no memory, such as 4GiB or 800MiB")
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a size, such as 4GiB or 800MiB")
     return int(value)
 
 

@@ -79,7 +79,7 @@ def layout_options() -> Parser:
         type=integer,
         nargs="+",
         metavar="N",
-        help=".raw: nx ny nz; generated volumes: nodes a side; points: nodes of the longest side",
+        help=".raw: nx ny nz; generated volume: nodes per side; points: nodes of the longest side",
     )
     parser.add_argument(
         "--type", choices=TYPES, help=".raw, or any file with --dims: type of the values"
@@ -89,7 +89,7 @@ def layout_options() -> Parser:
         "--skip",
         type=integer,
         metavar="N",
-        help=".raw: bytes before the values; -1: these are the end of the file (0)",
+        help=".raw: bytes before the values; -1 if the values end the file (0)",
     )
     parser.add_argument(
         "--spacing",
@@ -103,32 +103,37 @@ def layout_options() -> Parser:
     )
     parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
     parser.add_argument(
-        "--channel", type=integer, metavar="K", help="several values a voxel: which to read, from 0"
+        "--channel",
+        type=integer,
+        metavar="K",
+        help="several values per voxel: channel to read, from 0",
     )
     parser.add_argument(
-        "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 the finest"
+        "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 is the finest"
     )
     parser.add_argument(
-        "--dataset", metavar="NAME", help="several volumes in one file or folder: which to read"
+        "--dataset",
+        metavar="NAME",
+        help="several volumes in one file or folder: name of the volume",
     )
     parser.add_argument(
         "--downsample",
         type=integer,
         choices=(1, 2, 4, 8),
         metavar="N",
-        help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
+        help="average N voxels along each axis: 2, 4 or 8 (1)",
     )
     parser.add_argument(
         "--smooth",
         type=number,
         metavar="S",
-        help="smooth by a Gaussian of S voxels, against noise and terraces of 8-bit values (0)",
+        help="smooth values by a Gaussian of S voxels, against noise and terraces (0)",
     )
     parser.add_argument(
         "--smooth-normals",
         type=number,
         metavar="S",
-        help="smooth the normals alone, so that isosurfaces stay where they are (0)",
+        help="smooth only the normals; isosurfaces do not change (0)",
     )
     return whole
 
@@ -137,10 +142,18 @@ def threads_options() -> Parser:
     parser = Parser(add_help=False)
     machine = parser.add_argument_group(MACHINES)
     machine.add_argument(
-        "--seed", type=integer, default=0, metavar="N", help="same seed, same result (0)"
+        "--seed",
+        type=integer,
+        default=0,
+        metavar="N",
+        help="random seed; equal seeds give equal results (0)",
     )
     machine.add_argument(
-        "--threads", type=integer, default=0, metavar="N", help="threads (0: every core)"
+        "--threads",
+        type=integer,
+        default=0,
+        metavar="N",
+        help="number of threads; 0 uses every core (0)",
     )
     return parser
 
@@ -166,7 +179,7 @@ def scene_options() -> Parser:
         type=number,
         nargs=2,
         metavar=("LO", "HI"),
-        help="range to bake (from the data); of several volumes 0..1",
+        help="isovalue range to bake (from the data); 0..1 for several volumes",
     )
     return parser
 
@@ -178,7 +191,7 @@ def workers_options(parser: argparse._ActionsContainer, here: str) -> None:
     either.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
+        help="address of a Dask scheduler with workers, such as tcp://10.0.0.1:8786",
     )
 
 
@@ -187,8 +200,10 @@ def memory_options(parser: argparse._ActionsContainer) -> None:
         "--memory",
         type=memory,
         metavar="SIZE",
-        help="most memory, such as 4GiB: larger volumes lie in a file beside the output, and "
-        "texels become coarser where their light has no room",
+        help=(
+            "memory limit, such as 4GiB; larger volumes are stored in a file beside the output, "
+            "and texels become coarser to fit"
+        ),
     )
 
 
@@ -197,7 +212,7 @@ def resolution_options(parser: argparse._ActionsContainer) -> None:
         "--resolution",
         type=integer,
         metavar="N",
-        help="texels on the longest axis (as the data need)",
+        help="texels along the longest axis (from the data)",
     )
 
 
@@ -207,11 +222,9 @@ def limit_options(parser: argparse._ActionsContainer) -> None:
         "--error",
         type=number,
         metavar="PCT",
-        help="go on until the error is this, in percent (1.5)",
+        help="target error in percent (1.5)",
     )
-    parser.add_argument(
-        "--time", type=number, metavar="S", help="or until so many seconds are over (no limit)"
-    )
+    parser.add_argument("--time", type=number, metavar="S", help="time limit in seconds (none)")
 
 
 def isosurface_options() -> Parser:
@@ -236,6 +249,6 @@ def side_options(parser: argparse._ActionsContainer) -> None:
         type=integer,
         default=0,
         metavar="K",
-        help="which of several volumes, from 0 (0)",
+        help="number of the volume, from 0 (0)",
     )
     parser.add_argument("--back", action="store_true", help="the back")

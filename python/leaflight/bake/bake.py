@@ -54,7 +54,9 @@ def placed(
     volumes = as_volumes(volumes)
     for volume in volumes:
         if np.ndim(volume.values) != 3:
-            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+            raise LeaflightError(
+                f"{volume.name}: this is an image, not a volume: light it with bake_flatland()."
+            )
     # All volumes share one world and its unit.
     unit = next((volume.unit for volume in volumes if volume.unit), "")
     volumes = [volume.in_unit(unit) for volume in volumes]
@@ -178,7 +180,7 @@ def unused_settings(task: Task) -> list[str]:
     skipped = dict(_core.skipped_passes(task.core_scene(), task.settings))
     back, walls = skipped.get("radiance of the back"), skipped.get("radiance of the walls")
     if all(isosurfaces.scattering != "diffuse" for isosurfaces in task.scene.isosurfaces):
-        back = "mirrors and glass store no light, since what they show depends on the view"
+        back = "mirrors and glass store no light, because their appearance depends on the view"
     sentences = []
     if task.settings.both_sides and back:
         sentences.append(f"No backs are baked: {back}.")

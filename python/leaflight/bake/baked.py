@@ -151,8 +151,8 @@ class Bake:
         """
         if self.original is not None:
             raise LeaflightError(
-                "A bake with other lamps or in another scene is not saved: save its original, "
-                "which can be relit and moved at any time, or bake again."
+                "A bake with changed lamps or in another scene cannot be saved: save its "
+                "original, which can be changed again at any time, or bake again."
             )
         check_writable(path, ".vdb")
         metadata = {
@@ -266,7 +266,7 @@ class Bake:
         names = [mesh.name for mesh in self.scene.meshes]
         if name not in names:
             raise LeaflightError(
-                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+                f'The scene has no mesh "{name}": choose one of {", ".join(names)}.'
             )
         return names.index(name)
 
@@ -315,8 +315,8 @@ class Bake:
         if not low < own <= high:
             shown, least, most = figures(own, *self.volumes[volume].data_range())
             raise LeaflightError(
-                f"Isovalue {shown} lies outside the data, whose values are {least}..{most}: "
-                "no isosurface exists there, choose one inside."
+                f"Isovalue {shown} is outside the data, {least}..{most}, so it has no isosurface: "
+                "choose an isovalue inside."
             )
 
     def core_scene(self) -> _core.Scene:

@@ -73,7 +73,8 @@ def moved(
     volumes = as_volumes(volumes)
     if len(volumes) != len(original.volumes):
         raise LeaflightError(
-            f"The bake is of {len(original.volumes)} volumes, not of {len(volumes)}: bake again."
+            f"The bake has {len(original.volumes)} volumes, but the scene has {len(volumes)}: "
+            "bake again."
         )
     volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     _check(original, volumes, description, isovalue_range)
@@ -125,12 +126,12 @@ def _check(
     before, now = bake.scene.isosurfaces, description.isosurfaces
     if not can_be_relit(bake, diffuse_alone=True):
         raise LeaflightError(
-            "The direct light of this bake is not exact, so nothing can move in it: bake to an "
-            "error, several volumes on fronts alone, or bake again after each move."
+            "This bake has no exact direct light, so objects cannot move in it: bake to a target "
+            "error, and several volumes only on fronts, or bake again after each move."
         )
     same = isovalue_range == bake.isovalues
     if not same or any(a.isovalues != b.isovalues for a, b in zip(before, now) if len(now) > 1):
-        raise LeaflightError("The range of isovalues has changed since the bake: bake again.")
+        raise LeaflightError("The isovalue range has changed since the bake: bake again.")
     if any(a.scattering != b.scattering for a, b in zip(before, now)):
         raise LeaflightError("The material of a volume has changed since the bake: bake again.")
     records = bake.provenance.volumes

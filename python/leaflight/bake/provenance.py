@@ -23,7 +23,7 @@ _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
 _Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
 # Message about a file that lacks a part of its provenance.
-EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
+EARLIER = "this bake was made by an earlier version of Leaflight; bake the volume again"
 
 
 @dataclass(frozen=True)
@@ -200,14 +200,14 @@ def read_bake_id(path: str | os.PathLike[str]) -> str:
     """
     try:
         if not Path(path).is_file():
-            raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
+            raise LeaflightError(f"{path}: there is no such file; give a .vdb written by bake.")
         header = _core.read_bake_header(path)
     except OSError as error:
         raise LeaflightError(f"{path}: cannot read it: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     if "id" not in header:
-        what = EARLIER if "statistics" in header else "this is no bake; bake the volume again"
+        what = EARLIER if "statistics" in header else "this is not a bake; bake the volume again"
         raise LeaflightError(f"{path}: {what}.")
     return header["id"]
 

@@ -54,7 +54,8 @@ def resume(
     """
     if previous.original is not None:
         raise LeaflightError(
-            "A bake with other lamps or in another scene does not go on: resume its original."
+            "A bake with changed lamps or in another scene cannot be continued: continue its "
+            "original."
         )
     if not previous.provenance.blocks:
         raise LeaflightError(
@@ -66,8 +67,8 @@ def resume(
     assert reached is not None
     if reached <= task.settings.error:
         raise SettingError(
-            f"The bake errs {reached:.2g} % already, and {task.settings.error:g} % is asked for: "
-            "ask for a smaller error to continue it.",
+            f"The bake already has an error of {reached:.2g} %, and the target is "
+            f"{task.settings.error:g} %: give a smaller target to continue it.",
             "error",
         )
     return lit(task, previous, on_pass, progress, checkpoint, workers)

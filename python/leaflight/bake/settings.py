@@ -131,8 +131,8 @@ def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tup
     if hi <= low or lo >= high:
         first, last, least, most = figures(lo, hi, low, high)
         raise LeaflightError(
-            f"The isovalue range {first}..{last} lies outside the data, whose values are "
-            f"{least}..{most}: give a range that overlaps them."
+            f"The isovalue range {first}..{last} is outside the data, {least}..{most}: give a "
+            "range that overlaps them."
         )
     return lo, hi
 

@@ -78,8 +78,8 @@ def _continued(options: Namespace) -> Bake:
     given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
-            f"{options.previous}: a bake is continued in its own scene, with its own settings but "
-            f"the error and the time: leave out {', '.join(given)}."
+            f"{options.previous}: only the error and the time of a continued bake can change: "
+            f"leave out {', '.join(given)}."
         )
     check_writable(options.out, ".vdb")
     previous = load_bake(options.previous)
@@ -107,18 +107,17 @@ def _interrupted(options: Namespace) -> Namespace:
     given = _given(options, {"resume"} | _AT_WILL)
     if given:
         raise LeaflightError(
-            f"{options.resume}: a bake is resumed with the settings that it had: leave out "
-            f"{', '.join(given)}."
+            f"{options.resume}: a resumed bake keeps its settings: leave out {', '.join(given)}."
         )
     path = checkpoint_for(options.resume)
     if not path.is_file():
         raise LeaflightError(
-            f"{path}: there is no such checkpoint: the bake to {options.resume} is complete, or "
-            "ended within its first half minute; bake anew."
+            f"{path}: there is no checkpoint, because the bake to {options.resume} is complete or "
+            "ended within half a minute: start it again."
         )
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
-        raise LeaflightError(f"{path}: this checkpoint is Blender's; resume the bake there.")
+        raise LeaflightError(f"{path}: Blender wrote this checkpoint: resume the bake there.")
     own = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
     recipe.update(out=options.resume, **own)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
@@ -140,7 +139,7 @@ def path_anywhere(volume: str) -> str:
 
 def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
     before = _checkpoint_time(options)
-    goes_on = f"leaflight bake --resume {options.out} goes on."
+    goes_on = f"leaflight bake --resume {options.out} continues it."
     try:
         return run_with_progress(work, "bake", writes=True)
     except Cancelled:
@@ -150,7 +149,7 @@ def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
     except LeaflightError as error:
         # A checkpoint from before this bake may belong to another bake.
         if _checkpoint_time(options) != before:
-            raise LeaflightError(f"{str(error).rstrip('.')}; after that, {goes_on}") from None
+            raise LeaflightError(f"{str(error).rstrip('.')}; afterwards, {goes_on}") from None
         raise
 
 
@@ -191,7 +190,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         **baked.statistics.record(),
     }
     lo, hi = figures(*baked.isovalues)
-    end = outcome(baked, why=f"the {options.time or 0:g} s are over")
+    end = outcome(baked, why=f"it reached the time limit of {options.time or 0:g} s")
     return result, [
         f"{options.out}: isovalues {lo}..{hi} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
@@ -230,7 +229,7 @@ def _worker_estimate(
     if options.workers is None and options.scheduler is None:
         return []
     mebibytes = worker_memory(task_of(volumes, scene, **settings)) / 2**20
-    return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
+    return [f"each worker needs about {mebibytes:.0f} MiB for light and values"]
 
 
 def _isosurface_map(baked: Bake) -> list[str]:

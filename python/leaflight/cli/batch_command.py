@@ -39,7 +39,7 @@ def run_batch(options: Namespace) -> Output:
             assert workers is not None
             return _bake_all(bakes, workers, progress)
 
-    goes_on = "cancelled; the same command goes on where it stopped."
+    goes_on = "cancelled; run the same command to continue."
     done = run_with_progress(work, "batch", writes=True, cancelled=goes_on)
     refused = [one for one in done if "error" in one]
     baked = [one for one in done if one.get("seconds") is not None]
@@ -51,7 +51,7 @@ def run_batch(options: Namespace) -> Output:
         )
     return result, [
         *(f"{one['out']}: {one['seconds']:.1f} s" for one in baked),
-        f"{len(baked)} baked, {len(done) - len(baked)} were there already",
+        f"{len(baked)} baked, {len(done) - len(baked)} already complete",
     ]
 
 
@@ -142,20 +142,20 @@ def _read_list(path: str) -> list[tuple[int, Namespace]]:
             continue
         if not options.out or options.previous or options.workers or options.scheduler:
             raise LeaflightError(
-                f"{path}, line {number}: give VOLUME and --out, and none of --continue, --workers "
-                "and --scheduler."
+                f"{path}, line {number}: give VOLUME and --out, but not --continue, --workers or "
+                "--scheduler."
             )
         bakes.append((number, _anywhere(options)))
     if not bakes:
         raise LeaflightError(
-            f"{path}: it lists no bakes: give the arguments of one `leaflight bake` a line."
+            f"{path}: it lists no bakes: give the arguments of one `leaflight bake` per line."
         )
     outs = [options.out for _, options in bakes]
     for number, options in bakes:
         check_writable(options.out, ".vdb")
         if outs.count(options.out) > 1:
             raise LeaflightError(
-                f"{path}, line {number}: another line writes {options.out}, too; name another file."
+                f"{path}, line {number}: another line also writes {options.out}; name another file."
             )
     return bakes
 

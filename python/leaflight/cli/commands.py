@@ -68,7 +68,7 @@ def run(options: Namespace, command: Command | None = None) -> int:
         print_error(_in_flags(error))
         return 2
     except MemoryError:
-        print_error("There is not enough memory: give a smaller volume, or --downsample it.")
+        print_error("There is not enough memory: give a smaller volume, or use --downsample.")
         return 2
     if not print_lines([*sentences, json_line(result)] if options.json else sentences):
         return 2
@@ -137,7 +137,7 @@ def _photons(options: Namespace) -> Output:
     direct = int(photons.direct.sum())
     result = {"out": options.out, "points": len(photons.direct), "direct": direct}
     return result, [
-        f"{options.out}: {result['points']} arrivals of {photons.count} photons at isosurfaces, "
+        f"{options.out}: {result['points']} hits of {photons.count} photons on isosurfaces, "
         f"{direct} of them straight from a light"
     ]
 
@@ -209,7 +209,7 @@ def _parts(parts: Mapping[str, float | None]) -> str:
     return (
         f"of which noise of the bake {parts['noise_percent']:.2f} %, texture "
         f"{parts['texture_percent']:.2f} %"
-        + ("" if mesh is None else f", mesh instead of the isosurface {mesh:.2f} %")
+        + ("" if mesh is None else f", mesh {mesh:.2f} %")
         + " (squares add up)"
     )
 
@@ -230,7 +230,7 @@ def _flatland(options: Namespace) -> Output:
     if options.image == "bump_box":
         volume = bump_box_2d(*([] if options.dims is None else [options.dims]))
     elif options.dims is not None:
-        raise LeaflightError(f"{options.image}: --dims has no meaning here; leave it out.")
+        raise LeaflightError(f"{options.image}: --dims applies only to bump_box; leave it out.")
     else:
         volume = read_image(options.image)
 
@@ -266,7 +266,7 @@ def _flatland(options: Namespace) -> Output:
 def _errors(result: Mapping[str, Any]) -> str:
     if result["points"] == 0:
         return "none"
-    noise = f"(of which the reference's noise {result['reference_noise_percent']:.2f} %)"
+    noise = f"(of which noise of the reference {result['reference_noise_percent']:.2f} %)"
     relative = "all dark"
     if result["relative_rms"] is not None:
         relative = (

@@ -24,7 +24,9 @@ def print_lines(lines: Iterable[str]) -> bool:
         sys.stdout.flush()
         return True
     except OSError as error:
-        print_error(f"The result cannot be printed: {error.strerror}; what was asked for is done.")
+        print_error(
+            f"The result cannot be printed: {error.strerror}; the command itself succeeded."
+        )
         _send_to_nowhere(sys.stdout)
         return False
 

@@ -48,7 +48,9 @@ def run_render(options: Namespace) -> Output:
         first, last, fps, *size = frames.ask(options.blender, blend)
         first, last = options.frames or (first, last)
         if first > last:
-            raise LeaflightError(f"Frames {first} to {last} are none: give the first one first.")
+            raise LeaflightError(
+                f"The frame range {first}..{last} is empty: give the first frame first."
+            )
         paths = {number: folder / f"{number:04}.png" for number in range(first, last + 1)}
         left = [number for number, path in paths.items() if not _is_rendered(path, blend)]
         progress.expect(len(paths))
@@ -65,11 +67,11 @@ def run_render(options: Namespace) -> Output:
                 frames.assemble(options.blender, list(paths.values()), temporary, fps, size)
         return {"out": str(out), "frames": len(paths), "rendered": len(left)}
 
-    goes_on = "cancelled; the same command goes on where it stopped."
+    goes_on = "cancelled; run the same command to continue."
     result = run_with_progress(work, "render", writes=True, cancelled=goes_on)
     there = result["frames"] - result["rendered"]
     return result, [
-        f"{out}: {result['frames']} frames, of which {there} were there already"
+        f"{out}: {result['frames']} frames, {there} of them already complete"
         + (f"; they are in {folder}" if is_video else "")
     ]
 
@@ -110,5 +112,5 @@ def _raise_what_failed(future: "Future") -> None:
         raise
     except Exception as error:  # Dask's own error: the worker died repeatedly
         raise LeaflightError(
-            f"A worker died ({type(error).__name__}); the same command goes on where it stopped."
+            f"A worker died ({type(error).__name__}): run the same command to continue."
         ) from None

@@ -72,8 +72,8 @@ class _Tracer:
     def __init__(self, recipe: Recipe) -> None:
         if recipe.version != __version__:
             raise LeaflightError(
-                f"A worker has Leaflight {__version__}, and this is {recipe.version}: install the "
-                "same on all machines."
+                f"A worker has Leaflight {__version__}, but this machine has {recipe.version}: "
+                "install the same version on all machines."
             )
         self.key, self.progress = recipe.key, Progress()
         settings = _core.BakeSettings()

@@ -79,7 +79,10 @@ def ask(
     said = _run([blender, "--background", blend, "--python-expr", _ASK])
     line = next((line for line in said.splitlines() if line.startswith("FRAMES ")), None)
     if line is None:
-        raise LeaflightError(f"{blend}: Blender cannot open it.")
+        raise LeaflightError(
+            f"{blend}: Blender cannot open this file; check that it is a .blend of this version "
+            "or older."
+        )
     return tuple(json.loads(line.partition(" ")[2]))
 
 
@@ -97,7 +100,9 @@ def render(
     _run([blender, "--background", blend, "--python-expr", _RENDER, "--", json.dumps(work)], key)
     missing = [path for _, path in work if not Path(path).exists()]
     if missing:
-        raise LeaflightError(f"{missing[0]}: Blender has not rendered it.")
+        raise LeaflightError(
+            f"{missing[0]}: Blender did not render this frame; open the .blend and render it there."
+        )
 
 
 def assemble(
@@ -112,7 +117,10 @@ def assemble(
     options = ["--background", "--factory-startup", "--python-expr", _ASSEMBLE, "--", work]
     _run([blender, *options])
     if not Path(out).exists():
-        raise LeaflightError(f"{out}: this Blender writes no video; the frames are there.")
+        raise LeaflightError(
+            f"{out}: this Blender cannot write videos; make one from the frames, which are "
+            "complete."
+        )
 
 
 _lock = threading.Lock()
@@ -153,8 +161,8 @@ def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> s
             )
         except OSError as error:
             raise LeaflightError(
-                f"{command[0]}: it cannot be started: {error.strerror}; give the path of Blender's "
-                "program."
+                f"{command[0]}: this program cannot be started: {error.strerror}; give the path "
+                "of Blender."
             ) from None
         _running[key] = process
     said, _ = process.communicate()

@@ -49,7 +49,7 @@ class Workers:
         if (count is None) == (scheduler is None):
             raise LeaflightError("Give either a number of workers or the address of a scheduler.")
         if count is not None and count < 1:
-            raise LeaflightError(f"There must be one worker at least, not {count}.")
+            raise LeaflightError(f"The number of workers is {count}: give at least 1.")
         try:
             import cryptography  # noqa: F401 - for connections that nobody else can use
             from distributed import Client, LocalCluster
@@ -83,7 +83,7 @@ class Workers:
         except _GONE as error:
             self.close()
             raise LeaflightError(
-                f"{scheduler}: no Dask scheduler with workers answers there: {error}."
+                f"{scheduler}: no Dask scheduler with workers answers: {error}; check the address."
             ) from None
 
     def __enter__(self) -> "Workers":
@@ -123,8 +123,8 @@ class Workers:
             np.save(path, np.ascontiguousarray(values))
         except OSError as error:
             raise LeaflightError(
-                f"{path}: the workers' copy of the volume cannot be written: {error.strerror}; "
-                "make room there, or bake without workers."
+                f"{path}: the copy of the volume for workers cannot be written: {error.strerror}; "
+                "free disk space, or bake without workers."
             ) from None
         return str(path)
 

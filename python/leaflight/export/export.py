@@ -44,7 +44,7 @@ _LIBRARIES = {
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
     "meshio": "python3-meshio, or pip install meshio",
-    "pxr": "it by pip install usd-core",
+    "pxr": "it with pip install usd-core",
 }
 
 
@@ -77,7 +77,9 @@ def export(
     _check(path, suffix, isovalues, back)
     if suffix != PAGE and any(page.values()):
         raise SettingError(
-            f"{path}: only a web page (.html) is written coarser or to embed.", "coarser", "embed"
+            f"{path}: coarser and embed apply only to a web page (.html): leave them out.",
+            "coarser",
+            "embed",
         )
     check_writable(path, suffix)
     if suffix == PAGE:
@@ -95,7 +97,7 @@ def export(
         surface = bake.surface(isovalue, volume, back)
         if len(surface.triangles) == 0:
             raise LeaflightError(
-                f"{path}: the isosurface of {isovalue:g} is empty: choose another."
+                f"{path}: the isosurface at {isovalue:g} is empty: choose another isovalue."
             )
         surfaces[isovalue] = surface
     exposure = bake.scene.exposure
@@ -133,7 +135,7 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
     """Raises LeaflightError unless the format exists and supports these options."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
-            f"{path}: the suffix {suffix or '(none)'} is not known; known are "
+            f"{path}: the suffix {suffix or '(none)'} is unknown: choose one of "
             f"{', '.join(SUFFIXES)}."
         )
     if suffix in OF_VOLUME or suffix == PAGE:
@@ -141,15 +143,15 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
         given = [name for name, value in (of_one, ("back", back)) if value not in (None, False)]
         if given:
             raise SettingError(
-                f"{path}: a {suffix} holds the light of all isosurfaces as it was baked; leave "
-                "out what asks for one.",
+                f"{path}: a {suffix} holds the baked light of all isosurfaces: leave out the "
+                "options for single ones.",
                 *given,
             )
     elif isovalues is not None and len(set(isovalues)) != len(isovalues):
-        raise SettingError(f"{path}: the isovalues must differ.", "isovalue")
+        raise SettingError(f"{path}: two isovalues are equal: give different ones.", "isovalue")
     elif suffix in OF_SURFACE and isovalues is not None and len(isovalues) != 1:
         raise SettingError(
-            f"{path}: a {suffix} holds one isosurface; give one isovalue, or write a sequence as "
+            f"{path}: a {suffix} holds one isosurface: give one isovalue, or write a sequence as "
             f"{', '.join(OF_SEQUENCE)}.",
             "isovalue",
         )

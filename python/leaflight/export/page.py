@@ -115,7 +115,7 @@ def _too_large(bake: Bake, coarser: int) -> str | None:
     for number in range(len(bake.volumes)):
         side = max(*dims_of(bake, number, coarser), *texels_of(bake, number, coarser))
         if side > LARGEST_SIDE:
-            return f"have {side} voxels or texels along one axis, of {LARGEST_SIDE} at most"
+            return f"have {side} voxels or texels along an axis, above the limit of {LARGEST_SIDE}"
     size = estimated_bytes(bake, coarser)
     return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
 
@@ -145,7 +145,7 @@ def _write_folder(folder: Path, page: str, body: bytearray) -> Path:
         raise LeaflightError(f"{folder}: cannot write it: {error.strerror}.") from None
     # Remove hidden parts, which a killed run left.
     if any(not name.startswith(".leaflight-part-") for name in others):
-        raise LeaflightError(f"{folder}: this folder holds something else; choose another name.")
+        raise LeaflightError(f"{folder}: this folder holds other files; choose another name.")
     try:
         with replaced_together(index, data) as (index_file, data_file):
             index_file.write_text(page, encoding="utf-8")

@@ -157,9 +157,9 @@ def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
     rows.append(("Isovalues lit", " to ".join(figures(*bake.isovalues))))
     rows.append(("Scene", bake.scene.name))
     if bake.scene.meshes and bake.walls is None:
-        rows.append(("Walls", "shaded locally; a bake with --walls lights them"))
+        rows.append(("Walls", "shaded locally; bake with --walls to light them"))
     if any(back_side(bake, number) == "local" for number in range(len(bake.volumes))):
-        rows.append(("backs", "not baked; a light at the camera shows their shape"))
+        rows.append(("backs", "not baked; lit from the camera to show their shape"))
     error = known.estimated_error_percent
     if error:
         rows.append(("Error of the bake", f"{error:.2g} % of the displayable range, estimated"))

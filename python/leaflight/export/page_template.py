@@ -15,8 +15,8 @@ def read_template(path: str | os.PathLike[str]) -> str:
         return TEMPLATE.read_text(encoding="utf-8")
     except OSError:
         raise LeaflightError(
-            f"{path}: this installation was built without Node and has no web page to write; "
-            "install a wheel of Leaflight, or build it after scripts/setup."
+            f"{path}: this installation was built without Node, so it cannot write web pages: "
+            "install a wheel of Leaflight, or build it with scripts/setup."
         ) from None
 
 

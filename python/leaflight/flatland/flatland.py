@@ -176,7 +176,7 @@ def refuse_sides(asked: CommonSettings) -> None:
     for name, wished in (("both_sides", asked.both_sides), ("walls", asked.walls)):
         if wished:
             raise SettingError(
-                f"Flatland bakes the fronts of isolines alone, without {name}: leave it out.", name
+                f"Flatland bakes only the fronts of isolines, not {name}: leave it out.", name
             )
 
 
@@ -185,7 +185,10 @@ def flat_placed(
 ) -> tuple[FlatScene, tuple[float, float], _core.Scene2]:
     """Returns (FlatScene, range, _core.Scene2) for the arguments of bake_flatland()."""
     if np.ndim(volume.values) != 2:
-        raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
+        raise LeaflightError(
+            f"{volume.name}: this is a volume, but flatland needs an image: read one with "
+            "read_image()."
+        )
     scene = fit_flat_scene(scene or flat_box(), volume)
     isovalue_range = range_to_bake(isovalues, [volume], [scene.isosurfaces])
     return scene, isovalue_range, core_flat_scene(scene, volume.flat_field(), isovalue_range)

@@ -70,7 +70,9 @@ def _scene_in_space(bake: FlatBake, vertices: Array, triangles: Array) -> _core.
     top = float(vertices[:, 2].max())
     albedo = bake.scene.isosurfaces.albedo
     if not is_color(albedo):
-        raise LeaflightError("The graph has one colour: give isolines one, not several.")
+        raise LeaflightError(
+            "The isolines have several colors, but their graph has only one: give them one color."
+        )
     meshes = [_core.Mesh("graph", vertices, triangles, albedo)]
     for wall in bake.scene.walls:
         flat = np.asarray(wall.vertices, np.float32)

@@ -26,7 +26,9 @@ def read_pixels(path: str | os.PathLike[str]) -> Array:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise LeaflightError(f"{path}: an image must end in one of {', '.join(SUFFIXES)}.")
+        raise LeaflightError(
+            f"{path}: the suffix is not that of an image: choose one of {', '.join(SUFFIXES)}."
+        )
     try:
         if not path.is_file():
             raise LeaflightError(f"{path}: there is no such image; check the path.")
@@ -102,13 +104,13 @@ def _read_tiff(path: Path) -> Array:
             pixels = read_page(path, file.pages[0])
     except ImportError as error:
         raise LeaflightError(
-            f"{path}: this needs the Python package {error.name}, which is not installed; save the "
-            "image without compression."
+            f"{path}: this compression needs the Python package {error.name}, which is not "
+            "installed; save the image uncompressed."
         ) from None
     if pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uf":
         raise LeaflightError(
-            f"{path}: the image must be grey or RGB, of unsigned integers or floating point; "
-            "convert it first."
+            f"{path}: the image is neither gray nor RGB, or not of unsigned integers or floating "
+            "point: convert it first."
         )
     return pixels
 
@@ -118,8 +120,8 @@ def _pillow(path: str | os.PathLike[str]) -> Any:
         from PIL import Image
     except ImportError:
         raise LeaflightError(
-            f"{path}: this needs the Python package Pillow, which is not installed; "
-            "install python3-pil."
+            f"{path}: images need the Python package Pillow, which is not installed; install "
+            "python3-pil."
         ) from None
     return Image
 

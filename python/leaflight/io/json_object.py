@@ -60,7 +60,9 @@ class JsonObject:
         """Raises LeaflightError for every other key."""
         for key in self.data:
             if key not in keys:
-                raise self.error(f'unknown key "{key[:40]}"; known are {", ".join(keys)}')
+                raise self.error(
+                    f'the key "{key[:40]}" is unknown; choose one of {", ".join(keys)}'
+                )
 
     def get(self, key: str) -> Any:
         if key not in self.data:
@@ -72,7 +74,7 @@ class JsonObject:
         if not isinstance(value, str):
             raise self.error(f'"{key}" must be text')
         if any("\ud800" <= letter <= "\udfff" for letter in value):
-            raise self.error(f'"{key}" holds half a character; write it again')
+            raise self.error(f'"{key}" holds an incomplete Unicode character; write it again')
         return value
 
     def choice(self, key: str, choices: Sequence[str], default: str | None = None) -> str:
@@ -163,7 +165,7 @@ class JsonObject:
         """
         faces = self.items(key)
         if not faces:
-            raise self.error(f'"{key}" is empty, so there is nothing to see: leave the mesh out')
+            raise self.error(f'"{key}" is empty, so the mesh is invisible: leave it out')
         for face in faces:
             if (
                 not isinstance(face, list)
@@ -213,5 +215,5 @@ class JsonObject:
             stops.append((stop.number("isovalue", -np.inf, np.inf), stop.color("color", largest)))
         positions = [position for position, _ in stops]
         if any(high <= low for low, high in zip(positions, positions[1:])):
-            raise self.error(f'the isovalues of "{key}" must ascend from stop to stop')
+            raise self.error(f'the isovalues of the stops of "{key}" must ascend')
         return stops

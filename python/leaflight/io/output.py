@@ -18,7 +18,7 @@ def check_writable(
     """Raises LeaflightError unless path can be written, has this suffix and is none of inputs."""
     path = Path(path)
     if path.suffix.lower() != suffix:
-        raise LeaflightError(f"{path}: the output file must end in {suffix}.")
+        raise LeaflightError(f"{path}: the suffix is wrong: the output file must end in {suffix}.")
     try:
         try:
             # Raises an OSError or a ValueError if no file can have this name.
@@ -26,12 +26,12 @@ def check_writable(
         except FileNotFoundError:
             pass
         if path.is_dir():
-            raise LeaflightError(f"{path}: this is a folder; give the name of a file to write.")
+            raise LeaflightError(f"{path}: this is a folder: give the name of a file.")
         exists = path.exists()
         for given in inputs:
             if exists and os.path.exists(given) and os.path.samefile(path, given):
                 raise LeaflightError(
-                    f"{path}: the output would overwrite the input; choose another name."
+                    f"{path}: the output would overwrite an input: choose another name."
                 )
         with tempfile.TemporaryFile(dir=path.parent):
             pass

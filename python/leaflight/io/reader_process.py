@@ -88,7 +88,7 @@ class ReaderProcess:
             )
         except OSError as error:
             raise LeaflightError(
-                f"{path}: the process that is to read it cannot start: {error.strerror}; close "
+                f"{path}: the subprocess that reads it cannot start: {error.strerror}; close "
                 "other programs and try again."
             ) from None
         output = self._process.stdout
@@ -190,9 +190,8 @@ class ReaderProcess:
 
     def died(self) -> LeaflightError:
         return LeaflightError(
-            f"{self.path}: this {self.kind} is damaged, or needs too much memory or more than "
-            f"{self.seconds} s: the process that read it did not live to its end; fetch the file "
-            "again."
+            f"{self.path}: the subprocess that read this {self.kind} crashed or exceeded its "
+            f"limits of memory or {self.seconds} s: fetch the file again, or use a smaller one."
         )
 
 

@@ -180,7 +180,7 @@ def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
     faces = item.faces("faces", (3, 4), len(vertices))
     if ("texture" in item) != ("uv" in item):
         there, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
-        raise item.error(f'"{there}" needs "{missing}" too')
+        raise item.error(f'"{there}" also needs "{missing}"')
     textured = "texture" in item
     return Mesh(
         item.name,

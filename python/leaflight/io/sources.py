@@ -40,7 +40,12 @@ def open_volume(
         return read_volume(source, dims=dims, **layout)
     for name, value in layout.items():
         if value is not None:
-            raise SettingError(f"{source}: {name} has no meaning here; leave it out.", name)
+            raise SettingError(
+                f"{source}: the option {name} does not apply to generated volumes; leave it out.",
+                name,
+            )
     if dims is not None and len(dims) != 1:
-        raise SettingError(f"{source}: give one number of nodes a side.", "dims")
+        raise SettingError(
+            f"{source}: the size is not one number: give the nodes per side.", "dims"
+        )
     return _GENERATED[str(source)](*(dims or ()))

@@ -60,7 +60,10 @@ def compare(
     """
     points, spp, seed, threads = astuple(Sampling(**sampling))
     if points < 1 or spp < 2:
-        raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
+        raise LeaflightError(
+            "The number of points or samples is too small: give at least 1 point and 2 samples "
+            "per point."
+        )
     side: IsosurfaceSide | MeshSide
     if mesh is None:
         side = IsosurfaceSide(bake, isovalue, volume, back)

@@ -91,7 +91,9 @@ def measure(
     meshes = [_mesh(mesh) for mesh in description.meshes]
     lit = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
     if len(lit.corners["triangles"]) == 0:
-        raise LeaflightError(f'"{lit.look["name"]}" has no surface here; choose another value.')
+        raise LeaflightError(
+            f'"{lit.look["name"]}" has no surface at this isovalue: choose another isovalue.'
+        )
     seed = sampling.seed
     probes, pixels, size, lit.corners["target_uv"] = _lay_out(lit, sampling.points, seed)
     if target.back:
@@ -291,8 +293,8 @@ def find_blender() -> str:
     blender = shutil.which("blender")
     if blender is None:
         raise SettingError(
-            "There is no Blender on the search path: install the Debian package blender, or "
-            "compare with the path tracer instead.",
+            "Blender is not on the search path: install the Debian package blender, or compare "
+            "with the path tracer.",
             "reference path",
         )
     return blender

@@ -45,7 +45,7 @@ class IsosurfaceSide:
         self.triangles = len(self._triangles)
         if self.triangles == 0:
             raise LeaflightError(
-                f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
+                f"Isovalue {isovalue:g} has no surface inside the data: choose another isovalue."
             )
 
     def path_traced(
@@ -87,7 +87,8 @@ class IsosurfaceSide:
         weights = np.where(hidden, 0, truth.weights)
         if not weights.any():
             raise LeaflightError(
-                f"Isovalue {self.isovalue:g} lies inside another volume; choose another one."
+                f"The surface at isovalue {self.isovalue:g} is inside another volume: choose "
+                "another isovalue."
             )
         return replace(truth, weights=weights)
 
@@ -168,8 +169,8 @@ def _of_passes(points: Array, radiance: Array, passes: int) -> Truth:
 def _check_diffuse(look: Isosurfaces | Mesh) -> None:
     if look.scattering != "diffuse":
         raise LeaflightError(
-            f'What "{look.name}" shows depends on the view, since it is of {look.scattering}: '
-            "choose something diffuse."
+            f'"{look.name}" is {look.scattering}, so its appearance depends on the view: choose a '
+            "diffuse material."
         )
 
 

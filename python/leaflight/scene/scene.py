@@ -200,7 +200,7 @@ def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) 
     if len(isosurfaces) != len(volumes):
         raise LeaflightError(
             f'The scene "{description.name}" describes {len(isosurfaces)} volumes, but '
-            f"{len(volumes)} are given: give as many as the scene describes."
+            f"{len(volumes)} are given: give as many."
         )
     if len(volumes) > 1:
         isosurfaces = [

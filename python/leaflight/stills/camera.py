@@ -39,7 +39,9 @@ class Camera:
         forward = _unit(np.subtract(self.target, self.position))
         right = np.cross(forward, self.up)
         if not np.linalg.norm(right) > 1e-9:
-            raise LeaflightError("The camera looks along its own up direction: choose another.")
+            raise LeaflightError(
+                "The camera looks along its up direction: choose another up direction."
+            )
         right = _unit(right)
         return np.array([right, np.cross(right, forward), forward])
 
@@ -82,8 +84,8 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
         right = right and all(isinstance(x, (int, float)) and abs(x) <= _LARGEST for x in value)
     if not right:
         raise LeaflightError(
-            f'{path}: this is no camera: give {{"position": [x, y, z], "target": [x, y, z]}} and '
-            'if needed "up" and the "angle" of view in degrees.'
+            f'{path}: this is not a camera: give {{"position": [x, y, z], "target": [x, y, z]}}, '
+            'and optionally "up" and the "angle" of view in degrees.'
         )
     return Camera(**given)
 
@@ -91,6 +93,6 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
 def _unit(vector: Array) -> Array:
     length = np.linalg.norm(vector)
     if not length > 0.0:
-        raise LeaflightError("The camera stands where it looks: move it.")
+        raise LeaflightError("The camera's position equals its target: move one of them.")
     unit: Array = vector / length
     return unit

@@ -112,7 +112,9 @@ def framing(
         is_flat = not is_patient and top > FLAT * side
         elevation = ELEVATION_OF_FLAT if is_flat else ELEVATION
     if not -90.0 < elevation < 90.0:
-        raise LeaflightError(f"The view is {elevation:g} degrees high: choose between -90 and 90.")
+        raise LeaflightError(
+            f"The elevation of the view is {elevation:g} degrees: choose between -90 and 90."
+        )
     back = _back(azimuth, elevation)
     axes = Camera(tuple(back), (0.0, 0.0, 0.0)).axes() * [[1.0], [1.0], [-1.0]]
     low, high = np.quantile(points @ axes.T, (DUST, 1.0 - DUST), axis=0)

@@ -55,11 +55,14 @@ def still(
     width, height = size
     if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
         raise SettingError(
-            f"A picture of {width} x {height} pixels is not possible: choose 1 to {_LARGEST}.",
+            f"The size of the picture is {width} x {height} pixels: choose 1 to {_LARGEST} for "
+            "each side.",
             "size",
         )
     if not 1 <= samples <= 16:
-        raise SettingError(f"{samples} rays a pixel's side: choose 1 to 16.", "samples")
+        raise SettingError(
+            f"The number of rays per side of a pixel is {samples}: choose 1 to 16.", "samples"
+        )
     check_diffuse(bake)
     bake.check_isovalue(isovalue)
     camera = camera or camera_around_bake(bake, isovalue=isovalue, size=size)
@@ -86,8 +89,8 @@ def check_diffuse(bake: Bake) -> None:
     for isosurfaces in bake.scene.isosurfaces:
         if isosurfaces.scattering != "diffuse":
             raise LeaflightError(
-                f'"{isosurfaces.name}" is a mirror or glass, whose look depends on the view: '
-                "render it in Blender."
+                f'"{isosurfaces.name}" is a mirror or glass, so its appearance depends on the '
+                "view: render it in Blender."
             )
 
 

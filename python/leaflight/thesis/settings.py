@@ -87,7 +87,7 @@ class FixedSamples(CommonSettings):
         settings.estimator = self.estimator
         if self.only_at is not None:
             if np.shape(self.only_at)[0] == 0:
-                raise LeaflightError("only_at holds no points: give some, or None for all texels.")
+                raise LeaflightError("only_at is empty: give points, or None for all texels.")
             settings.set_only_at(np.ascontiguousarray(self.only_at, dtype=np.float64))
         if self.photon_map is not None:
             if self.estimator != "thesis":

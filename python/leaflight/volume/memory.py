@@ -32,8 +32,8 @@ def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None)
     global _limit
     if size is not None and size < LEAST_LIMIT:
         raise LeaflightError(
-            f"The memory may not be limited to less than {LEAST_LIMIT >> 20} MiB, which libraries "
-            "take of it: give more."
+            f"The memory limit is below {LEAST_LIMIT >> 20} MiB, which libraries need: give a "
+            "higher limit."
         )
     of_volumes = 0 if size is None else int(_SHARE_OF_VOLUMES * size)
     _core.limit_large_memory(of_volumes, os.path.abspath(folder or tempfile.gettempdir()))

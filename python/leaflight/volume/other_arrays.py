@@ -48,7 +48,9 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
         is_patient = reader in (_of_nibabel, _of_itk)
         found = Volume(values, index_to_world, name or own, unit=unit, patient=is_patient)
     if spacing is not None:
-        raise SettingError(f"{found.name}: it has its own spacing: leave it out.", "spacing")
+        raise SettingError(
+            f"{found.name}: the image has its own voxel size: leave spacing out.", "spacing"
+        )
     return found
 
 
@@ -105,7 +107,7 @@ def _of_vtk(image: Any) -> _Read:
         shift[:3, 3] += 0.5
     if scalars is None:
         raise LeaflightError(
-            "The image of VTK has no active scalars: choose an array of it by SetActiveScalars()."
+            "The VTK image has no active scalars: choose an array with SetActiveScalars()."
         )
     matrix = image.GetIndexToPhysicalMatrix()
     matrix = [[matrix.GetElement(row, column) for column in range(4)] for row in range(4)]
@@ -147,8 +149,8 @@ def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
     slack = 1e-3 * abs(step) + 1e-6 * np.abs(places).max()
     if not (step != 0 and (np.abs(places - even) <= slack).all()):
         raise LeaflightError(
-            f"{name}: its coordinates along {dim} are not even, as those of a volume must be: "
-            "interpolate it to even ones first (DataArray.interp)."
+            f"{name}: the coordinates along {dim} are not evenly spaced: interpolate to even ones "
+            "first (DataArray.interp)."
         )
     return places[0], step
 
@@ -167,8 +169,8 @@ def _array(data: Any) -> Array:
         return np.asanyarray(data)
     except (TypeError, ValueError, RuntimeError) as error:
         raise LeaflightError(
-            f"{type(data).__name__} cannot become an array of NumPy: {str(error).rstrip('.')}; "
-            "convert it first."
+            f"{type(data).__name__} cannot be converted to a NumPy array: "
+            f"{str(error).rstrip('.')}; convert it first."
         ) from None
 
 
@@ -179,17 +181,17 @@ def _without_single_axes(values: Array) -> Array:
 def _scalars(data: Any, name: str) -> Array:
     """Returns an array of real numbers with three axes. Raises LeaflightError."""
     if isinstance(data, (str, Path)):
-        raise LeaflightError(f"{data}: this is a path, not a volume: read it by read_volume().")
+        raise LeaflightError(f"{data}: this is a path, not a volume: read it with read_volume().")
     values = _without_single_axes(_array(data))
     if values.dtype.kind not in "biuf":
         raise LeaflightError(
             f"{name}: {type(data).__name__} holds {values.dtype}, but a volume needs one real "
-            "number a voxel; convert it first."
+            "number per voxel; convert it first."
         )
     if values.ndim != 3:
         raise LeaflightError(
-            f"{name}: its shape is {values.shape}, but a volume needs three axes [z, y, x]: choose "
-            "one frame and one channel, and light images with flatland."
+            f"{name}: the shape is {values.shape}, but a volume needs three axes [z, y, x]: "
+            "choose one frame and one channel, or light an image with flatland."
         )
     if isinstance(values, np.ma.MaskedArray):
         masked: Any = values.astype(np.float32)

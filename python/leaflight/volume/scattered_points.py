@@ -55,8 +55,8 @@ def interpolated(
     sides = high - low
     if len(points) < 4 or not (sides > 0).all():
         raise LeaflightError(
-            f"{source or name}: its {len(points)} points do not fill a box; a volume needs points "
-            "that differ along x, y and z."
+            f"{source or name}: the {len(points)} points do not fill a box; give points that "
+            "differ along x, y and z."
         )
     counts, step = _grid(source or name, sides, len(points), nodes)
     # Center the nodes, because the sides need not be whole numbers of voxels.
@@ -114,8 +114,8 @@ def _grid(
         return counts, sides / (counts - 1)
     if nodes is not None and (len(nodes) != 1 or nodes[0] < 2):
         raise SettingError(
-            f"{source}: the nodes must be one number, those along the longest side, or three, of 2 "
-            "at least.",
+            f"{source}: the number of nodes must be one integer (longest side) or three, at least "
+            "2 each.",
             "dims",
         )
     if nodes is not None:

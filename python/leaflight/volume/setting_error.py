@@ -19,7 +19,7 @@ def check_is_baked(isovalue: float, isovalues: tuple[float, float]) -> None:
     if not low <= isovalue <= high:
         shown, least, most = figures(isovalue, low, high)
         raise SettingError(
-            f"Isovalue {shown} lies outside the baked range {least}..{most}: choose one "
-            "inside or bake again with a wider range.",
+            f"Isovalue {shown} is outside the baked range {least}..{most}: choose one inside, or "
+            "bake again with a wider range.",
             "isovalues",
         )

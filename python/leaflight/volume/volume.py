@@ -86,11 +86,13 @@ class Volume:
             index_to_world = axis_aligned
         elif any(value is not None for value in grid.values()):
             raise SettingError(
-                f"{name}: give either index_to_world or spacing and origin.", "spacing"
+                f"{name}: index_to_world and spacing or origin exclude each other: give one of "
+                "them.",
+                "spacing",
             )
         if unit and not unit_of(unit):
             raise SettingError(
-                f"{name}: {unit!r} is no known unit: give one of {', '.join(METERS)}.", "unit"
+                f"{name}: the unit {unit!r} is unknown: give one of {', '.join(METERS)}.", "unit"
             )
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
@@ -185,7 +187,7 @@ class Volume:
         layer = low - CAP_DEPTH * (high - low)
         if layer < float(np.finfo(np.float32).min):
             raise LeaflightError(
-                f"{self.source or self.name}: its values {low:g}..{high:g} are too large to be "
+                f"{self.source or self.name}: the values {low:g}..{high:g} are too large to be "
                 "capped; scale them down."
             )
         values = as_voxels(self.values)
@@ -295,8 +297,8 @@ def _axis_aligned(
         steps, place = np.full(axes, np.nan), np.zeros(axes)
     if not (np.isfinite([steps, place]).all() and (steps > 0).all()):
         raise SettingError(
-            f"The spacing must be one number above 0 or {axes} of them, for x, y and z, not "
-            f"{spacing!r}; and the origin as many, not {origin!r}.",
+            f"The spacing {spacing!r} or the origin {origin!r} is invalid: give positive spacing "
+            f"and any origin, {axes} numbers each, or one number for the spacing.",
             "spacing",
         )
     matrix = np.diag([*steps, 1.0])
@@ -319,7 +321,7 @@ def on_unit_cube(n: int, values: Callable[[int], Array], name: str, source: str)
     """
     if n < 2:
         raise SettingError(
-            f"{source}: a volume needs at least 2 nodes a side, not {n}: give more.", "dims"
+            f"{source}: the number of nodes per side is {n}: give at least 2.", "dims"
         )
     array = values(n)
     index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])

@@ -59,12 +59,12 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     kind = re.search(r'CoordType\s+"([^"]*)"', header)
     if not sizes:
         raise LeaflightError(
-            f"{path}: it holds no lattice, as a volume is, but other data; save the volume itself."
+            f"{path}: the file holds no lattice, so it is not a volume; save the volume itself."
         )
     if kind and kind[1] != "uniform":
         raise LeaflightError(
-            f"{path}: the points of its lattice are not evenly spaced, as those of a volume are; "
-            "resample it in amira first."
+            f"{path}: the points of the lattice are not evenly spaced; resample the volume in "
+            "amira first."
         )
     dims = tuple(map(int, sizes.groups()))
     check_shape(path, dims)
@@ -131,7 +131,7 @@ def _arrays(
             continue
         if (found[6] or "HxZip") not in _ENCODINGS:
             raise LeaflightError(
-                f"{path}: the compression {found[6][:40]} is not known; save it without one."
+                f"{path}: the compression {found[6][:40]} is unknown; save the file uncompressed."
             )
         encoding = _ENCODINGS[found[6]] if found[6] else "raw" if order else "text"
         stored = ValueFiles((path,), encoding, start=begins[int(found[5])])

@@ -156,14 +156,14 @@ def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
     nameless = len(unknown) == len(long) and len(long) > 3
     if nameless and sizes[-1] <= _MOST_CHANNELS < min(sizes[-4:-1]):
         found[unknown.pop()] = "c"
-        notes.append(f"Its last axis has only {sizes[-1]} samples, which are read as channels.")
+        notes.append(f"The last axis has only {sizes[-1]} samples and is read as channels.")
     missing = [letter for letter in "zyx" if letter not in found]
     kept = min(len(unknown), len(missing))
     for i, letter in zip(unknown[len(unknown) - kept :], missing[len(missing) - kept :]):
         found[i] = letter
     others = unknown[: len(unknown) - kept]
     if len(others) == 2:
-        notes.append("Its first two axes are read as frames and channels.")
+        notes.append("The first two axes are read as frames and channels.")
     for i in others:
         before = all(i < found.index(letter) for letter in "xyz" if letter in found)
         free = [letter for letter in ("tc" if before else "ct") if letter not in found]
@@ -173,7 +173,7 @@ def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
     # Take time as the depth if there is no other, as in a film.
     if [letter for letter in missing if letter not in found] == ["z"] and "t" in found:
         found[found.index("t")] = "z"
-        notes.append("It has no axis z; its frames are read as the slices of a volume.")
+        notes.append("The data have no axis z; frames are read as the slices of a volume.")
     return "".join(letter or "-" for letter in found), tuple(notes)
 
 
@@ -189,9 +189,7 @@ def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
         if axis.step is None or axis.step == 0:
             steps.append(1.0)
             firsts.append(0.0)
-            notes.append(
-                f"The file does not give the size of its voxels along {letter}; it is 1 here."
-            )
+            notes.append(f"The file has no voxel size along {letter}; it is assumed to be 1.")
         elif common is None:
             steps.append(float(np.sign(axis.step)))
             firsts.append(0.0)
@@ -201,17 +199,16 @@ def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
             firsts.append(factor * (axis.first or 0.0))
             if not axis.even:
                 notes.append(
-                    f"Its samples along {letter} lie at uneven distances, of which the mean is "
-                    "used."
+                    f"The samples along {letter} are unevenly spaced; their mean distance is used."
                 )
     if common is None:
         units = ", ".join(f"{axis.unit[:40] or 'no unit'}" for axis in known)
         notes.append(
-            f"Its axes are measured in {units}, which cannot be compared; its voxels are read as "
-            "cubes of size 1. Give a voxel size for others."
+            f"The units of its axes, {units}, cannot be compared; voxels are read as cubes of "
+            "size 1, unless you give a voxel size."
         )
     elif common[0] and not all(axis.unit for axis in known):
-        notes.append(f"Only some of its axes have a unit; {common[0]} counts for all.")
+        notes.append(f"Only some axes have a unit; {common[0]} is used for all.")
     matrix = np.diag([*steps, 1.0])
     matrix[:3, 3] = firsts
     return matrix, common[0] if common else "", notes

@@ -83,8 +83,8 @@ def stack_of(
         for k, plane in enumerate(_planes(blocks, places, gray)):
             if gray and not _equal_samples(plane):
                 raise LeaflightError(
-                    f"{path}: plane {k} is in color, but the first one is gray; convert all of "
-                    "them to gray values first."
+                    f"{path}: plane {k} is in color, but the first one is gray; convert all "
+                    "planes to gray."
                 )
             yield plane[..., 0] if gray else plane
 

@@ -32,8 +32,8 @@ def check_shape(path: Path, shape: Sequence[int]) -> None:
     """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
     if len(shape) not in (3, 4) or min(shape) < 1:
         raise LeaflightError(
-            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-            "or four, of which one is the frame."
+            f"{path}: the data have the shape {text(shape)}, but a volume needs three dimensions, "
+            "or four with frames: choose another file."
         )
 
 
@@ -51,7 +51,7 @@ def check_scalar(path: Path, dtype: DTypeLike) -> None:
         kind = "complex" if dtype.kind == "c" else "color or structured"
         raise LeaflightError(
             f"{path}: the values are {kind} ({str(dtype)[:60]}), but a volume needs one real "
-            "number a voxel; convert the file first."
+            "number per voxel; convert the file first."
         )
 
 
@@ -65,7 +65,8 @@ def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
     if count == 1:
         if chosen not in (None, 0):
             raise SettingError(
-                f"{path}: the data are 3D and have no {what} {chosen}; choose none.", what
+                f"{path}: the data are 3D, so there is no {what} {chosen}; leave the option out.",
+                what,
             )
         return 0
     if chosen is None:
@@ -94,12 +95,15 @@ def choose_named(path: Path, names: Sequence[str], chosen: str | None) -> str | 
     Raises LeaflightError.
     """
     if not names:
-        raise LeaflightError(f"{path}: it holds no volume of real numbers with three dimensions.")
+        raise LeaflightError(
+            f"{path}: the file holds no three-dimensional volume of real numbers; choose another "
+            "file."
+        )
     if chosen is None:
         return names[0] if len(names) == 1 else None
     if chosen not in names:
         raise SettingError(
-            f"{path}: there is no volume {chosen!r} in it; choose one of {listed(names)}.",
+            f"{path}: the file holds no volume {chosen!r}; choose one of {listed(names)}.",
             "dataset",
         )
     return chosen
@@ -110,7 +114,8 @@ def undecided(path: Path, names: Sequence[str]) -> Callable[[int, int, Progress]
 
     def load(_frame: int, _channel: int, _progress: Progress) -> NoReturn:
         raise SettingError(
-            f"{path}: it holds {len(names)} volumes; choose one of {listed(names)}.", "dataset"
+            f"{path}: the file holds {len(names)} volumes; choose one of {listed(names)}.",
+            "dataset",
         )
 
     return load
@@ -126,7 +131,7 @@ def index_to_world(path: Path, spacing: float | Sequence[float]) -> Array:
     sizes = np.atleast_1d(np.asarray(spacing, dtype=np.float64))
     if sizes.shape not in ((1,), (3,)) or not (np.isfinite(sizes).all() and (sizes > 0).all()):
         raise LeaflightError(
-            f"{path}: the spacing must be one positive number or three, X Y Z, not {spacing}."
+            f"{path}: the spacing {spacing} is invalid; give one positive number or three, X Y Z."
         )
     return np.diag([*np.broadcast_to(sizes, 3), 1.0])
 
@@ -135,7 +140,7 @@ def check_matrix(path: Path, matrix: Array) -> None:
     """Raises LeaflightError unless the matrix is finite and invertible."""
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) == 0:
         raise LeaflightError(
-            f"{path}: the header places the voxels nowhere in space; repair its spacing and axes."
+            f"{path}: the matrix in the header is not invertible; repair its spacing and axes."
         )
 
 
@@ -152,11 +157,11 @@ def data_file(path: Path, name: str) -> Path:
     data = (path.parent / name).resolve()
     if re.match(r"[A-Za-z]:", name) or folder not in data.parents:
         raise LeaflightError(
-            f"{path}: it refers to the data file {name[:100]!r} outside its own folder; move that "
+            f"{path}: the header names the data file {name[:100]!r} outside its folder; move that "
             "beside the header."
         )
     if not data.is_file():
         raise LeaflightError(
-            f"{path}: there is no data file {name[:100]!r} beside it; put it there."
+            f"{path}: the data file {name[:100]!r} is missing; put it beside the header."
         )
     return data

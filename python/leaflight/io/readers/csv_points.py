@@ -58,8 +58,8 @@ def _table(path: Path, progress: Progress) -> Array:
                     raise ValueError
             except (IndexError, ValueError):
                 raise LeaflightError(
-                    f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, and as many "
-                    f"fields as the first; the line of {', '.join(row)[:60]!r} does not."
+                    f"{path}: the line {', '.join(row)[:60]!r} lacks numbers or fields; give "
+                    f"{', '.join(COLUMNS)} in each line, and as many fields as in the first."
                 ) from None
     return np.array(table, np.float64).reshape(-1, 4)
 
@@ -70,8 +70,8 @@ def _columns(path: Path, names: list[str], row: list[str]) -> list[int]:
     numbers = [name for name in others if _is_number(row, names.index(name))]
     if not {"x", "y", "z"} <= set(names) or not (numbers or others):
         raise LeaflightError(
-            f"{path}: its first line must name the columns {', '.join(COLUMNS)}, or there must be "
-            "no names."
+            f"{path}: the first line does not name the columns {', '.join(COLUMNS)}; name them, "
+            "or leave all names out."
         )
     value = "value" if "value" in others else (numbers or others)[0]
     return [names.index(name) for name in ("x", "y", "z", value)]

@@ -39,7 +39,10 @@ def open_volume(path: Path) -> StoredVolume:
             f"{path}: this is not a readable Gaussian cube, or it is damaged; fetch it again."
         ) from None
     if min(dims) < 1 or orbitals < 1:
-        raise LeaflightError(f"{path}: the header claims {text(dims)} voxels; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
+            "again."
+        )
     check_matrix(path, matrix)
     check_count(path, (*dims, orbitals))
     # A negative number of voxels means angstrom.

@@ -43,8 +43,8 @@ def pictures(path: Path) -> list[Picture]:
         colors = {one.startswith("Bgr") for one in types}
         if len(dtypes) < len(types) or len(colors) > 1:
             raise LeaflightError(
-                f"{path}: its pixels are {', '.join(sorted(types))}, but all channels must be gray "
-                "values, or all must be colors."
+                f"{path}: its channels mix the pixel types {', '.join(sorted(types))}; save only "
+                "gray values, or only colors."
             )
         sizes = _voxel_size(file.raw_metadata)
         made = []
@@ -71,8 +71,8 @@ def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
             # The library would return black.
             where = ", ".join(f"{d} {k}" for d, k in plane.items() if len(values[d]) > 1)
             raise LeaflightError(
-                f"{path}: the plane {where} of the recording is missing: the file is incomplete; "
-                "fetch it again, or choose another frame."
+                f"{path}: the plane {where} of the recording is missing; fetch the file again, or "
+                "choose another frame."
             )
     box, of_scene = _box(file, scene), None if scene < 0 else scene
     return (_plane(file.read(roi=box, plane=plane, scene=of_scene)) for plane in planes)

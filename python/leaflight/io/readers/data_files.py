@@ -49,7 +49,7 @@ def _numbers(path: Path, given: Sequence[int], count: int) -> Sequence[int]:
     step = given[2] if len(given) > 2 else evenly or (1 if last >= first else -1)
     if not step:
         raise LeaflightError(
-            f"{path}: it numbers its data files in steps of 0; correct the header."
+            f"{path}: the header numbers the data files in steps of 0; correct the header."
         )
     return range(first, last + (1 if step > 0 else -1), step)
 
@@ -63,6 +63,6 @@ def _check_count(path: Path, count: int, shape: Sequence[int], axes: int) -> Non
     right = shape[-1] % max(count, 1) == 0 if axes == len(shape) else count == wanted
     if not 0 < axes <= len(shape) or not right or not 0 < count <= _MOST:
         raise LeaflightError(
-            f"{path}: it names {count} data files, which do not make up its {text(shape)} values; "
-            "correct the header."
+            f"{path}: the header names {count} data files, which do not match {text(shape)} "
+            "values; correct the header."
         )

@@ -23,8 +23,8 @@ def downsampled(path: Path, values: Array, step: int, progress: Progress) -> Arr
     shape = tuple(n // step for n in values.shape)
     if min(shape) < 2:
         raise LeaflightError(
-            f"{path}: {text(values.shape[::-1])} voxels are too few to keep one of {step} along "
-            "each axis; keep more of them."
+            f"{path}: the {text(values.shape[::-1])} voxels are too few to average {step} along "
+            "each axis; choose a smaller number."
         )
     nz, ny, nx = shape
     kept = new_voxels(shape, held_type(values.dtype))

@@ -56,7 +56,10 @@ def open_volume(path: Path) -> StoredVolume:
         ) from None
     dims = header.dims
     if min(*dims, *header.grid) < 1 or not header.prod:
-        raise LeaflightError(f"{path}: the header claims {text(dims)} voxels; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
+            "again."
+        )
     matrix = np.eye(4)
     matrix[:3, :3] = cell_axes(header.cell[:3], header.cell[3:]) / header.grid
     matrix[:3, 3] = matrix[:3, :3] @ header.start

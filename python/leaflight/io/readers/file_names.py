@@ -67,7 +67,7 @@ def sequences(folder: Path, files: Sequence[Path]) -> list[Slices]:
     notes: tuple[str, ...] = ()
     if left_out:
         names = listed([file.name for file in left_out])
-        notes = (f"Files whose names do not fit those of the slices are left out: {names}.",)
+        notes = (f"Files with other names than the slices are left out: {names}.",)
     return [
         Slices(one.name, one.axes, one.files, (*notes, *one.notes))
         for group in kept
@@ -129,7 +129,7 @@ def _grid(
     if len(places) < len(files):
         double = next(file for file in files if file not in places.values())
         raise LeaflightError(
-            f"{folder}: two of its files have the numbers of {double.name}; keep one of them."
+            f"{folder}: two files have the same numbers as {double.name}; keep one of them."
         )
     counted = [sorted({place[k] for place in places}) for k in range(len(columns))]
     order = list(product(*counted)) if prod(map(len, counted)) <= 2 * len(files) else []
@@ -138,9 +138,9 @@ def _grid(
         axes = " x ".join(str(len(one)) for one in counted)
         missing = ", ".join(f"{a} {n}" for (a, _), n in zip(columns, absent[0])) if absent else ""
         raise LeaflightError(
-            f"{folder}: the numbers in the names of its files stand for {axes} slices, but there "
-            f"are {len(files)}{f'; the one at {missing} is missing' if missing else ''}: add what "
-            "is missing, or keep one volume in the folder."
+            f"{folder}: the numbers in the file names are those of {axes} slices, but there are "
+            f"{len(files)}{f'; the one at {missing} is missing' if missing else ''}: add the "
+            "missing ones, or keep one volume in the folder."
         )
     name = _name(files[0], [k for _, k in columns])
     return Slices(
@@ -171,5 +171,5 @@ def _gaps(name: str, numbers: Sequence[int]) -> tuple[str, ...]:
     one, numbers_of = len(missing) == 1, listed([str(n) for n in missing])
     return (
         f"{'Slice' if one else 'Slices'} {numbers_of} of {name} {'is' if one else 'are'} missing; "
-        "the slices beside a gap are taken as neighbors.",
+        "the slices on both sides are read as neighbors.",
     )

@@ -132,9 +132,9 @@ def format_of(path: str | os.PathLike[str]) -> Format:
         return kind
     known = listed([suffix for suffix in SUFFIXES if not suffix.endswith(".gz")], _NAMED)
     raise SettingError(
-        f"{path}: neither its suffix {path.suffix or '(none)'} nor its contents are known; known "
-        f"are {known} (docs/formats.md), and folders of slices; of plain values give the "
-        "dimensions and the type.",
+        f"{path}: the suffix {path.suffix or '(none)'} and the content are unknown; open {known} "
+        "or folders of slices (docs/formats.md), or give the dimensions and the type of raw "
+        "values.",
         "dims",
         "type",
     )
@@ -162,14 +162,14 @@ def _of_folder(path: Path) -> Format:
         return _BY_MODULE["dicom"]
     if first == 0:
         raise LeaflightError(
-            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP files, and no "
-            "OME-Zarr."
+            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP, and no "
+            "OME-Zarr; choose another folder."
         )
     # Pictures beside DICOM files are previews.
     if first < (1 if most == "dicom" else _MANY_TIMES) * others:
         raise LeaflightError(
             f"{path}: this folder holds {first} {_OF_SLICES[most]} files and {others} "
-            f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
+            f"{_OF_SLICES[second]} files; keep only the slices of one volume."
         )
     return _BY_MODULE[most]
 

@@ -27,7 +27,7 @@ def open_volume(path: Path) -> StoredVolume:
         shape = tuple(int(size) for size in header.get_data_shape())
     except (KeyError, ValueError):
         raise LeaflightError(
-            f"{path}: this is not a readable FreeSurfer volume; it is damaged or of another kind."
+            f"{path}: this is not a readable FreeSurfer volume, or it is damaged; fetch it again."
         ) from None
     affine = np.asarray(header.get_affine(), np.float64)
     return stored_scan(path, Scan(path, header.get_data_offset(), shape, dtype, affine))

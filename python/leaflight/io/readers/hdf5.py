@@ -105,8 +105,8 @@ def _check_readable(path: Path) -> None:
     with open(path, "rb") as file:
         if file.read(len(_HDF4)) == _HDF4:
             raise LeaflightError(
-                f"{path}: this is a file of HDF4, the predecessor of HDF5, which is not read; "
-                "convert it by 'h4toh5' of the HDF Group first."
+                f"{path}: HDF4, the predecessor of HDF5, is not supported; convert the file with "
+                "'h4toh5' of the HDF Group first."
             )
 
 
@@ -121,6 +121,6 @@ def _without_filter(path: Path, code: int, name: str) -> LeaflightError:
         kind = f"HDF5 file, which the filter {name} ({code}) packs,"
         return MissingPackage(path, kind, "hdf5plugin")
     return LeaflightError(
-        f"{path}: its values are packed by the HDF5 filter {name} ({code}), which is not at hand; "
-        "unpack them where it is, for example by 'h5repack -f NONE'."
+        f"{path}: the values are compressed by the HDF5 filter {name} ({code}), which is not "
+        "installed; decompress them elsewhere, for example with 'h5repack -f NONE'."
     )

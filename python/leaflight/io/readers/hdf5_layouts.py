@@ -109,6 +109,6 @@ def _sized(data: h5py.Dataset, axes: Sequence[Axis]) -> tuple[Sequence[Axis], li
             replace(axis, step=steps.get(letter), unit=unit)
             for letter, axis in zip(grid.letters, axes)
         ]
-        note = f"The size of its voxels is taken from its attribute {name}, in the order z, y, x."
+        note = f"The voxel size is read from the attribute {name}, in the order z, y, x."
         return sized, [] if unit else [note]
     return axes, []

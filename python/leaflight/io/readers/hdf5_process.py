@@ -120,8 +120,8 @@ def _check_other_files(data: h5py.Dataset) -> None:
     if data.external:
         name = str(data.external[0][0])[:100]
         raise LeaflightError(
-            f"{path}: its values lie in another file, {name!r}, which is not supported; put them "
-            "into one, for example by 'h5repack'."
+            f"{path}: the values are in another file, {name!r}, which is not supported; merge the "
+            "files, for example with 'h5repack'."
         )
     for source in data.virtual_sources() if data.is_virtual else ():
         if source.file_name == ".":
@@ -131,6 +131,6 @@ def _check_other_files(data: h5py.Dataset) -> None:
         with h5py.File(other, "r") as file:
             if source.dset_name.replace("%b", "0") not in file:
                 raise LeaflightError(
-                    f"{path}: there is no array {source.dset_name[:100]!r} in {other.name}, of "
-                    "which it consists; fetch that file again."
+                    f"{path}: the array {source.dset_name[:100]!r} of its part {other.name} is "
+                    "missing; fetch that file again."
                 )

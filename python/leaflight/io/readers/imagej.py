@@ -62,11 +62,11 @@ def calibration(
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     if metadata["cf"] != _LINEAR or not np.isfinite([a, b]).all() or b == 0:
-        note = "The calibration of ImageJ is not linear; the values are the numbers in the file."
+        note = "The calibration of ImageJ is not linear, so the values are the stored numbers."
         return dtype, lambda numbers: numbers, note
     if (a, b) == (0.0, 1.0):
         return None
-    note = f"The values are calibrated as in ImageJ: {a:g} + {b:g} x the number in the file."
+    note = f"The values are calibrated as in ImageJ: {a:g} + {b:g} x the stored number."
     if (a, b) == _SIGNED and dtype == np.uint16:
         return np.dtype(np.int16), lambda numbers: (numbers ^ 0x8000).view(np.int16), note
     return np.dtype(np.float32), lambda numbers: (a + b * numbers).astype(np.float32), note

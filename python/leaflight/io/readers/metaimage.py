@@ -34,8 +34,8 @@ _TYPES = {
     "MET_DOUBLE": "f8",
 }
 _WIDE = (
-    "The values of type MET_LONG are read with eight bytes each, because the file has the size "
-    "for these."
+    "Values of type MET_LONG are read with eight bytes each, because that fits the size of the "
+    "file."
 )
 # Upper bound on the bytes of a header, including file names.
 _MOST = 1 << 20
@@ -51,7 +51,7 @@ def open_volume(path: Path) -> StoredVolume:
     channels = int(header.get("ElementNumberOfChannels", 1))
     if not 0 < channels < 1 << 16:
         raise LeaflightError(
-            f"{path}: its header claims {channels} values a voxel; correct the header."
+            f"{path}: the header claims {channels} values per voxel; correct the header."
         )
     shape = (*dims[::-1], channels) if channels > 1 else dims[::-1]
     matrix = _matrix(path, header)
@@ -128,7 +128,7 @@ def _type(
     name = header["ElementType"].upper().removesuffix("_ARRAY")
     if name not in _TYPES:
         raise LeaflightError(
-            f"{path}: the type {header['ElementType'][:40]} is not known; convert the file first."
+            f"{path}: the type {header['ElementType'][:40]} is unknown; convert the file first."
         )
     orders = [header.get(f"{key}ByteOrderMSB", "False") for key in ("BinaryData", "Element")]
     dtype = np.dtype((">" if any(map(_true, orders)) else "<") + _TYPES[name])

@@ -80,8 +80,8 @@ def open_pictures(
                 volumes.append((name, partial(_stack, path, kind, number, position, made)))
     if not volumes:
         raise LeaflightError(
-            f"{path}: its images are single planes ({listed(flat)}), but a volume needs three "
-            "dimensions."
+            f"{path}: the images are single planes ({listed(flat)}), but a volume needs three "
+            "dimensions; choose another file."
         )
     stored_volume = stored(path, volumes, dataset, spacing)
     if not flat:

@@ -63,8 +63,8 @@ def describe(path: Path) -> tuple[list[Any], tuple[()]]:
     in_space = [name.endswith("space") for name in names]
     if in_space not in ([True] * 3, [False, *[True] * 3]):
         raise LeaflightError(
-            f"{path}: its axes are {', '.join(names)[:80]}, but a volume needs three in space, and "
-            "at most time before them; reorder them with mincreshape."
+            f"{path}: the axes are {', '.join(names)[:80]}, but a volume needs three in space, "
+            "and optionally time before them; reorder them with mincreshape."
         )
     matrix = np.asarray(image.affine, np.float64)[:, [2, 1, 0, 3]]
     return [[int(size) for size in image.shape], matrix.tolist()], ()

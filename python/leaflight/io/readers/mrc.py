@@ -34,10 +34,10 @@ _MRC2014 = 2014
 # Number of values that are examined if the header does not tell if bytes are signed.
 _SAMPLED = 1 << 22
 _BY_HISTOGRAM = (
-    "The header does not say whether its bytes have a sign. By their histogram they are read as "
-    "{low} to {high}."
+    "The header does not say if its bytes are signed. By their histogram they are read as {low} "
+    "to {high}."
 )
-_IMAGES = "The file is a stack of images by its header; z counts these."
+_IMAGES = "The file is a stack of images by its header; z counts the images."
 
 
 def open_volume(path: Path) -> StoredVolume:
@@ -45,8 +45,8 @@ def open_volume(path: Path) -> StoredVolume:
     header = _header(path)
     if int(header["mode"]) == _HALVES:
         raise LeaflightError(
-            f"{path}: its values have four bits each, which is not supported; save it with eight, "
-            "for instance by IMOD's newstack -mode 0."
+            f"{path}: values of four bits are not supported; save the file with eight, for "
+            "example with IMOD's newstack -mode 0."
         )
     dtype = mrcfile.utils.data_dtype_from_header(header)
     check_scalar(path, dtype)
@@ -56,7 +56,9 @@ def open_volume(path: Path) -> StoredVolume:
     stored = path.stat().st_size - (0 if packed else offset)
     check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
     if min(counts) < 1:
-        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
+        )
     notes: tuple[str, ...] = ()
     if int(header["mode"]) == _BYTES:
         dtype, notes = _type_of_bytes(path, header, offset)
@@ -96,15 +98,18 @@ def _header(path: Path) -> Array:
     header: Array = interpreter.header.copy()
     if header["map"].item() != _STAMP and int(header["mode"]) not in _MODES:
         raise SettingError(
-            f"{path}: this is not a readable MRC or CCP4 map; if its values are plain, give the "
-            "dimensions and the type.",
+            f"{path}: this is not a readable MRC or CCP4 map; for raw values, give the dimensions "
+            "and the type.",
             "dims",
             "type",
         )
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:
-        raise LeaflightError(f"{path}: the header claims {length} bytes of text; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {length} bytes of text, so it is damaged; fetch the file "
+            "again."
+        )
     check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if is_packed(path) else 1)
     return header
 

@@ -106,7 +106,7 @@ def _type(path: Path, fields: dict[str, str]) -> tuple[np.dtype[Any], bool]:
     found = _TYPE.fullmatch(name)
     if not found or (found[1] or "").lower() == "float" and found[2] == "8":
         raise LeaflightError(
-            f"{path}: the type {name[:40]!r} is not that of a real number; convert the file with "
+            f"{path}: the type {name[:40]!r} is not a real number; convert the file with "
             "mrconvert first."
         )
     if found[1] is None:
@@ -122,7 +122,7 @@ def _layout(path: Path, fields: dict[str, str], count: int) -> tuple[list[int], 
     ranks = [int(each[2]) for each in found if each]
     if len(set(ranks)) != count or len(found) != count:
         raise LeaflightError(
-            f"{path}: its layout is not {count} different numbers, one for each axis; repair the "
+            f"{path}: the layout is not {count} different numbers, one for each axis; repair the "
             "header."
         )
     axes = sorted(range(count), key=lambda axis: -ranks[axis])
@@ -140,7 +140,7 @@ def _value_files(path: Path, fields: dict[str, str]) -> ValueFiles:
     names, offsets = [words[0] for words in lines if words], {words[-1] for words in lines if words}
     if len(offsets) != 1 or not re.fullmatch(r"\d{1,15}", min(offsets)):
         raise LeaflightError(
-            f"{path}: its header does not say where the values are; convert the file with "
+            f"{path}: the header does not name the file of the values; convert the file with "
             "mrconvert first."
         )
     files = tuple(path if name == "." else data_file(path, name) for name in names)

@@ -40,8 +40,8 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     names = tuple(found["maps"])
     if not names:
         raise LeaflightError(
-            f"{path}: it holds no phases, without which there is no map; open the .mtz of a "
-            "program of refinement, which has columns such as FWT and PHWT."
+            f"{path}: the file holds no phases, which a map needs; open the .mtz of a refinement "
+            "program, with columns such as FWT and PHWT."
         )
     amplitudes = {name.partition("/")[0]: name for name in reversed(names)}
     name = choose_named(path, names, amplitudes.get(dataset or "", dataset))
@@ -52,7 +52,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     if dataset is None and len(names) > 1:
         others = listed([other for other in names if other != name])
-        notes = (f"The map of {name} is computed; the dataset can also be {others}.",)
+        notes = (f"The map of {name} is computed; other datasets are {others}.",)
     dims = tuple(int(n) for n in found["dims"])
     matrix = np.eye(4)
     matrix[:3, :3] = cell_axes(found["cell"][:3], found["cell"][3:]) / dims

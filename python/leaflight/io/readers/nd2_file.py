@@ -72,8 +72,8 @@ def _check_frames(path: Path, file: Any, frames: list[int], size: int) -> None:
     for frame in frames:
         if frame not in offsets:
             raise LeaflightError(
-                f"{path}: frame {frame} of the recording is missing: the file is incomplete; fetch "
-                "it again, or choose another frame."
+                f"{path}: frame {frame} of the recording is missing; fetch the file again, or "
+                "choose another frame."
             )
         stored = file.attributes.compressionType is None
         if stored and offsets[frame] + size > path.stat().st_size:

@@ -36,8 +36,7 @@ def open_volume(
         mark = file.read(4)
     if mark == _CLASSIC_5:
         raise LeaflightError(
-            f"{path}: this is netCDF of the format CDF-5, which is not read; convert it by "
-            "'nccopy -k nc4'."
+            f"{path}: netCDF in the format CDF-5 is not supported; convert it with 'nccopy -k nc4'."
         )
     if mark not in _CLASSIC:
         return hdf5.open_volume(path, dataset, 0, spacing)

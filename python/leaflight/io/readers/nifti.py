@@ -25,10 +25,9 @@ from .watched import open_head, open_watched
 _SNIFFED = 348
 # Unit by the lowest three bits of the header's field. The default is millimeters.
 _UNITS = {0: "mm", 1: "m", 2: "mm", 3: "µm"}
-_ODD_UNIT = "The header's code {code} for the unit of length is unknown; it is read as millimeter."
+_ODD_UNIT = "The header's code {code} for the unit of length is unknown; millimeters are assumed."
 _SIDES = (
-    "Analyze files do not say which side is left: their x axis is taken to run from right to left, "
-    "as SPM does."
+    "Analyze files do not say which side is left; the x axis is read from right to left, as in SPM."
 )
 # Magic bytes: a pair of files, or one.
 _PAIRS = {
@@ -89,13 +88,15 @@ def _files(path: Path) -> tuple[Path, Path]:
     beside = next((file for file in found if file.is_file()), None)
     if beside is None and kind == ".img":
         raise SettingError(
-            f"{path}: there is no header {names[0]} beside it; put it there, or give the "
-            "dimensions and the type of its values.",
+            f"{path}: the header {names[0]} is missing; put it beside the file, or give the "
+            "dimensions and the type of the values.",
             "dims",
             "type",
         )
     if beside is None:
-        raise LeaflightError(f"{path}: there are no values {names[0]} beside it; put them there.")
+        raise LeaflightError(
+            f"{path}: the values {names[0]} are missing; put them beside the header."
+        )
     return (path, beside) if kind == ".hdr" else (beside, path)
 
 
@@ -129,7 +130,7 @@ def _image(path: Path, header: Path, file: Path) -> Any:
     ):
         kind = "NIfTI file" if header == file else "NIfTI or Analyze header"
         raise LeaflightError(
-            f"{path}: this is not a readable {kind}; it is damaged or of another kind."
+            f"{path}: this is not a readable {kind}, or it is damaged; fetch it again."
         ) from None
 
 

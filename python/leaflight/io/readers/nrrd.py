@@ -57,8 +57,8 @@ def open_volume(path: Path) -> StoredVolume:
     dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
     if dtype.kind == "V":
         raise LeaflightError(
-            f"{path}: the type {fields['type'][:40]} is not a number's; convert it to a scalar "
-            "type first."
+            f"{path}: the type {fields['type'][:40]} is not a number; convert the file to a "
+            "scalar type first."
         )
     endian = fields.get("endian", "little").lower()
     dtype = dtype.newbyteorder(">" if endian == "big" else "<")
@@ -66,8 +66,7 @@ def open_volume(path: Path) -> StoredVolume:
     dims = tuple(sizes[i] for i in axes.space)
     if max(dims) > _LARGEST_SIDE:
         raise LeaflightError(
-            f"{path}: the header claims the impossible size {text(dims)}; check that the file is "
-            "complete."
+            f"{path}: the header claims the impossible size {text(dims)}; fetch the file again."
         )
     stored = _value_files(path, fields, listed, end, sizes)
     stored.check(sizes[::-1], dtype)
@@ -113,7 +112,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
         name = {"datafile": "data file"}.get(name.strip().lower(), name.strip().lower())
         if colon and name in fields:
             raise LeaflightError(
-                f"{path}: the header says its {name[:40]} twice; remove one of them."
+                f"{path}: the header has the field {name[:40]} twice; remove one of them."
             )
         if colon:
             fields[name] = value.strip()
@@ -122,7 +121,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
             return fields, head[place:].decode("utf-8", "replace").splitlines(), place
     if not closed and "data file" not in fields:
         raise LeaflightError(
-            f"{path}: its header has no end, which is a blank line: it is truncated or damaged, "
+            f"{path}: the header does not end with a blank line: it is truncated or damaged, "
             "fetch it again."
         )
     return fields, [], place
@@ -130,7 +129,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
 
 def _need(path: Path, fields: dict[str, str], name: str) -> str:
     if name not in fields:
-        raise LeaflightError(f"{path}: its header does not say its {name}; fetch it again.")
+        raise LeaflightError(f"{path}: the header has no {name}; fetch it again.")
     return fields[name]
 
 
@@ -139,13 +138,13 @@ def _sizes(path: Path, fields: dict[str, str]) -> tuple[int, ...]:
     dimension = fields.get("dimension", str(len(words)))
     if not all(re.fullmatch(r"\d{1,9}", word) for word in words) or dimension != str(len(words)):
         raise LeaflightError(
-            f"{path}: its header does not say how large each of its axes is; fetch it again."
+            f"{path}: the header does not give the size of each axis; fetch it again."
         )
     shape = tuple(map(int, words))
     if not 0 < len(shape) <= _MOST_AXES or min(shape) < 1:
         raise LeaflightError(
-            f"{path}: the header claims the impossible size {text(shape[:_MOST_AXES])}; check that "
-            "the file is complete."
+            f"{path}: the header claims the impossible size {text(shape[:_MOST_AXES])}; fetch the "
+            "file again."
         )
     return shape
 
@@ -156,7 +155,7 @@ def _value_files(
     encoding = _need(path, fields, "encoding").lower()
     if encoding not in _ENCODINGS:
         raise LeaflightError(
-            f"{path}: the encoding {encoding[:40]} is not known; save it as raw or gzip."
+            f"{path}: the encoding {encoding[:40]} is unknown; save the file as raw or gzip."
         )
     name = fields.get("data file")
     return ValueFiles(
@@ -173,6 +172,7 @@ def _whole(path: Path, fields: dict[str, str], name: str, least: int) -> int:
     value = fields.get(name, fields.get(name.replace(" ", ""), "0"))
     if not re.fullmatch(r"-?\d{1,15}", value) or int(value) < least:
         raise LeaflightError(
-            f"{path}: its {name} is {value[:40]!r}, but must be a whole number; repair the header."
+            f"{path}: the field {name} is {value[:40]!r}, but must be a whole number; repair the "
+            "header."
         )
     return int(value)

@@ -99,7 +99,7 @@ def _roles(
         roles[axis] = role
         if sizes[axis] > 1 and kinds[axis] in _UNKNOWN:
             notes.append(
-                f"The header does not say what its {len(sizes)} axes are: the "
+                f"The header does not name its {len(sizes)} axes: the "
                 f"{'last' if axis else 'first'}, of {sizes[axis]}, is read as {role}s."
             )
     if roles.count("space") < 3:
@@ -107,8 +107,8 @@ def _roles(
         raise _no_volume(path, roles.count("space"), sizes, others)
     if directions is None and "kinds" not in fields and sizes[0] in (3, 4) and min(sizes[1:]) > 16:
         notes.append(
-            f"The header does not say what its axes are: the first, of {sizes[0]}, is read as x, "
-            "though it may be the colors of a picture."
+            f"The header does not name its axes: the first, of {sizes[0]}, is read as x, but it "
+            "may be the colors of a picture."
         )
     return roles, tuple(notes)
 
@@ -116,8 +116,8 @@ def _roles(
 def _no_volume(path: Path, count: int, sizes: Sequence[int], others: str = "") -> LeaflightError:
     also = f" (the others are {others[:60]})" if others else ""
     return LeaflightError(
-        f"{path}: only {count} of its axes, {text(sizes)}, are in space{also}, but a volume needs "
-        "three; join its slices into one file."
+        f"{path}: only {count} of the axes {text(sizes)} are in space{also}, but a volume needs "
+        "three; join the slices to one file."
     )
 
 
@@ -178,8 +178,8 @@ def _directions(
         raise _no_volume(path, 2, sizes)
     if len(words) != len(sizes):
         raise LeaflightError(
-            f"{path}: its space directions are not {len(sizes)}, one for each axis; repair the "
-            "header."
+            f"{path}: the header does not have {len(sizes)} space directions, one for each axis; "
+            "repair the header."
         )
     return [None if word.lower() == "none" else _vector(path, word) for word in words]
 
@@ -209,7 +209,8 @@ def _words(
     words = [default] * count if value is None else value.split()
     if len(words) != count:
         raise LeaflightError(
-            f"{path}: its {name} are not {count}, one for each axis; repair the header."
+            f"{path}: the field {name} does not have {count} entries, one for each axis; repair "
+            "the header."
         )
     return words
 

@@ -89,13 +89,13 @@ def member(path: Path, name: str) -> Path:
     file = (path.parent / name).resolve()
     if re.match(r"[A-Za-z]:", name) or "\0" in name or folder not in file.parents:
         raise LeaflightError(
-            f"{path}: its image lies in several files, of which {name[:100]!r} is outside its own "
-            "folder; put all files of the set into one folder."
+            f"{path}: the image is in several files, and {name[:100]!r} is outside this folder; "
+            "put all files of the set into one folder."
         )
     if not file.is_file():
         raise LeaflightError(
-            f"{path}: its image lies in several files, of which {name[:100]!r} is missing; put all "
-            "files of the set into one folder."
+            f"{path}: the image is in several files, and {name[:100]!r} is missing; put all files "
+            "of the set into one folder."
         )
     return file
 
@@ -130,8 +130,8 @@ def _incomplete(path: Path, image: Image, place: int) -> LeaflightError:
         place, k = divmod(place, image.sizes[axis])
         where.append(f"{axis} {k}")
     return LeaflightError(
-        f"{path}: its OME metadata describe {text([total])} planes, but the one at "
-        f"{', '.join(where)} is in none of its files: the image is incomplete, fetch it again."
+        f"{path}: the OME metadata describe {text([total])} planes, but the one at "
+        f"{', '.join(where)} is missing; fetch all files again."
     )
 
 
@@ -147,7 +147,7 @@ def _root(path: Path, xml: str | bytes | None) -> ElementTree.Element:
 
 def _damaged(path: Path) -> LeaflightError:
     return LeaflightError(
-        f"{path}: its OME metadata do not describe an image, or are damaged; fetch it again."
+        f"{path}: the OME metadata describe no image, or are damaged; fetch it again."
     )
 
 
@@ -165,8 +165,7 @@ def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) 
     pixels = next(_children(element, "Pixels"))
     if next(_children(pixels, "BinData"), None) is not None:
         raise LeaflightError(
-            f"{path}: its pixels lie within the XML, which is not supported; save the image as "
-            "OME-TIFF."
+            f"{path}: pixels within the XML are not supported; save the image as OME-TIFF."
         )
     order = pixels.attrib["DimensionOrder"][2:]
     sizes = {axis: int(pixels.attrib[f"Size{axis}"]) for axis in "XYZCT"}

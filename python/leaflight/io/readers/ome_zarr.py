@@ -48,8 +48,8 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
     if grid is None:
         named = ", ".join(f"{axis.name or '(no name)'} {text([axis.size])}" for axis in axes)
         raise LeaflightError(
-            f"{path}: its axes are {named[:200]}, but a volume needs x, y and z of two samples at "
-            "least."
+            f"{path}: the axes are {named[:200]}, but a volume needs x, y and z with at least two "
+            "samples each; choose another image."
         )
     check_matrix(path, grid.matrix)
     packing = packing_of(array.attributes)
@@ -97,8 +97,8 @@ def _images(path: Path, group: ZarrGroup) -> dict[str, ZarrGroup]:
     found = {one.path.name: one for one in groups if _multiscales(one)}
     if not found:
         raise LeaflightError(
-            f"{path}: it has no multiscale image of OME-Zarr; give the folder of one image, or of "
-            "one array."
+            f"{path}: this folder has no multiscale OME-Zarr image; give the folder of one image, "
+            "or of one array."
         )
     return found
 
@@ -118,8 +118,8 @@ def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Ax
         array = group.array(part["path"])
         if len(named) != len(array.shape):
             raise LeaflightError(
-                f"{path}: its metadata name {len(named)} axes, but its arrays have "
-                f"{len(array.shape)}; repair them."
+                f"{path}: the metadata have {len(named)} axes, but the arrays have "
+                f"{len(array.shape)}; repair the metadata."
             )
         steps, firsts, others = _transform([part, image], len(named))
         left_out |= others
@@ -128,7 +128,7 @@ def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Ax
             for n, axis, first, step in zip(array.shape, named, firsts, steps)
         ]
         levels.append((array, axes))
-    notes = [f"Its transformation {kind[:40]!r} is left out." for kind in sorted(left_out)]
+    notes = [f"The transformation {kind[:40]!r} is ignored." for kind in sorted(left_out)]
     return levels, notes
 
 

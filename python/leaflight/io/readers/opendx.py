@@ -77,8 +77,8 @@ def open_volume(path: Path) -> StoredVolume:
         matrix[:3, 3] += matrix[:3, :3] @ [0.5, 0.5, 0.5]
     if grid.items != prod(dims):
         raise LeaflightError(
-            f"{path}: it claims {text([grid.items])} values for {text(points)} positions; it is "
-            "damaged."
+            f"{path}: the header claims {text([grid.items])} values for {text(points)} positions, "
+            "so it is damaged; fetch the file again."
         )
     check_matrix(path, matrix)
     shape = (*dims, grid.channels)
@@ -92,7 +92,7 @@ def open_volume(path: Path) -> StoredVolume:
         values = _values(grid, shape, progress)[..., channel]
         return Volume(values.transpose(2, 1, 0), matrix, path.name.partition(".")[0])
 
-    note = "The file names no unit; its lengths are taken for angstrom, as in maps of molecules."
+    note = "The file has no unit; lengths are read as angstrom, as in maps of molecules."
     return StoredVolume(
         dims, grid.dtype, load, lengths(matrix), "Å", channels=grid.channels, notes=(note,)
     )

@@ -63,7 +63,7 @@ class Packing:
         if not missing:
             return ()
         fills = " or ".join(f"{fill:g}" for fill in self.fills)
-        return (f"{missing} of its voxels are missing data: the file marks them by {fills}.",)
+        return (f"{missing} of the voxels are missing data, which the file marks by {fills}.",)
 
     @property
     def _is_scaled(self) -> bool:

@@ -29,8 +29,8 @@ def open_volume(
     if not path.is_dir():
         height, width = _pixels(path).shape[:2]
         raise LeaflightError(
-            f"{path}: it holds one picture of {text((width, height))} pixels, but a volume needs "
-            "three dimensions; if this is one slice of many, open their folder."
+            f"{path}: the file holds one picture of {text((width, height))} pixels, but a volume "
+            "needs three dimensions; if this is one slice of many, open their folder."
         )
     files = visible_files(path, SUFFIXES)
     with _opened(files[0]) as image:
@@ -47,8 +47,8 @@ def _pixels(path: Path, palette: bytes | None = None) -> Array:
         if image.mode == "P" and not _is_gray(image):
             if palette is not None and _palette(image) != palette:
                 raise LeaflightError(
-                    f"{path}: its color palette is not that of the first slice; convert all "
-                    "slices to gray values first."
+                    f"{path}: the color palette differs from that of the first slice; convert all "
+                    "slices to gray first."
                 )
             return np.array(image)
         if image.mode.startswith("I"):
@@ -72,9 +72,9 @@ def _is_gray(image: Any) -> bool:
 def _notes(image: Any) -> tuple[str, ...]:
     """Returns notes about parts of such pictures that the volume leaves out."""
     if image.mode == "P" and not _is_gray(image):
-        return ("The values are the numbers of colors in the palette of the pictures.",)
+        return ("The values are color indices of the palette of the pictures.",)
     if image.mode in ("RGB", "RGBA", "LA") and ";16" in image.info["stored"]:
-        return ("Of the 16 bits of each color the upper 8 are read.",)
+        return ("Only the upper 8 of the 16 bits of each color are read.",)
     return ()
 
 
@@ -94,7 +94,7 @@ def _opened(path: Path) -> Iterator[Any]:
     except (LeaflightError, MemoryError):
         raise
     except Image.DecompressionBombError:
-        raise LeaflightError(f"{path}: the picture is too large; use smaller ones.") from None
+        raise LeaflightError(f"{path}: the picture is too large; use a smaller one.") from None
     except Exception:
         # On damaged files Pillow raises many types, from OSError to struct.error.
         raise LeaflightError(

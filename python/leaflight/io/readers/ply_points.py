@@ -55,8 +55,8 @@ def open_volume(
     names = tuple(name for name in fields if name not in _OTHERS)
     if not names or not set("xyz") <= set(fields):
         raise LeaflightError(
-            f"{path}: its points need x, y, z and a value, a property of any other name; it has "
-            f"{', '.join(fields) or 'none'}."
+            f"{path}: the points have the properties {', '.join(fields) or '(none)'}, but need x, "
+            "y, z and a value of any other name; add them."
         )
     name = "value" if dataset is None and "value" in names else choose_named(path, names, dataset)
     if name is None:
@@ -97,10 +97,14 @@ def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
         )
     elements = [number for number, line in enumerate(words) if line[0] == "element"]
     if not elements or words[elements[0]][1] != "vertex":
-        raise LeaflightError(f"{path}: its points must be the first element; save it so.")
+        raise LeaflightError(
+            f"{path}: the points are not the first element; save the file with points first."
+        )
     last = elements[1] if len(elements) > 1 else len(words)
     properties = [line[1:] for line in words[elements[0] + 1 : last] if line[0] == "property"]
     if any(kind not in _TYPES for kind, *_ in properties):
-        raise LeaflightError(f"{path}: its points have properties that are no numbers.")
+        raise LeaflightError(
+            f"{path}: the points have properties that are lists; save only numbers."
+        )
     dtype = np.dtype([(name, _MARKS[form] + _TYPES[kind]) for kind, name in properties])
     return form, int(words[elements[0]][2]), dtype, found.end()

@@ -42,20 +42,22 @@ def open_volume(
         )
     if len(dims) != 3 or any(n != int(n) or n < 1 for n in dims):
         raise SettingError(
-            f"{path}: the dimensions must be three positive whole numbers, of voxels along x, y "
+            f"{path}: the dimensions are not three positive integers; give the voxels along x, y "
             "and z.",
             "dims",
         )
     if type not in TYPES:
         raise SettingError(
-            f"{path}: the type {type} is not known; known are {', '.join(TYPES)}.", "type"
+            f"{path}: the type {type} is unknown; choose one of {', '.join(TYPES)}.", "type"
         )
     if endian not in ENDIANS:
-        raise SettingError(f"{path}: the byte order must be little or big, not {endian}.", "endian")
+        raise SettingError(
+            f"{path}: the byte order {endian} is unknown; choose little or big.", "endian"
+        )
     if skip != int(skip) or skip < -1:
         raise SettingError(
-            f"{path}: the bytes to skip must be a whole number, or -1 for all before the values, "
-            f"not {skip}.",
+            f"{path}: the number of bytes to skip is {skip}; give a whole number, or -1 for "
+            "everything before the values.",
             "skip",
         )
     nx, ny, nz = (int(n) for n in dims)
@@ -79,7 +81,7 @@ def _check_length(path: Path, shape: Sequence[int], dtype: np.dtype[Any], skip: 
     behind = f" behind the {skip} that are skipped" if skip > 0 else ""
     header = f": {left - needed} more, which may be a header to skip" if needed < left else ""
     raise SettingError(
-        f"{path}: {text(shape[::-1])} values of {dtype.name} are {needed} bytes, but the file "
+        f"{path}: {text(shape[::-1])} values of {dtype.name} take {needed} bytes, but the file "
         f"holds {max(0, left)}{behind}{header}; check dimensions and type.",
         "dims",
         "type",

@@ -98,8 +98,7 @@ def read_volume(
     path = Path(path)
     if downsample is not None and downsample not in DOWNSAMPLE:
         raise SettingError(
-            f"{path}: downsample must be one of {', '.join(map(str, DOWNSAMPLE))}, not "
-            f"{downsample}.",
+            f"{path}: downsample is {downsample}; choose one of {', '.join(map(str, DOWNSAMPLE))}.",
             "downsample",
         )
     smooth = checked(smooth or 0.0, "smooth", path)
@@ -131,7 +130,7 @@ def read_volume(
             smooth_normals=smooth_normals,
             notes=(*opened.notes, *volume.notes, *notes),
         )
-    progress.begin("Looking at the values")
+    progress.begin("Examining values")
     progress.check()
     volume.field()
     return volume if smooth > 0 or step > 1 else volume.noted(*about_labels(volume))
@@ -164,7 +163,8 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
     for name in options:
         if name not in kind.options:
             raise SettingError(
-                f"{path}: {name} has no meaning for this kind of file; leave it out.", name
+                f"{path}: the option {name} does not apply to this kind of file; leave it out.",
+                name,
             )
     reader = import_module(f".{kind.module}", __package__)
     opened: StoredVolume = reader.open_volume(path, **options)
@@ -227,9 +227,9 @@ def _check_memory(path: Path, stored: StoredVolume, step: int) -> None:
         return
     if 0 < here < needed and not is_limited():
         raise SettingError(
-            f"{path}: its {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
-            f"there are {here / 1e9:.1f} GB; downsample it, or limit the memory, so "
-            "that they lie on the disk.",
+            f"{path}: the {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
+            f"{here / 1e9:.1f} GB are available; downsample the volume, or limit the memory, so "
+            "that it is stored on disk.",
             "downsample",
         )
 

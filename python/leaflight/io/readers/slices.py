@@ -44,8 +44,8 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
             pixels = read(slices.files[k])
             if pixels.shape != first.shape:
                 raise LeaflightError(
-                    f"{slices.files[k]}: the slice is {_dims(pixels)}, but every slice of the "
-                    f"folder must be one plane of the same size, {_dims(first)}."
+                    f"{slices.files[k]}: the slice is {_dims(pixels)}, but the first slice of the "
+                    f"folder is {_dims(first)}; keep slices of one size."
                 )
             return pixels
 
@@ -54,7 +54,8 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
     inner = tuple(zip("YXS", first.shape))
     if not has_depth((*slices.axes, *inner)):
         raise LeaflightError(
-            f"{slices.files[0]}: it is the only slice of the folder, but a volume needs several."
+            f"{slices.files[0]}: the folder has only this slice, but a volume needs several; "
+            "choose another folder."
         )
     blocks = Blocks(slices.axes, inner, first.dtype, reading, 3, first.ndim == 3)
     return stack_of(slices.files[0].parent, blocks, None, (*notes, *slices.notes))

@@ -76,7 +76,9 @@ def module_of(path: Path) -> str | None:
         return None
     module = _module_of(head)
     if packed and module and module not in _UNPACKING:
-        raise LeaflightError(f"{path}: it is packed by gzip; unpack it first, as gunzip does.")
+        raise LeaflightError(
+            f"{path}: the file is compressed by gzip; decompress it first, for example with gunzip."
+        )
     return module
 
 

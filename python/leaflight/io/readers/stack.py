@@ -96,8 +96,8 @@ def _filled(path: Path, stack: Stack, frame: int, channel: int, progress: Progre
         if plane is None or plane.shape != stack.shape[1:]:
             found = "missing" if plane is None else text(plane.shape[::-1])
             raise LeaflightError(
-                f"{path}: plane {k} is {found}, but every plane of the volume must be "
-                f"{text(stack.shape[:0:-1])}: the file is damaged, fetch it again."
+                f"{path}: plane {k} is {found}, but the others are {text(stack.shape[:0:-1])}: "
+                "the file is damaged, fetch it again."
             )
         if not np.can_cast(plane.dtype, values.dtype):
             values = values.astype(np.promote_types(plane.dtype, values.dtype))

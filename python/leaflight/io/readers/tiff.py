@@ -87,7 +87,7 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
     places = ome.table(path, image, pages_of)
     if alone and {file for file, _ in places.values()} == {path}:
         left = pages_of(path) - len(set(places.values()))
-        more = f"Pages that the OME metadata do not describe are left out: {left}."
+        more = f"Pages without OME metadata are left out: {left}."
         notes = (*notes, more) if left > 0 else notes
     file, number = places[0]
     with opened(file) as tiff:
@@ -98,8 +98,8 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
     sizes = dict(inner)
     if (sizes["X"], sizes["Y"]) != (image.sizes["X"], image.sizes["Y"]):
         raise LeaflightError(
-            f"{path}: its OME metadata describe {image.sizes['X']} x {image.sizes['Y']} pixels, "
-            f"but its pages have {sizes['X']} x {sizes['Y']}; fetch it again."
+            f"{path}: the OME metadata describe {image.sizes['X']} x {image.sizes['Y']} pixels, "
+            f"but the pages have {sizes['X']} x {sizes['Y']}; fetch it again."
         )
     outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
     blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
@@ -196,8 +196,8 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
     of_page = prod(series.keyframe.shape)
     if series.dataoffset is None and prod(n for _, n in inner) != of_page or len(inner) < 2:
         raise LeaflightError(
-            f"{path}: its {len(series)} pages are no array of {text(series.shape[::-1])}; save it "
-            "anew as a plain stack."
+            f"{path}: the {len(series)} pages do not form an array of {text(series.shape[::-1])}; "
+            "save the file as a plain stack."
         )
     open_blocks = partial(_open_series, path, index, tuple(n for _, n in inner))
     return Blocks(outer, inner, series.dtype, open_blocks, samples, colors)
@@ -260,8 +260,8 @@ def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:
 def _flat(path: Path, sizes: Sequence[tuple[int, int]]) -> LeaflightError:
     pictures = "one picture" if len(sizes) == 1 else f"{len(sizes)} single pictures"
     return LeaflightError(
-        f"{path}: it holds {pictures} of {listed([text(size) for size in sizes])} pixels, but a "
-        "volume needs three dimensions; if this is one slice of many, open their folder."
+        f"{path}: the file holds {pictures} of {listed([text(size) for size in sizes])} pixels, "
+        "but a volume needs three dimensions; if this is one slice of many, open their folder."
     )
 
 
@@ -271,8 +271,8 @@ def _slice(path: Path) -> Array:
         blocks = _blocks(path, file, 0)
         if has_depth(blocks.axes):
             raise LeaflightError(
-                f"{path}: the slice is {_dims(blocks)}, but every slice of the folder must be one "
-                "plane of the same size."
+                f"{path}: the slice is {_dims(blocks)}, but a slice of a folder must be one "
+                "plane; open this file alone, or remove it."
             )
         _check_series(path, file, series_of(file)[0])
     return picture(blocks)

@@ -72,14 +72,14 @@ def usable(
     for value, count in found.fills.items():
         least, most = figures(found.low, found.high)
         notes.append(
-            f"{_share(count / found.voxels)} of the voxels hold {value:.7g}, far from all other "
-            f"values {least}..{most}: they count as missing data."
+            f"{_share(count / found.voxels)} of the voxels are {value:.7g}, far from all other "
+            f"values {least}..{most}: they are read as missing data."
         )
     if offset:
         least, most = figures(found.low, found.high)
         notes.append(
-            f"Its values {least}..{most} differ too little for single precision: {offset:.15g} is "
-            "taken off them and off isovalues."
+            f"The values {least}..{most} differ too little for single precision: {offset:.15g} is "
+            "subtracted from them and from isovalues."
         )
     return Usable(stored, tuple(found.fills), offset), offset, tuple(notes)
 
@@ -92,13 +92,13 @@ def about_labels(volume: Volume) -> list[str]:
     levels, _ = found.levels
     kind = "a mask" if len(levels) == 2 else "labels"
     notes = [
-        f"It holds {len(levels)} different values, like {kind}: Smooth (--smooth 1) rounds the "
-        "stairs of its isosurfaces."
+        f"The volume holds {len(levels)} different values, like {kind}: Smooth (--smooth 1) "
+        "removes the steps of its isosurfaces."
     ]
     if np.abs(levels).max() > _EXACT:
         notes.append(
-            f"Single precision tells the first 7 digits of its labels up to {levels[-1]:.0f} "
-            "apart: neighboring numbers may have become one."
+            f"Single precision keeps 7 digits of labels up to {levels[-1]:.0f}: neighboring "
+            "numbers may have become equal."
         )
     return notes
 

@@ -50,8 +50,8 @@ class ValueFiles:
         encoding = ENCODINGS[self.encoding]
         if self.skip < 0 and self.encoding in ("text", "hex"):
             raise LeaflightError(
-                f"{self.files[0]}: values as {self.encoding} cannot be found from the end of their "
-                "file; give the number of bytes before them."
+                f"{self.files[0]}: values in {self.encoding} cannot be located from the end of "
+                "the file; give the number of bytes before them."
             )
         shape = shape[::-1] if len(self.files) == 1 else (prod(shape) // len(self.files),)
         size = prod(shape) * dtype.itemsize
@@ -131,7 +131,8 @@ class ValueFiles:
                 progress.check()
             if length >= most:
                 raise LeaflightError(
-                    f"{file}: more than {_MOST_BEFORE} bytes are before its values; unpack it."
+                    f"{file}: more than {_MOST_BEFORE} bytes precede the values; decompress the "
+                    "file."
                 )
             skip = length - size + self.skip + 1
             opened.seek(begin)

@@ -28,10 +28,10 @@ _MOST_LINE, _MOST_LINES = 1 << 16, 1 << 22
 # Parts of file names. Densities are stored multiplied by the volume of the cell.
 _DENSITIES, _OTHERS = ("CHG", "AECCAR"), ("LOCPOT", "ELF", "POT")
 _SETS = {
-    (True, 2): "channel 0 is the density of all electrons, 1 that of spin up less spin down",
+    (True, 2): "channel 0 is the density of all electrons, 1 is spin up less spin down",
     (True, 4): "channel 0 is the density of all electrons, 1 to 3 are their magnetization",
-    (False, 2): "channel 0 is that of spin up, 1 that of spin down",
-    (False, 4): "channel 0 is that of all electrons, 1 to 3 are those of their magnetization",
+    (False, 2): "channel 0 is spin up, 1 is spin down",
+    (False, 4): "channel 0 is all electrons, 1 to 3 are their magnetization",
 }
 
 
@@ -60,7 +60,7 @@ def open_volume(path: Path) -> StoredVolume:
             grids = _grids(path, file)
     except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
         raise LeaflightError(
-            f"{path}: this is not a readable file of VASP with values on a grid, or it is damaged; "
+            f"{path}: this is not a readable VASP file with values on a grid, or it is damaged; "
             "fetch it again."
         ) from None
     dims, frames = grids.dims, len(grids.lattices)
@@ -70,7 +70,7 @@ def open_volume(path: Path) -> StoredVolume:
         check_matrix(path, matrix)
     is_density, notes = _quantity(path, grids)
     if (is_density, channels) in _SETS:
-        notes += (f"It holds {channels} grids: {_SETS[is_density, channels]}.",)
+        notes += (f"The file holds {channels} grids: {_SETS[is_density, channels]}.",)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         try:
@@ -102,8 +102,8 @@ def _quantity(path: Path, grids: _Grids) -> tuple[bool, tuple[str, ...]]:
     if any(word in name for word in _OTHERS):
         return False, ()
     return True, (
-        "Its values are divided by the volume of the cell, as those of CHGCAR; LOCPOT or ELFCAR in "
-        "its name says that they are no density.",
+        "The values are divided by the volume of the cell, as in CHGCAR, unless the file name "
+        "contains LOCPOT or ELFCAR.",
     )
 
 
@@ -130,8 +130,8 @@ def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
             raise ValueError("no grid")
     if not grids.starts:
         raise LeaflightError(
-            f"{path}: it holds the structure of a crystal, but no values on a grid; open CHGCAR, "
-            "LOCPOT or another file of its kind."
+            f"{path}: the file holds the structure of a crystal, but no values on a grid; open "
+            "CHGCAR, LOCPOT or a similar file."
         )
     if min(grids.dims) < 1 or len(grids.starts) % len(grids.lattices):
         raise ValueError("grids")

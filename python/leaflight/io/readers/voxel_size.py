@@ -52,9 +52,7 @@ def voxel_size(
     note = ""
     if z is None:
         z = 1.0 / scales[2]
-        note = (
-            f"The file does not say how far apart its planes are; 1 {unit or 'pixel'} is assumed."
-        )
+        note = f"The file has no distance between planes; 1 {unit or 'pixel'} is assumed."
     x, y, z = (size * scale for size, scale in zip((x, y, z), scales))
     return VoxelSize((x, y, z), unit, note)
 

@@ -54,10 +54,13 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     points = tuple(int(n) for n in high - low + 1)
     claimed = tuple(int(n) for n in _extent(image, "WholeExtent") @ [-1, 1] + 1)
     if prod(points) > _MOST_EMPTY * sum(prod(piece.shape(False)) for piece in pieces):
-        raise LeaflightError(f"{path}: nearly all of its {text(points)} points lie in no piece.")
+        raise LeaflightError(
+            f"{path}: nearly all of the {text(points)} points are in no piece; save the image "
+            "again."
+        )
     notes: tuple[str, ...] = ()
     if claimed != points:
-        notes = (f"Its pieces hold {text(points)} of the {text(claimed)} points that it claims.",)
+        notes = (f"The pieces hold {text(points)} of the {text(claimed)} points in the header.",)
     # Parallel files omit the direction.
     first = _image(pieces[0].document)
     places = [image.get(key) or first.get(key) or default for key, default in _PLACE.items()]
@@ -78,8 +81,8 @@ def _image(document: Document) -> Element:
             return image
     kind = (document.root.get("type") or "no")[:40]
     raise LeaflightError(
-        f"{document.path}: it holds {kind} data, but a volume needs ImageData; in ParaView apply "
-        "Resample To Image to it, and save that as .vti."
+        f"{document.path}: the file holds {kind} data, but a volume needs ImageData; apply "
+        "Resample To Image in ParaView, and save as .vti."
     )
 
 
@@ -95,12 +98,15 @@ def _pieces(document: Document, image: Element) -> list[_Piece]:
         elif image.tag == "PImageData":
             other = open_document(data_file(document.path, source))
             if other.root.find("PImageData") is not None:
-                raise LeaflightError(f"{document.path}: its piece {source[:100]} has pieces, too.")
+                raise LeaflightError(
+                    f"{document.path}: the piece {source[:100]} consists of pieces itself; save "
+                    "the image from ParaView as one."
+                )
             found += _pieces(other, _image(other))
     found = [piece for piece in found if (piece.extent[:, 0] <= piece.extent[:, 1]).all()]
     if not 0 < len(found) <= _MOST_PIECES:
         raise LeaflightError(
-            f"{document.path}: its image has {len(found)} pieces that are not empty; save it from "
+            f"{document.path}: the image has {len(found)} pieces that are not empty; save it from "
             "ParaView as one."
         )
     return found
@@ -136,7 +142,7 @@ def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> I
         missing = found.size - int(found.sum())
         if not missing:
             return values, ()
-        note = f"No piece of it holds {missing} of its {found.size} voxels: these have no data."
+        note = f"{missing} of {found.size} voxels are in no piece, so they are missing data."
         return np.where(found, values, np.float32(np.nan)).astype(np.float32), (note,)
 
     return ImageArray(name, of_cells, dtype, channels, read)

@@ -52,7 +52,9 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
     """Opens the chosen array, else the only one of points, else the only one."""
     path = image.path
     if min(image.points) < 1:
-        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
+        )
     found = _named(image.arrays)
     names, notes = tuple(found), image.notes
     of_points = [name for name, array in found.items() if not array.of_cells]
@@ -60,7 +62,7 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
     if name is None and len(of_points) == 1:
         name = of_points[0]
         others = listed([other for other in names if other != name])
-        notes += (f"The array {name}, of points, is read; the dataset can also be {others}.",)
+        notes += (f"The array {name} (points) is read; other datasets are {others}.",)
     if name is None:
         unread = np.dtype(np.float32)
         return StoredVolume(None, unread, undecided(path, names), datasets=names, notes=notes)

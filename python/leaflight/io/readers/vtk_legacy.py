@@ -129,8 +129,8 @@ def _check_kind(file: _File) -> None:
     if kind != "STRUCTURED_POINTS":
         named = kind[:40].lower().replace("_", " ")
         raise LeaflightError(
-            f"{file.path}: it holds {named} data, but a volume needs "
-            "structured points; in ParaView apply Resample To Image to it, and save that as .vti."
+            f"{file.path}: the file holds {named} data, but a volume needs structured points; "
+            "apply Resample To Image in ParaView, and save as .vti."
         )
 
 

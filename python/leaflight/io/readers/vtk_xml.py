@@ -106,8 +106,8 @@ def open_document(path: Path) -> Document:
     if compressor not in _COMPRESSORS:
         known = listed([name for name in _COMPRESSORS if name])
         raise LeaflightError(
-            f"{path}: its compression {str(compressor)[:40]} is not supported; save it without, "
-            f"or with one of {known}."
+            f"{path}: the compression {str(compressor)[:40]} is not supported; save the file "
+            f"uncompressed, or with one of {known}."
         )
     opening = data.find(b"_", end) if end >= 0 else -1
     is_base64 = end >= 0 and b"base64" in data[end:opening]

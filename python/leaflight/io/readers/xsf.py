@@ -44,13 +44,18 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
         ) from None
     names = tuple(found)
     if not names:
-        raise LeaflightError(f"{path}: it holds no grid of three dimensions (DATAGRID_3D).")
+        raise LeaflightError(
+            f"{path}: the file holds no three-dimensional grid (DATAGRID_3D); choose another file."
+        )
     name = choose_named(path, names, dataset)
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     grid = found[name]
     if min(grid.dims) < 2:
-        raise LeaflightError(f"{path}: its grid has {text(grid.dims)} points, too few to show.")
+        raise LeaflightError(
+            f"{path}: the grid has {text(grid.dims)} points, which are too few; choose another "
+            "file."
+        )
     check_matrix(path, grid.matrix)
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:

@@ -71,12 +71,12 @@ class ZarrGroup:
         # For security, open no file outside the header's folder.
         if self.path.resolve() not in path.resolve().parents:
             raise LeaflightError(
-                f"{self.path}: it refers to the array {name[:100]!r} outside of itself; repair its "
-                "metadata."
+                f"{self.path}: the metadata name the array {name[:100]!r} outside this folder; "
+                "repair the metadata."
             )
         found = open_zarr(path)
         if isinstance(found, ZarrGroup):
-            raise LeaflightError(f"{path}: this is no array of Zarr; repair the metadata.")
+            raise LeaflightError(f"{path}: this is not a Zarr array; repair the metadata.")
         return found
 
 
@@ -94,21 +94,22 @@ def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
     kind = header["data_type"]
     if not isinstance(kind, str):
         raise LeaflightError(
-            f"{path}: its values are structures, but a volume needs one real number a voxel; "
-            "convert it first."
+            f"{path}: the values are structures, but a volume needs one real number per voxel; "
+            "convert the array first."
         )
     try:
         dtype = np.dtype(kind).newbyteorder("=")
     except TypeError:
         raise LeaflightError(
-            f"{path}: its values are of the type {kind[:40]!r}, but a volume needs one real number "
-            "a voxel; convert it first."
+            f"{path}: the values have the type {kind[:40]!r}, but a volume needs one real number "
+            "per voxel; convert the array first."
         ) from None
     check_scalar(path, dtype)
     shape = tuple(int(n) for n in header["shape"])
     if min(shape, default=0) < 1:
         raise LeaflightError(
-            f"{path}: its shape is {text(shape) or 'missing'}, so it has no values; fetch it again."
+            f"{path}: the shape is {text(shape) or 'missing'}, so there are no values; fetch it "
+            "again."
         )
     if {"scale_factor", "add_offset"} & attributes.keys():
         # xarray stores the fill value of packed numbers as the value of absent chunks.
@@ -126,7 +127,7 @@ def header_of(path: Path) -> dict[str, Any]:
         return {**header, "data_type": header["dtype"], "attributes": attributes}
     if (path / ".zgroup").is_file():
         return {"zarr_format": 2, "attributes": attributes}
-    raise LeaflightError(f"{path}: there is no array and no group of Zarr here; fetch it again.")
+    raise LeaflightError(f"{path}: this folder holds no Zarr array or group; fetch it again.")
 
 
 def _json(path: Path) -> dict[str, Any]:

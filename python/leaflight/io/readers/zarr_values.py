@@ -223,8 +223,8 @@ def _codec(path: Path, options: dict[str, Any]) -> Callable[[Bytes], Bytes]:
         codec = numcodecs.get_codec(dict(options))
     except (ValueError, TypeError):
         raise LeaflightError(
-            f"{path}: its chunks are packed by the codec {str(options['id'])[:40]}, which is not "
-            "at hand; save them with another one, such as Blosc."
+            f"{path}: the chunks are compressed by the codec {str(options['id'])[:40]}, which is "
+            "not installed; save them with another one, such as Blosc."
         ) from None
     return lambda data: bytes_of(ensure_contiguous_ndarray(codec.decode(data)))
 

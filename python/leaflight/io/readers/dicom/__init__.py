@@ -87,12 +87,12 @@ def _check_depth(path: Path, stack: Stack) -> None:
         return
     if len(stack.frames) > 1:
         raise LeaflightError(
-            f"{path}: all {len(stack.frames)} slices of this series lie at one place, but a volume "
-            "needs several places; choose another series."
+            f"{path}: all {len(stack.frames)} slices of this series have the same position; "
+            "choose another series."
         )
     raise LeaflightError(
-        f"{path}: this series has a single slice here, but a volume needs several; open the folder "
-        "with all of them, or choose another series."
+        f"{path}: this series has only one slice here; open the folder with all of them, or "
+        "choose another series."
     )
 
 

@@ -53,11 +53,11 @@ def choices_of(path: Path, found: list[Series]) -> tuple[dict[str, Choice], tupl
         return choices, ()
     if not kept:
         raise LeaflightError(
-            f"{path}: all {len(choices)} pictures in it are single slices, but a volume needs "
-            "several of one series; choose another folder."
+            f"{path}: all {len(choices)} series in it are single slices; choose a folder with a "
+            "series of several slices."
         )
     names = listed(list(slices), _MOST_NAMES)
-    return kept, (f"Left out, since each is a single slice: {names}.",)
+    return kept, (f"These are left out, because each is a single slice: {names}.",)
 
 
 def meant(choices: dict[str, Choice], word: str | None) -> str | None:

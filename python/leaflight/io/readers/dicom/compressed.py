@@ -168,7 +168,7 @@ def _check_size(pixels: Pixels, frame: bytes) -> None:
     size = _size(frame)
     if size is not None and size != pixels.shape:
         raise LeaflightError(
-            f"{pixels.file}: its compressed picture is {size[1]} x {size[0]}, but its header says "
+            f"{pixels.file}: the compressed picture is {size[1]} x {size[0]}, but the header says "
             f"{pixels.shape[1]} x {pixels.shape[0]}: it is damaged, fetch it again."
         )
 
@@ -191,6 +191,6 @@ def _size(frame: bytes) -> tuple[int, int] | None:
 
 def _damaged(pixels: Pixels) -> LeaflightError:
     return LeaflightError(
-        f"{pixels.file}: its compressed pixels ({UID(pixels.syntax).name}) do not decode: it is "
-        "truncated or damaged, fetch it again."
+        f"{pixels.file}: the compressed pixels ({UID(pixels.syntax).name}) cannot be decoded: the "
+        "file is truncated or damaged, fetch it again."
     )

@@ -59,8 +59,8 @@ def _within(folder: Path) -> list[Path]:
         files.append(file)
         if len(files) > MOST_FILES:
             raise LeaflightError(
-                f"{folder}: there are more than {MOST_FILES} files in its folders; choose the "
-                "folder of one series."
+                f"{folder}: its folders hold more than {MOST_FILES} files; choose the folder of "
+                "one series."
             )
     return files
 

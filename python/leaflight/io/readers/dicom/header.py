@@ -181,7 +181,8 @@ def _check_deflated(file: Path, stream: BinaryIO) -> None:
         count += len(unpacker.decompress(packed, _PIECE))
         if count > most:
             raise LeaflightError(
-                f"{file}: its deflated data would take more than {most} bytes; save it unpacked."
+                f"{file}: the deflated data would take more than {most} bytes; save it "
+                "uncompressed."
             )
         packed = unpacker.unconsumed_tail or stream.read(_PIECE)
     stream.seek(0)

@@ -58,8 +58,8 @@ def _groups(path: Path, planes: list[Plane]) -> list[list[Plane]]:
         if group is None:
             if len(alike) == _MOST_KINDS:
                 raise LeaflightError(
-                    f"{path}: the slices of this series lie at more than {_MOST_KINDS} angles to "
-                    "each other or differ in size, and so make no volume; choose another series."
+                    f"{path}: the slices of this series have more than {_MOST_KINDS} directions "
+                    "or sizes; choose another series."
                 )
             group = []
             alike.append(group)

@@ -75,8 +75,8 @@ def _native(pixels: Pixels, page: int, part: Callable[[int, int], bytes]) -> Arr
     size = pixels.allocated // 8
     if pixels.allocated not in ((32, 64) if pixels.floats else (8, 16, 32)):
         raise LeaflightError(
-            f"{pixels.file}: its pixels take {pixels.allocated} bits each, which is not supported; "
-            "save the series with 16."
+            f"{pixels.file}: {pixels.allocated} bits per pixel are not supported; save the series "
+            "with 16."
         )
     if size == 1 and pixels.words and not pixels.little:
         # Two pixels are a word; its first byte is the second pixel.

@@ -131,12 +131,12 @@ def _check_kind(header: Header) -> None:
     tags = header.tags
     if "MOSAIC" in (tags.get("ImageType", None) or ()):
         raise LeaflightError(
-            f"{header.file}: it is a mosaic of slices, as scanners of Siemens write it; convert "
-            "the series by dcm2niix, and open the NIfTI file."
+            f"{header.file}: this is a Siemens mosaic of slices; convert the series with "
+            "dcm2niix, and open the NIfTI file."
         )
     if "TotalPixelMatrixColumns" in tags:
         raise LeaflightError(
-            f"{header.file}: its pages are tiles of a microscope's slide, not slices of a volume; "
+            f"{header.file}: the pages are tiles of a microscope slide, not slices of a volume; "
             "choose another series."
         )
 
@@ -149,7 +149,7 @@ def _vector(tags: pydicom.Dataset, name: str, pixels: Pixels) -> Floats | None:
     vector = _floats(tags.get(name, None)) if pixels.pages > 1 else None
     if vector is not None and len(vector) != pixels.pages:
         raise LeaflightError(
-            f"{pixels.file}: its header has places for {len(vector)} planes, but the file has "
+            f"{pixels.file}: the header has positions for {len(vector)} planes, but the file has "
             f"{pixels.pages}: it is damaged, fetch it again."
         )
     return vector
@@ -175,9 +175,9 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         # A gamma camera may count against its normal.
         normal = -normal if gap < 0 else normal
     if spacing is None:
-        remarks += ("The header has no size of a pixel; 1 mm is taken.",)
+        remarks += ("The header has no pixel size; 1 mm is assumed.",)
     if not gap and (position is None or (stepped and file.offsets is None)):
-        remarks += ("The header has no distance of the slices; 1 mm is taken.",)
+        remarks += ("The header has no distance between slices; 1 mm is assumed.",)
     slope, intercept = _scale(tags)
     location = header.get("SliceLocation", None)
     padding = _padding(file)
@@ -308,17 +308,17 @@ def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
     interpretation = str(header.get("PhotometricInterpretation", ""))
     if interpretation == "MONOCHROME1":
         remarks.append(
-            "The series is MONOCHROME1: other programs show its low values bright. The values are "
-            "as stored."
+            "The series is MONOCHROME1: other programs show low values bright. Values are as "
+            "stored."
         )
     if interpretation == "PALETTE COLOR":
-        remarks.append("The values are numbers of a color table, as stored.")
+        remarks.append("The values are indices of a color table, as stored.")
     kind = [str(word) for word in header.get("ImageType", None) or ()]
     if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in kind[2]:
         remarks.append("The pages are views or times of a camera, not slices.")
     if header.get("ModalityLUTSequence", None):
         remarks.append(
-            "The header has a table of values (Modality LUT), which is not applied; the values are "
+            "The header has a table of values (Modality LUT), which is not applied. Values are "
             "as stored."
         )
     return tuple(remarks)

@@ -68,16 +68,16 @@ def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
         files, missing = listed_by(header)
         if not files:
             raise LeaflightError(
-                f"{path}: this DICOMDIR lists {missing} files, none of which is beside it; copy "
-                "the whole disc, or open the folder with the slices."
+                f"{path}: this DICOMDIR lists {missing} files, and all are missing; copy the "
+                "whole disc, or open the folder with the slices."
             )
         return _series_of(path, files, missing)
     own = _picture(header)
     if own is None or own.cut:
-        raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another.")
+        raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another file.")
     if own.color:
         raise LeaflightError(
-            f"{path}: its pixels are colors, but a volume needs one real number a voxel; choose "
+            f"{path}: the pixels are colors, but a volume needs one real number per voxel; choose "
             "another series."
         )
     if own.alone:
@@ -117,11 +117,11 @@ def _series_of(
             one.problem = one.problem or problem
     if not series and colors:
         raise LeaflightError(
-            f"{path}: all of its {colors} DICOM pictures are colors, but a volume needs one real "
-            "number a voxel; choose another folder."
+            f"{path}: all {colors} DICOM pictures are colors, but a volume needs one real number "
+            "per voxel; choose another folder."
         )
     if not series:
-        raise LeaflightError(f"{path}: none of its DICOM files holds pixels; choose others.")
+        raise LeaflightError(f"{path}: its DICOM files hold no pixels; choose another folder.")
     return list(series.values()), _notes(colors, cut + damaged * (own is None), missing)
 
 
@@ -131,10 +131,10 @@ def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
         notes.append(f"{colors} color picture{'s are' if colors > 1 else ' is'} left out.")
     if damaged:
         names = listed(damaged, _MOST_NAMES)
-        notes.append(f"Left out, since they are damaged or hold no pixels: {names}.")
+        notes.append(f"These are left out, because they are damaged or hold no pixels: {names}.")
     if missing:
         files = "1 more file, which is" if missing == 1 else f"{missing} more files, which are"
-        notes.append(f"The DICOMDIR lists {files} not there.")
+        notes.append(f"The DICOMDIR lists {files} missing.")
     return tuple(notes)
 
 

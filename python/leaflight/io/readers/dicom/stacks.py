@@ -49,12 +49,12 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
     if len(counts) > 1:
         raise LeaflightError(
             f"{path}: this series has {min(counts)} to {max(counts)} different slices at each "
-            "place in the patient; take out those that do not belong to it."
+            "position; remove those that do not belong to it."
         )
     _check_even(path, places)
     notes = [_copies_note(copies)] if copies else []
     if not planes[0].placed:
-        notes.append("The header does not place the slices in the patient.")
+        notes.append("The header has no position of the slices in the patient.")
     frames: list[list[Plane | None]] = [
         [place[frame] for place in places] for frame in range(counts.pop())
     ]
@@ -64,7 +64,7 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
 def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
     """Returns the planes of one segment in the grid of all segments. Raises LeaflightError."""
     if any(one.position is None for one in planes):
-        raise LeaflightError(f"{path}: its header does not place the segments; repair it.")
+        raise LeaflightError(f"{path}: the header has no positions of the segments; repair it.")
     places = _places(planes)
     indices = _indices(path, np.array([_along(place[0], planes[0]) for place in places]), planes[0])
     frame: list[Plane | None] = [None] * int(indices[-1] + 1)
@@ -72,7 +72,7 @@ def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
         own = [one for one in place if one.label == label]
         if len(own) > 1 and len({digest(one) for one in own}) > 1:
             raise LeaflightError(
-                f"{path}: the segment {label!r} has {len(own)} different slices at one place; "
+                f"{path}: the segment {label!r} has {len(own)} different slices at one position; "
                 "choose a file with one of them."
             )
         frame[index] = own[0] if own else None
@@ -92,8 +92,8 @@ def _indices(path: Path, along: Array, first: Plane) -> Array:
             if apart <= UNEVEN * step and counts.sum() <= _MOST_EMPTY * len(along):
                 return np.append(0, np.cumsum(counts)).astype(np.int64)
     raise LeaflightError(
-        f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, which is no multiple "
-        "of one distance; take out those that do not belong to it."
+        f"{path}: the slices are {gaps.min():g} to {gaps.max():g} mm apart, which are not "
+        "multiples of one distance; remove those that do not belong to it."
     )
 
 
@@ -104,11 +104,11 @@ def _unplaced(path: Path, planes: list[Plane]) -> Stack:
         planes = sorted(planes, key=lambda one: one.location or 0.0)
         _check_distances(path, np.array(sorted(locations)))
         step = (max(locations) - min(locations)) / max(len(planes) - 1, 1)
-        note = "The headers have distances of the slices, but no position in the patient."
+        note = "The headers have distances of the slices, but no positions in the patient."
     else:
         step = planes[0].step or 1.0
         note = (
-            f"The headers do not place the slices; they are taken by their numbers, {step:g} mm "
+            f"The headers have no positions of the slices; they are sorted by number, {step:g} mm "
             "apart."
         )
     first = planes[0]
@@ -173,8 +173,8 @@ def _identities(one: Plane) -> set[tuple[object, ...]]:
 
 def _copies_note(copies: int) -> str:
     if copies == 1:
-        return "1 slice is there twice, with the same values; the copy is left out."
-    return f"{copies} slices are there twice, with the same values; the copies are left out."
+        return "1 slice is stored twice with equal values; the copy is left out."
+    return f"{copies} slices are stored twice with equal values; the copies are left out."
 
 
 def _check_even(path: Path, places: list[list[Plane]]) -> None:
@@ -188,8 +188,8 @@ def _check_even(path: Path, places: list[list[Plane]]) -> None:
     step = np.linalg.norm(line[-1] - line[0]) / max(len(line) - 1, 1)
     if aside > _ASIDE * max(first.spacing) + UNEVEN * step:
         raise LeaflightError(
-            f"{path}: its slices do not lie above each other, but up to {aside:g} mm aside; take "
-            "out those that do not belong to the series."
+            f"{path}: the slices are up to {aside:g} mm off a common line; remove those that do "
+            "not belong to the series."
         )
 
 
@@ -207,8 +207,8 @@ def _check_distances(path: Path, along: Array) -> None:
         and np.abs(along - even).max() > UNEVEN * gaps.mean()
     ):
         raise LeaflightError(
-            f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, so that one may be "
-            "missing; complete the series, or take out those that do not belong to it."
+            f"{path}: the slices are {gaps.min():g} to {gaps.max():g} mm apart, so one may be "
+            "missing; complete the series, or remove slices that do not belong to it."
         )
 
 
@@ -233,5 +233,5 @@ def _matrix(path: Path, first: Plane, last: Plane, count: int) -> Array:
 
 def _checked(path: Path, matrix: Array) -> Array:
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) == 0:
-        raise LeaflightError(f"{path}: the headers place the slices nowhere in space; repair them.")
+        raise LeaflightError(f"{path}: the matrix in the headers is not invertible; repair them.")
     return matrix
