@@ -36,9 +36,9 @@ def _refusal():
     own = ".".join(map(str, bl_info["version"]))
     if leaflight.__version__ != own:
         return (
-            f"This add-on is of Leaflight {own}, but the package leaflight "
-            f"{leaflight.__version__} is loaded from {leaflight.__path__[0]}; restart Blender, "
-            "or remove that package."
+            f"This add-on has version {own}, but version {leaflight.__version__} of the package "
+            f"leaflight is loaded from {leaflight.__path__[0]}; restart Blender, or remove that "
+            "package."
         )
     return None
 

@@ -313,7 +313,7 @@ def test_a_process_of_its_own():
     progress.cancel()
     with pytest.raises(Cancelled):
         bake_bump_box(8, 0, 1, progress)
-    with pytest.raises(LeaflightError, match="at least 2 nodes"):
+    with pytest.raises(LeaflightError, match="give at least 2"):
         bake_bump_box(1, 0, 1, Progress())
 
 

@@ -105,7 +105,7 @@ def test_only_its_own_bake_goes_on(tmp_path, bump_scene):
     whole = checkpoint.path.read_bytes()
     for damaged in (whole[:-1], whole[:100], b"", whole[:200] + b"x" + whole[201:]):
         checkpoint.path.write_bytes(damaged)
-        with pytest.raises(LeaflightError, match="bake anew"):
+        with pytest.raises(LeaflightError, match="checkpoint"):
             leaflight.bake(leaflight.bump_box(6), checkpoint=again, **arguments)
 
 
@@ -157,6 +157,6 @@ def test_a_bake_that_failed_says_that_it_can_go_on(tmp_path, cli, monkeypatch):
         without_space.setattr(leaflight.Bake, "save", full)
         outcome = cli("bake", "bump_box", "--dims", "6", "--error", "5", "--out", out)
     assert outcome.status == 2
-    assert f"make some; after that, leaflight bake --resume {out} goes on.\n" in outcome.err
+    assert f"make some; afterwards, leaflight bake --resume {out} continues it.\n" in outcome.err
     assert cli("bake", "--resume", out).status == 0
     assert load_bake(out) and os.listdir(tmp_path) == ["x.vdb"]

@@ -218,7 +218,7 @@ def test_passes_and_an_interruption(tmp_path):
     resumed = bake_flatland(volume, checkpoint=Checkpoint(path, resume=True), **settings)
     assert resumed.id == whole.id
     np.testing.assert_array_equal(resumed.texture(), whole.texture())
-    with pytest.raises(LeaflightError, match="checkpoint of another bake"):
+    with pytest.raises(LeaflightError, match="belongs to another bake"):
         bake_flatland(volume, checkpoint=Checkpoint(path, resume=True), **{**settings, "seed": 1})
 
 

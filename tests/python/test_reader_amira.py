@@ -130,8 +130,8 @@ def test_damaged(tmp_path, values):
         (header(one, kind="rectilinear"), "not evenly spaced"),
         (header(one).replace(b"define Lattice 6 5 4", b"define Nodes 9"), "no lattice"),
         (header(one).replace(b"6 5 4", b"60 50 40"), "claims 60 x 50 x 40 values"),
-        (header("Lattice { float Data } @1(HxWavelet,9)"), "compression HxWavelet is not known"),
-        (header("Lattice { float[2] Data } @9"), "no volume of real numbers"),
+        (header("Lattice { float Data } @1(HxWavelet,9)"), "compression HxWavelet is unknown"),
+        (header("Lattice { float[2] Data } @9"), "no three-dimensional volume of real numbers"),
         (b"# HyperSurface 0.1 ASCII\n", "not a readable AmiraMesh file"),
         (b"", "not a readable AmiraMesh file"),
     ):

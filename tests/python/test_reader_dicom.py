@@ -108,7 +108,7 @@ def test_values_beyond_sixteen_bits(tmp_path, values):
 
 def test_damaged(folder, values):
     (folder / "d").unlink()
-    with pytest.raises(LeaflightError, match="2 to 4 mm apart, so that one may be missing"):
+    with pytest.raises(LeaflightError, match="2 to 4 mm apart, so one may be missing"):
         read_volume(folder)
     write_slice(folder / "d", values[2, :-1], 104)
     with pytest.raises(LeaflightError, match="missing; .*1 slice of another size .* is left out"):
@@ -130,7 +130,7 @@ def test_slices_of_any_distance(tmp_path, values, apart):
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_allclose(np.diag(volume.index_to_world), [-apart, -apart, apart, 1])
     (folder / "IM0001").unlink()
-    with pytest.raises(LeaflightError, match="mm apart, so that one may be missing"):
+    with pytest.raises(LeaflightError, match="mm apart, so one may be missing"):
         read_volume(folder)
 
 
@@ -163,7 +163,7 @@ def test_a_tilted_gantry(tmp_path, values):
 def test_slices_beside_each_other(tmp_path, values):
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k, ImagePositionPatient=[50 * (k == 2), 0, k])
-    with pytest.raises(LeaflightError, match="do not lie above each other, but up to 50 mm aside"):
+    with pytest.raises(LeaflightError, match="up to 50 mm off a common line"):
         read_volume(tmp_path)
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k)
@@ -180,10 +180,10 @@ def test_a_slice_that_is_there_twice(folder, values):
     volume = read_volume(folder)
     np.testing.assert_array_equal(volume.values, 2 * values - 1000)
     assert volume.notes == (
-        "2 slices are there twice, with the same values; the copies are left out.",
+        "2 slices are stored twice with equal values; the copies are left out.",
     )
     write_slice(folder / "e", values[0] + 1, 100, InstanceNumber=50)
-    with pytest.raises(LeaflightError, match="has 1 to 2 different slices at each place"):
+    with pytest.raises(LeaflightError, match="has 1 to 2 different slices at each position"):
         read_volume(folder)
 
 
@@ -191,7 +191,7 @@ def test_a_series_that_is_there_twice(folder, values):
     for k, name in enumerate("cadb"):
         (folder / f"copy of {name}").write_bytes((folder / name).read_bytes())
     stored = probe(folder)
-    assert stored.frames == 1 and "4 slices are there twice" in stored.notes[0]
+    assert stored.frames == 1 and "4 slices are stored twice" in stored.notes[0]
 
 
 def test_times_with_blank_slices_are_no_copies(tmp_path, values):
@@ -241,7 +241,7 @@ def test_slices_without_a_place(tmp_path, values):
     folder = write_series(tmp_path / "scan", values, ImagePositionPatient=None)
     volume = read_volume(folder)
     assert not volume.patient and volume.notes == (
-        "The headers do not place the slices; they are taken by their numbers, 3 mm apart.",
+        "The headers have no positions of the slices; they are sorted by number, 3 mm apart.",
     )
     for k, location in enumerate([9, 4.5, 0, -4.5]):
         tags = {"ImagePositionPatient": None, "SliceLocation": location, "RescaleIntercept": 0}

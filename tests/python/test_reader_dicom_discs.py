@@ -34,7 +34,7 @@ def test_nested_folders(study, values):
     assert stored.datasets == ("3 Head CT", "4 Neck CT")
     assert stored.notes == (
         "1 color picture is left out.",
-        "Left out, since each is a single slice: 1 Scout CT.",
+        "These are left out, because each is a single slice: 1 Scout CT.",
     )
     for name in ("4 Neck CT", "4", "Neck", "4 Neck"):
         np.testing.assert_array_equal(read_volume(study, dataset=name).values, values + 1)
@@ -91,7 +91,7 @@ def test_a_disc_that_lacks_files(disc, values):
     assert volume.notes == ("The DICOMDIR lists 1 more file, which is not there.",)
     for path in slices[:-1]:
         path.unlink()
-    with pytest.raises(LeaflightError, match="lists 4 files, none of which is beside it"):
+    with pytest.raises(LeaflightError, match="lists 4 files, and all are missing"):
         read_volume(disc / "DICOMDIR")
 
 
@@ -104,7 +104,7 @@ def test_a_list_leads_nowhere_else(disc, values):
     (disc.parent / "inner").mkdir()
     path = disc.parent / "inner" / "DICOMDIR"
     path.write_bytes(data.replace(name, rb"..\disc\PT000000".ljust(len(name) - 3, b"0") + rb"\IM"))
-    with pytest.raises(LeaflightError, match="none of which is beside it"):
+    with pytest.raises(LeaflightError, match="and all are missing"):
         read_volume(path)
 
 
@@ -117,7 +117,9 @@ def test_files_beside_slices(tmp_path, values):
     (folder / "cut").write_bytes(cut)
     volume = read_volume(folder)
     np.testing.assert_array_equal(volume.values, values)
-    assert volume.notes == ("Left out, since they are damaged or hold no pixels: cut, broken.",)
+    assert volume.notes == (
+        "These are left out, because they are damaged or hold no pixels: cut, broken.",
+    )
     np.testing.assert_array_equal(read_volume(folder / "IM0001").values, values)
 
 
@@ -125,13 +127,13 @@ def test_folders_of_no_volume(tmp_path, values):
     color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
     for k in range(2):
         write_slice(tmp_path / f"{k}", np.zeros((5, 18)), k, Columns=6, **color)
-    with pytest.raises(LeaflightError, match="all of its 2 DICOM pictures are colors"):
+    with pytest.raises(LeaflightError, match="all 2 DICOM pictures are colors"):
         read_volume(tmp_path)
     for k in range(2):
         write_slice(tmp_path / f"{k}", values[k], k, uid(f"{k}"))
-    with pytest.raises(LeaflightError, match="all 2 pictures in it are single slices"):
+    with pytest.raises(LeaflightError, match="all 2 series in it are single slices"):
         read_volume(tmp_path)
-    with pytest.raises(LeaflightError, match="a single slice here, but a volume needs several"):
+    with pytest.raises(LeaflightError, match="only one slice here"):
         read_volume(tmp_path / "0")
 
 
@@ -142,7 +144,7 @@ def test_folders_without_end(study, monkeypatch):
     (study / "a" / "again").symlink_to(study)
     if hasattr(os, "mkfifo"):
         os.mkfifo(study / "a" / "pipe")
-    with pytest.raises(LeaflightError, match="more than 5 files in its folders"):
+    with pytest.raises(LeaflightError, match="hold more than 5 files"):
         read_volume(study)
     monkeypatch.setattr(disc, "MOST_FILES", 11)
     assert len(probe(study).datasets) == 2

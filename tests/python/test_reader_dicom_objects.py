@@ -134,7 +134,7 @@ def test_gates_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_times(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, FrameIncrementPointer=0x00181063, FrameTime=40)
-    with pytest.raises(LeaflightError, match="all 4 slices of this series lie at one place"):
+    with pytest.raises(LeaflightError, match="all 4 slices of this series have the same position"):
         read_volume(path)
 
 
@@ -147,10 +147,10 @@ def test_views_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_tiles(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, TotalPixelMatrixColumns=12)
-    with pytest.raises(LeaflightError, match="tiles of a microscope's slide"):
+    with pytest.raises(LeaflightError, match="tiles of a microscope slide"):
         read_volume(path)
     write_slice(tmp_path / "mosaic", values[0], 0, ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"])
-    with pytest.raises(LeaflightError, match="mosaic of slices.*convert the series by dcm2niix"):
+    with pytest.raises(LeaflightError, match="mosaic of slices.*convert the series with dcm2niix"):
         read_volume(tmp_path / "mosaic")
 
 
@@ -160,8 +160,8 @@ def test_pages_without_places(tmp_path, values):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert not volume.patient and volume.notes == (
-        "The header does not place the slices in the patient.",
-        "The header has no distance of the slices; 1 mm is taken.",
+        "The header has no position of the slices in the patient.",
+        "The header has no distance between slices; 1 mm is assumed.",
     )
 
 
@@ -212,7 +212,7 @@ def test_two_slices_of_a_segment_at_one_place(tmp_path, masks):
     np.testing.assert_array_equal(read_volume(path).values, masks[0, [0, 0]])
     planes[2] = (1, 1, masks[0, 1])
     path = segments(tmp_path / "seg.dcm", planes, ["Liver"])
-    with pytest.raises(LeaflightError, match="'Liver' has 2 different slices at one place"):
+    with pytest.raises(LeaflightError, match="'Liver' has 2 different slices at one position"):
         read_volume(path)
 
 

@@ -227,7 +227,7 @@ def empty_folder(path):
     path.mkdir()
 
 
-@case("", "same size")
+@case("", "of one size")
 def slices_of_two_sizes(path):
     path.mkdir()
     tifffile.imwrite(path / "1.tif", NOISE[0])
@@ -326,7 +326,7 @@ def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkey
     outcome = cli("info", path, *dims)
     assert outcome.status == 2 and "need 4398.0 GB of memory" in outcome.err
     assert outcome.err.endswith(
-        "downsample it, or limit the memory, so that they lie on the disk (--downsample).\n"
+        "downsample the volume, or limit the memory, so that it is stored on disk (--downsample).\n"
     )
 
 

@@ -175,7 +175,7 @@ def test_several_files(tmp_path, values, field, pack):
     with pytest.raises(LeaflightError, match="x003.raw|x001.raw"):
         read_volume(path)
     (tmp_path / names[2]).unlink()
-    with pytest.raises(LeaflightError, match="no data file '.*x003.raw' beside it"):
+    with pytest.raises(LeaflightError, match="data file '.*x003.raw' is missing"):
         read_volume(path)
 
 
@@ -187,7 +187,7 @@ def test_a_listed_file_outside_the_folder(tmp_path, values):
     text = write(tmp_path / "x.mha", values).read_bytes().split(b"LOCAL")[0] + b"LIST\n"
     for name in (b"../secret.raw", b"link.raw", b"/etc/hostname", b"C:/secret.raw"):
         (folder / "x.mhd").write_bytes(text + b"\n".join([name] * 4))
-        with pytest.raises(LeaflightError, match="outside its own folder"):
+        with pytest.raises(LeaflightError, match="outside .* folder"):
             read_volume(folder / "x.mhd")
 
 
@@ -280,14 +280,14 @@ def test_damaged(tmp_path, values):
     values = values.astype("<i2")
     path = tmp_path / "x.mhd"
     for data, sentence in (
-        ("../x.raw", "outside its own folder"),
-        ("/etc/passwd", "outside its own folder"),
+        ("../x.raw", "outside .* folder"),
+        ("/etc/passwd", "outside .* folder"),
         ("LIST", "names . data files"),
-        ("x%03d.raw 1 3", "names 3 data files, which do not make up its 6 x 5 x 4 values"),
-        ("../x%d.raw 1 4 1", "outside its own folder"),
+        ("x%03d.raw 1 3", "names 3 data files, which do not match 6 x 5 x 4 values"),
+        ("../x%d.raw 1 4 1", "outside .* folder"),
         ("x%d.raw 1 4 0", "steps of 0"),
-        ("x%d.raw", "no data file 'x1.raw' beside it"),
-        ("x%s.raw", "no data file 'x%s.raw' beside it"),
+        ("x%d.raw", "data file 'x1.raw' is missing"),
+        ("x%s.raw", "data file 'x%s.raw' is missing"),
     ):
         header = write(tmp_path / "y.mha", values).read_bytes().replace(b"LOCAL", data.encode())
         path.write_bytes(header)
@@ -301,14 +301,14 @@ def test_damaged(tmp_path, values):
     header = write(tmp_path / "scan" / "z.mhd", values, data="link.raw")
     (tmp_path / "scan" / "link.raw").unlink(missing_ok=True)
     (tmp_path / "scan" / "link.raw").symlink_to("../x.raw")
-    with pytest.raises(LeaflightError, match="outside its own folder"):
+    with pytest.raises(LeaflightError, match="outside .* folder"):
         read_volume(header)
     digits = path.read_bytes().replace(b"DimSize = 6", b"DimSize = " + b"1" * 400)
     (tmp_path / "y.mhd").write_bytes(digits)
     with pytest.raises(LeaflightError, match="claims 10.399 x 5 x 4 values"):
         read_volume(tmp_path / "y.mhd")
     (tmp_path / "x.raw").unlink()
-    with pytest.raises(LeaflightError, match="no data file 'x.raw' beside it"):
+    with pytest.raises(LeaflightError, match="data file 'x.raw' is missing"):
         read_volume(path)
     write(path, values, "MET_SHORT", "x.zraw", lambda data: zlib.compress(data)[:-9])
     with pytest.raises(LeaflightError, match="x.mhd: .*ends before"):

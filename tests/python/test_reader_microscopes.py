@@ -152,5 +152,5 @@ def test_single_planes_are_no_volume(tmp_path):
     needs("nd2")
     path = tmp_path / "x.nd2"
     files.nd2(path, "YXC", np.moveaxis(PIXELS[0, 0, :, 0], 0, -1))
-    with pytest.raises(LeaflightError, match="its images are single planes .6 x 5 pixels., but"):
+    with pytest.raises(LeaflightError, match="the images are single planes .6 x 5 pixels., but"):
         read_volume(path)

@@ -153,7 +153,7 @@ def test_stacks_of_images(tmp_path, name):
     (tmp_path / "x.mrc").rename(tmp_path / name)
     volume = read_volume(tmp_path / name)
     np.testing.assert_array_equal(volume.values, SIGNED)
-    assert "z counts these" in volume.notes[0]
+    assert "z counts the images" in volume.notes[0]
 
 
 def test_a_packed_map_of_a_plain_name(tmp_path, values):
@@ -196,7 +196,7 @@ def test_damaged_maps(tmp_path, values):
         (ccp4(values)[:-1], "claims"),
         (ccp4(values, at={0: 2**30, 1: 2**30}), "claims"),
         (ccp4(values, at={3: 4}), "complex"),
-        (b"no map" * 400, "not a readable MRC or CCP4 map; if its values are plain"),
+        (b"no map" * 400, "not a readable MRC or CCP4 map; for raw values"),
         (b"no map", "damaged|readable"),
         (b"", "damaged|readable"),
     ):

@@ -80,7 +80,7 @@ def test_colors_of_16_bits_are_read_by_8(tmp_path):
         (tmp_path / f"{k}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + data)
     volume = read_volume(tmp_path)
     np.testing.assert_array_equal(volume.values, GRAY)
-    assert volume.notes == ("Of the 16 bits of each color the upper 8 are read.",)
+    assert volume.notes == ("Only the upper 8 of the 16 bits of each color are read.",)
 
 
 def test_alpha_is_left_out(tmp_path):
@@ -109,7 +109,9 @@ def test_slices_with_a_palette(tmp_path):
         assert len(volume.notes) == notes
     image.putpalette([(5 * k) % 256 for k in range(768)])
     image.save(folder / "3.png")
-    with pytest.raises(LeaflightError, match="3.png: its color palette is not that of the first"):
+    with pytest.raises(
+        LeaflightError, match="3.png: the color palette differs from that of the first"
+    ):
         read_volume(folder)
 
 
@@ -210,7 +212,7 @@ def test_slices_without_numbers(tmp_path):
 def test_the_same_number_twice_is_refused(tmp_path):
     save_all(tmp_path)
     save(tmp_path / "slice_08.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="two of its files have the numbers of slice_"):
+    with pytest.raises(LeaflightError, match="two files have the same numbers as slice_"):
         read_volume(tmp_path)
 
 
@@ -222,7 +224,7 @@ def test_one_picture_is_no_volume(tmp_path):
 
 def test_one_slice_is_no_volume(tmp_path):
     save(tmp_path / "x.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="x.png: it is the only slice of the folder"):
+    with pytest.raises(LeaflightError, match="x.png: the folder has only this slice"):
         read_volume(tmp_path)
 
 
@@ -271,7 +273,9 @@ def test_a_folder_of_two_kinds_is_refused(tmp_path):
         dicom(tmp_path / f"{k}.dcm")
         (tmp_path / f"{k}.png").write_bytes(b"?")
         (tmp_path / f"a{k}.png").write_bytes(b"?")
-    sentence = "holds 8 PNG, JPEG or BMP files and 4 DICOM files; keep the slices of one volume"
+    sentence = (
+        "holds 8 PNG, JPEG or BMP files and 4 DICOM files; keep only the slices of one volume"
+    )
     with pytest.raises(LeaflightError, match=sentence):
         read_volume(tmp_path)
 

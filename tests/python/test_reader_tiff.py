@@ -104,11 +104,11 @@ def test_a_set_stays_in_its_folder(tmp_path, name):
     ifd = 'IFD="0" PlaneCount="4"'
     data = tiff_data("x.ome.tif", "", ifd) + tiff_data(name, 'FirstC="1"', ifd, 1)
     write(folder / "x.ome.tif", PIXELS[0], ome(data))
-    with pytest.raises(LeaflightError, match="is outside its own folder"):
+    with pytest.raises(LeaflightError, match="is outside .* folder"):
         read_volume(folder / "x.ome.tif", channel=0)
     (folder / "x.ome.tif").unlink()
     write(folder / "x.ome.tif", PIXELS[0], f'<OME><BinaryOnly MetadataFile="{name}"/></OME>')
-    with pytest.raises(LeaflightError, match="is outside its own folder"):
+    with pytest.raises(LeaflightError, match="is outside .* folder"):
         read_volume(folder / "x.ome.tif")
 
 
@@ -128,7 +128,7 @@ def test_a_plane_that_is_in_no_file_is_refused(tmp_path):
     with pytest.raises(LeaflightError, match="describe 8 planes, but the one at Z 3, C 1, T 0 is"):
         read_volume(path, channel=0)
     write(path, np.concatenate([pages, pages[:1]]), ome(""))
-    assert probe(path).notes == ("Pages that the OME metadata do not describe are left out: 1.",)
+    assert probe(path).notes == ("Pages without OME metadata are left out: 1.",)
     np.testing.assert_array_equal(read_volume(path, channel=1).values, PIXELS[1])
 
 
@@ -273,7 +273,7 @@ def test_an_unknown_depth_of_a_voxel_is_reported(tmp_path):
     tifffile.imwrite(path, PIXELS[0], ome=True, metadata=metadata)
     volume = read_volume(path)
     assert diagonal(volume) == [0.5, 0.5, 1] and volume.unit == "µm"
-    assert "how far apart its planes are; 1 µm is assumed." in volume.notes[0]
+    assert "no distance between planes; 1 µm is assumed." in volume.notes[0]
 
 
 def pages(path, *pictures):

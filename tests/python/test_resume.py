@@ -148,7 +148,9 @@ def test_a_first_picture_begins_anew(bump_scene, tmp_path):
 
 def test_what_is_good_enough_is_not_continued(box):
     baked = box(error=8.0)
-    with pytest.raises(SettingError, match="errs .* % already, and 8 % is asked for") as caught:
+    with pytest.raises(
+        SettingError, match="already has an error of .* %, and the target is 8 %"
+    ) as caught:
         resume(baked)
     assert caught.value.settings == ("error",)
 

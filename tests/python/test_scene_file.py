@@ -105,7 +105,7 @@ BAD = [
     (["isosurface_scattering"], "velvet", "isosurface_scattering.*glass.*velvet"),
     (["isosurface_ior"], 0, "isosurface_ior.*0.1..10"),
     (["capped"], 1, "capped.*true or false"),
-    (["volumes"], [], "unknown key"),
+    (["volumes"], [], "is unknown"),
     (["exposure"], 0, "exposure.*positive"),
     (["exposure"], "bright", "exposure"),
     (["exposure"], 10**400, "exposure"),
@@ -158,7 +158,7 @@ BAD = [
     (["environment", "image"], "nowhere.exr", "environment.*nowhere.exr"),
     (["environment", "rotation"], "left", "environment.*rotation"),
     (["environment", "world_to_image"], [[1, 0, 0]] * 3, "environment.*world_to_image"),
-    (["environment", "strength"], 1, "environment.*unknown key"),
+    (["environment", "strength"], 1, "environment.*is unknown"),
 ]
 BAD_VOLUMES = [
     ([], "at least one volume"),

@@ -65,7 +65,7 @@ def test_packed_contents(tmp_path, name):
 def test_packed_contents_that_must_be_unpacked(tmp_path, name):
     path = tmp_path / f"{name}.gz"
     path.write_bytes(gzip.compress(good(tmp_path / name)))
-    with pytest.raises(LeaflightError, match="unpack it first"):
+    with pytest.raises(LeaflightError, match="decompress it first"):
         read_volume(path)
 
 
@@ -90,7 +90,7 @@ def test_names_without_a_suffix(tmp_path):
         assert format_of(tmp_path / name).module == module
     for name in ("chgcar notes.txt", "x", "x.gz"):
         (tmp_path / name).write_bytes(b"")
-        with pytest.raises(LeaflightError, match="neither its suffix .* nor its contents"):
+        with pytest.raises(LeaflightError, match="the suffix .* and the content"):
             format_of(tmp_path / name)
 
 
@@ -116,7 +116,7 @@ def test_contents_that_are_not_known(tmp_path, content):
     path = tmp_path / "x.foo"
     path.write_bytes(content)
     assert module_of(path) is None
-    with pytest.raises(LeaflightError, match="x.foo: neither its suffix .foo nor its contents"):
+    with pytest.raises(LeaflightError, match="x.foo: the suffix .foo and the content"):
         read_volume(path)
 
 

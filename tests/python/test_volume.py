@@ -22,7 +22,7 @@ def test_bump_box_fills_the_unit_cube():
 
 
 def test_bump_box_has_a_least_size():
-    with pytest.raises(LeaflightError, match="2 nodes a side, not 1"):
+    with pytest.raises(LeaflightError, match="nodes per side is 1"):
         leaflight.bump_box(1)
 
 

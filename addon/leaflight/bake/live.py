@@ -286,7 +286,9 @@ def _go_on():
         if not job.is_outdated:
             _left, _why = (
                 job.fingerprint,
-                iface_("Stopped: direct light is new, indirect light is of an earlier position"),
+                iface_(
+                    "Stopped: direct light is current, indirect light is of an earlier position"
+                ),
             )
     except Exception as error:
         _left, _why = job.fingerprint, failures.sentence_of(error)
@@ -298,7 +300,7 @@ def _go_on():
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
-    bl_description = "Leave the light as it is shown now, until something moves again. Esc does so"
+    bl_description = "Stop updating the light until an object moves again"
     bl_options = set()
     conditions = (checks.needs(lambda _: _work, "Nothing is in progress"),)
 
@@ -326,10 +328,7 @@ PROPERTIES = (
         "leaflight_live",
         BoolProperty(
             name="Live",
-            description=(
-                "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
-                "once, then the passes of a new bake. The last pass is saved to a new file"
-            ),
+            description=("Update the light while lamps, walls and volumes move"),
             update=_switched,
         ),
     ),

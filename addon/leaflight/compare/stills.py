@@ -86,9 +86,9 @@ def doubt(result):
     if not abs(off) - within > MEAN_OF_A_GOOD_BAKE:
         return ""
     return (
-        f"The mean is off by {off:+.1f} %, of which noise explains {within:.1f} % and the texels "
-        f"of a good bake {MEAN_OF_A_GOOD_BAKE:g} %: Cycles renders something brighter or darker "
-        "than it was baked; see what differs, bake again, or bake with more texels and samples"
+        f"The mean is off by {off:+.1f} % ({within:.1f} % is noise, {MEAN_OF_A_GOOD_BAKE:g} % "
+        "texels of a good bake), so Cycles renders a brighter or darker scene: bake again, with "
+        "more texels or samples"
     )
 
 
@@ -209,12 +209,12 @@ def check_lit(volume, isovalue):
     if settings.isosurface_scattering != "DIFFUSE":
         if not settings.bake_walls:
             raise LeaflightError(
-                f'"{volume.name}" is a mirror or glass, which shows the walls alone: bake with '
+                f'"{volume.name}" is a mirror or glass, which shows only the walls: bake with '
                 "Light the Walls, or select a diffuse volume."
             )
     elif not isosurface.is_lit(volume, isovalue):
         raise LeaflightError(
-            f'"{volume.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+            f'Capped of "{volume.name}" has changed since the bake, so it is not lit: bake again.'
         )
 
 

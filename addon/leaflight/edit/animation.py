@@ -22,21 +22,21 @@ _STEP, _BESIDE = 5, 28
 class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.animate"
     bl_label = "Animate"
-    bl_description = "Keyframe an animation of the volume, over as many frames as chosen"
+    bl_description = "Keyframe an animation of the volume"
 
     kind: EnumProperty(
         name="Animation",
         items=[
-            ("SWEEP", "Sweep", "The isovalue runs from the lowest to the highest of its range"),
+            ("SWEEP", "Sweep", "Isovalue from the lowest to the highest of its range"),
             (
                 "TURNTABLE",
                 "Turntable",
-                "The camera runs around the volume once, or to and fro where walls are in its way",
+                "Camera once around the volume, or back and forth between walls",
             ),
-            ("WIPE", "Wipe", "The clip box moves through the volume from one side to the other"),
+            ("WIPE", "Wipe", "Clip box through the volume from one side to the other"),
         ],
     )
-    frames: IntProperty(name="Frames", description="How long it is", default=120, min=2)
+    frames: IntProperty(name="Frames", description="Length of the animation", default=120, min=2)
 
     def run(self, context):
         _ANIMATIONS[self.kind](context, active_volume(context), self.frames)
@@ -119,7 +119,7 @@ def _wipe(context, volume, frames):
     box, camera = look.box, context.scene.camera
     if box.type != "EMPTY":
         raise LeaflightError(
-            f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
+            f'The clip box "{box.name}" is a mesh, which cannot be moved: choose an Empty.'
         )
     low, high = isosurfaces.world_box(volume)
     half, middle = 0.5 * (high - low), 0.5 * (low + high)

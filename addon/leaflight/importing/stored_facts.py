@@ -18,11 +18,11 @@ RESOLUTION_ITEMS = [
     (
         "AUTO",
         "By Size",
-        "Every voxel of volumes up to 512^3, means of 2, 4 or 8 along each axis of larger ones",
+        "Full resolution up to 512^3 voxels, coarser above",
     ),
     ("FULL", "Full", "Every voxel"),
-    ("HALF", "Half", "The mean of two voxels along each axis: an eighth of the memory"),
-    ("QUARTER", "Quarter", "The mean of four voxels along each axis: a 64th of the memory"),
+    ("HALF", "Half", "Means of two voxels along each axis: an eighth of the memory"),
+    ("QUARTER", "Quarter", "Means of four voxels along each axis: a 64th of the memory"),
 ]
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 

@@ -100,7 +100,7 @@ def surfaces_of(volume):
 def add(volume, isovalue, opacity):
     """Adds an isosurface without geometry to a volume object. Raises LeaflightError."""
     if len(added_to(volume)) + 1 >= MOST:
-        raise LeaflightError(f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.')
+        raise LeaflightError(f'"{volume.name}" already shows {MOST} isosurfaces: remove one first.')
     obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
     mark(obj, _ISOSURFACE)
     obj.parent = volume

@@ -122,8 +122,7 @@ def isosurface_of(obj, isovalue, halvings=None):
     low, high = volume.data_range()
     if not low < isovalue <= high:
         raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
-            "choose one inside."
+            f"Isovalue {isovalue:g} is outside the data, {low:g} to {high:g}: choose one inside."
         )
     try:
         lit = is_lit(obj, isovalue)

@@ -104,8 +104,8 @@ def sentence(obj):
         return ""
     known = _relit.get(obj.leaflight.bake_id)
     if known is not None and scales_exactly(known[1]):
-        return "Lamps have changed since the bake: all light is scaled, exactly"
-    return "Lamps have changed since the bake: direct light is exact, indirect light scaled"
+        return "Lamps have changed since the bake: their light is scaled, which is exact"
+    return "Lamps have changed since the bake: direct light is exact, indirect light is scaled"
 
 
 def _found(settings, lights):

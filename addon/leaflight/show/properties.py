@@ -17,9 +17,9 @@ from .overridable import (
 from .volume_properties import VolumeSource, shape_changed
 
 SCATTERING_ITEMS = [
-    ("DIFFUSE", "Diffuse", "Reflects light alike in all directions"),
-    ("MIRROR", "Mirror", "Reflects light as a polished mirror"),
-    ("GLASS", "Glass", "Reflects and refracts light as polished glass, denser inside"),
+    ("DIFFUSE", "Diffuse", "Reflects light equally in all directions"),
+    ("MIRROR", "Mirror", "Reflects light like a polished mirror"),
+    ("GLASS", "Glass", "Reflects and refracts light like polished glass"),
 ]
 
 
@@ -51,7 +51,7 @@ class Isosurfaces:
     )
     isosurface_albedo: ColorProperty(
         name="Albedo",
-        description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
+        description="Albedo of the isosurfaces, or color of mirror or glass",
         update=_shading_changed,
     )
     isosurface_stops: CollectionProperty(
@@ -70,13 +70,13 @@ class Isosurfaces:
     )
     isosurface_emission: ColorProperty(
         name="Emission",
-        description="Color of the light that the isosurfaces send by themselves",
+        description="Color of the light that the isosurfaces emit",
         default=(1.0, 1.0, 1.0),
         update=_shading_changed,
     )
     isosurface_emission_strength: FloatProperty(
         name="Strength",
-        description="Radiance that the isosurfaces send by themselves; 0 for none",
+        description="Radiance that the isosurfaces emit",
         default=0.0,
         min=0.0,
         soft_max=100.0,
@@ -84,18 +84,17 @@ class Isosurfaces:
     )
     capped: BoolProperty(
         name="Capped",
-        description="Close the isosurfaces where the border of the volume cuts them",
+        description="Close the isosurfaces at the border of the volume",
         update=shape_changed,
     )
     linked: BoolProperty(
         name="Linked",
-        description="Move with the isovalues of the other volumes in the scene, so that all show "
-        "the same coordinate c of the bake",
+        description="Link the isovalue with those of the other volumes",
         default=True,
     )
     shading: EnumProperty(
         name="Shading",
-        description="How the surface gets its colors from the baked radiance",
+        description="Method of coloring the surface by the baked radiance",
         items=[
             ("ATTRIBUTE", "Vertices", "Interpolate the radiance at the mesh's vertices"),
             ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
@@ -156,8 +155,7 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
 
     show_walls: bpy.props.BoolProperty(
         name="Show Lit Walls",
-        description="Show the walls with the light of the present isosurface in place of "
-        "the objects that were baked. Turn it off to edit these",
+        description="Show walls with baked light instead of the original objects",
         default=True,
         update=_walls_changed,
     )

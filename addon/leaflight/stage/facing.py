@@ -21,7 +21,7 @@ ITEMS = [
     ("NEG_X", "-X", "To the left of a patient"),
     ("POS_Y", "+Y", "To the front of a patient"),
     ("NEG_Y", "-Y", "To the back of a patient"),
-    ("POS_Z", "+Z", "To the head of a patient; from slice to slice of most files"),
+    ("POS_Z", "+Z", "To the head of a patient; the slice axis of most files"),
     ("NEG_Z", "-Z", "To the feet of a patient"),
 ]
 NAMES = list(AXES)

@@ -25,22 +25,18 @@ _STAGED = "leaflight_stage"
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.stage"
     bl_label = "Stage"
-    bl_description = (
-        "Put walls, lights and a camera around the volumes, as objects that you may edit, hide "
-        "others, and light the viewport. Another stage replaces the one before"
-    )
+    bl_description = "Add walls, lights and a camera around the volumes, instead of others"
 
     preset: EnumProperty(
-        name="Stage", description="Objects to put around the volumes", items=presets.ITEMS
+        name="Stage", description="Objects to add around the volumes", items=presets.ITEMS
     )
     collection: StringProperty(
         name="Collection",
-        description="Collection of your own objects and lights that shall surround the volumes",
+        description="Collection of your objects and lights around the volumes",
     )
     hide_others: BoolProperty(
         name="Hide Others",
-        description="Hide all other objects from view and from renders, so that they are not baked "
-        "with the stage. Nothing is deleted, and Show Hidden shows them again",
+        description="Hide all other objects, so that they are not baked",
         default=True,
     )
 
@@ -76,7 +72,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         viewport.show_stage(context)
         self._warn(context, isosurface)
         if was_lit:
-            self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
+            self.report({"INFO"}, "The light of the previous stage was removed: bake again")
 
     def _own_collection(self):
         """Returns the collection of My Scene, None for another preset. Raises LeaflightError."""
@@ -85,8 +81,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         collection = bpy.data.collections.get((self.collection, None))
         if collection is None:
             raise LeaflightError(
-                "My Scene needs a collection of your own objects and lights: choose one beside "
-                "Stage."
+                "My Scene has no collection of objects and lights: choose one beside Stage."
             )
         return collection
 
@@ -108,10 +103,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
-    bl_description = (
-        "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a "
-        "bake the stage is fitted to them, too"
-    )
+    bl_description = "Move the camera so that the isosurfaces fill its frame"
 
     def run(self, context):
         scene, isosurface = context.scene, active_volume(context)

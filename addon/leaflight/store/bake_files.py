@@ -164,12 +164,11 @@ def locate(obj):
         if path.is_file():
             id_in(path)  # raises the reason if the file is no bake
             raise LeaflightError(
-                f'{path}: this file holds another bake than the one that lights "{obj.name}": '
-                "relocate the bake, or bake again."
+                f'{path}: this is not the bake of "{obj.name}": relocate the bake, or bake again.'
             )
     raise LeaflightError(
-        f'{looks[0]}: the bake of "{obj.name}" is neither there nor in a folder of another '
-        "bake: relocate the bake, or bake again."
+        f'{looks[0]}: the bake of "{obj.name}" is missing here and in folders of other bakes: '
+        "relocate the bake, or bake again."
     )
 
 
@@ -265,7 +264,7 @@ def move_along(objects):
             except (OSError, LeaflightError) as error:
                 why = getattr(error, "strerror", None) or str(error).rstrip(".")
                 problems[obj.name_full] = (
-                    f"{path}: the bake could not be moved beside the .blend and stays there: {why}."
+                    f"{path}: the bake cannot be moved beside the .blend: {why}; it stays here."
                 )
         before = obj.leaflight.bake_path, obj.leaflight.bake_home
         remember(obj, path)

@@ -129,8 +129,8 @@ def _in_words_of_blender():
         raise LeaflightError(
             f"{missing.path}: reading this {missing.kind} needs the Python package "
             f"{missing.package}, which Blender's Python lacks: run "
-            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and start "
-            "Blender again."
+            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and restart "
+            "Blender."
         ) from None
 
 

@@ -37,7 +37,7 @@ def check_a_kept_bake_is_continued(endless):
     # Both are kept, and what is good enough is not continued.
     assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
     endless.leaflight.error = 1.1 * ours.statistics.estimated_error_percent
-    with pytest.raises(RuntimeError, match="ask for a smaller error to continue it"):
+    with pytest.raises(RuntimeError, match="give a smaller target to continue it"):
         bpy.ops.leaflight.continue_bake()
     assert cache.bake_of(endless) is ours
 
