@@ -98,9 +98,9 @@ def test_only_its_own_bake_goes_on(tmp_path, bump_scene):
     leaflight.bake(leaflight.bump_box(6), checkpoint=checkpoint, **arguments)
     again = replace(checkpoint, resume=True)
     for changed in ({"error": 11.0}, {"seed": 1}, {"isovalues": (30.0, 71.0)}):
-        with pytest.raises(LeaflightError, match="of another bake"):
+        with pytest.raises(LeaflightError, match="belongs to another bake"):
             leaflight.bake(leaflight.bump_box(6), checkpoint=again, **{**arguments, **changed})
-    with pytest.raises(LeaflightError, match="of another bake"):
+    with pytest.raises(LeaflightError, match="belongs to another bake"):
         leaflight.bake(leaflight.bump_box(7), checkpoint=again, **arguments)
     whole = checkpoint.path.read_bytes()
     for damaged in (whole[:-1], whole[:100], b"", whole[:200] + b"x" + whole[201:]):

@@ -99,20 +99,21 @@ _LOCAL_SAMPLES = 64
 def compare(context, volume, samples, baked_samples, share=1.0, report=None):
     """Renders the stills of the current frame, at a share of the scene's resolution.
 
-    report(done, part, name): called before each render. done: finished share of the work. part:
-    share of this render. name: that of the render.
+    report: Called before each render as report(done, part, name): the finished share of the work,
+        the share of this render, and its name.
+    Raises LeaflightError. Returns a dict with these keys, among others.
 
-    Raises LeaflightError. Returns a dict with these keys, among others:
-
-    - baked, cycles, local, difference: images (height, width, 3) in linear radiance.
-    - coverage: (height, width), the share of each pixel that the isosurface fills.
-    - isosurface_rms_percent, image_rms_percent: over the pixels that the isosurface fills, and over
-      all, by thesis Eq. 4.11 corrected: colors times exposure, clamped to 0..1.
-    - isosurface_noise_percent: the part of isosurface_rms_percent that is noise of both stills.
-    - isosurface_mean_off_percent, isosurface_mean_off_within: see mean_off().
-    - flip_mean, flip_percentile_95: of all pixels (measure/flip.py), None without flip-evaluator.
-    - local_rms_percent: local shading against Cycles over the isosurface's pixels.
-    - baked_seconds, cycles_seconds, local_seconds, bake_seconds: of the renders and the bake.
+    baked, cycles, local, difference: Images (height, width, 3) in linear radiance.
+    coverage: Share of each pixel that the isosurface fills, (height, width).
+    isosurface_rms_percent, image_rms_percent: RMS error over pixels of the isosurface, and over
+        all, by thesis Eq. 4.11 corrected. Colors are multiplied by the exposure and clamped to
+        0..1.
+    isosurface_noise_percent: Part of isosurface_rms_percent that is noise of both stills.
+    isosurface_mean_off_percent, isosurface_mean_off_within: See mean_off().
+    flip_mean, flip_percentile_95: FLIP of all pixels (measure/flip.py). None without
+        flip-evaluator.
+    local_rms_percent: RMS error of local shading against Cycles over pixels of the isosurface.
+    baked_seconds, cycles_seconds, local_seconds, bake_seconds: Seconds of the renders and the bake.
     """
     scene = context.scene
     isovalue = volume.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue

@@ -42,7 +42,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     nodes: IntProperty(name="Nodes", default=200, min=4)
     height: FloatProperty(
         name="Height",
-        description="Height of the graph as part of its longest side",
+        description="Height of the graph, as a share of its longest side",
         default=0.25,
         min=0.0,
         soft_max=1.0,
@@ -116,7 +116,7 @@ class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, Im
     )
     height: FloatProperty(
         name="Height",
-        description="Height of the graph as part of its longest side",
+        description="Height of the graph, as a share of its longest side",
         default=0.25,
         min=0.0,
         soft_max=1.0,

@@ -53,7 +53,7 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     conditions = (jobs.is_free, *checks.VOLUME, _has_file)
 
     what: EnumProperty(
-        name="What",
+        name="Apply To",
         items=[
             ("smooth", "Values", "Values, and with them isosurfaces and normals"),
             ("smooth_normals", "Normals", "Only normals; isosurfaces do not change"),

@@ -22,12 +22,12 @@ _COUNTED = 1 << 20
 class Isosurface:
     """The inputs of one isosurface, in the object's coordinates.
 
-    - volume: a leaflight.Volume.
-    - grid: the radiance grid that lights it, or None.
-    - largest_step: see Bake.
-    - halvings: how often the volume's resolution is halved; None for the full detail, to which the
-      light adds vertices.
-    - dust: length below which connected parts are left out.
+    volume: A leaflight.Volume.
+    grid: The radiance grid that lights it, or None.
+    largest_step: As in Bake.
+    halvings: Number of times that the resolution is halved. None is the full detail, to which light
+        adds vertices.
+    dust: Length below which connected parts are left out.
     """
 
     volume: object

@@ -18,7 +18,7 @@ from tools import assert_shows
 
 def check_a_kept_bake_is_continued(endless):
     stop(*begin(endless))
-    with pytest.raises(RuntimeError, match="Keep the bake that was stopped"):
+    with pytest.raises(RuntimeError, match="Keep or throw away the stopped bake"):
         bpy.ops.leaflight.continue_bake()
     bpy.ops.leaflight.keep_bake()
     kept = cache.bake_of(endless)
@@ -58,14 +58,14 @@ def check_a_continued_bake_shows_its_passes_and_is_stopped(noisy):
 
 
 def check_only_what_can_be_is_continued(passes, tmp_path):
-    with pytest.raises(RuntimeError, match="Bake the flattened illumination first"):
+    with pytest.raises(RuntimeError, match="Bake this volume first"):
         bpy.ops.leaflight.continue_bake()
     path = str(tmp_path / "fixed.vdb")
     fixed = {"isovalues": (40.0, 60.0), "samples": 1, "photons": 1000}
     leaflight.thesis.bake(cache.world_volume(passes), leaflight.cornell_box(), **fixed).save(path)
     bpy.ops.leaflight.load_bake(filepath=path)
     assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    with pytest.raises(RuntimeError, match="Only a bake that goes by its error"):
+    with pytest.raises(RuntimeError, match="Only a bake with a target error"):
         bpy.ops.leaflight.continue_bake()
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
@@ -119,7 +119,7 @@ def check_an_interrupted_bake_is_resumed(passes):
     assert "leaflight.resume_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
     # The checkpoint belongs to a bake with other settings.
     passes.leaflight.error = 0.31
-    with pytest.raises(RuntimeError, match="of another bake"):
+    with pytest.raises(RuntimeError, match="belongs to another bake"):
         bpy.ops.leaflight.resume_bake()
     passes.leaflight.error = 0.3
     assert bpy.ops.leaflight.resume_bake() == {"FINISHED"}
