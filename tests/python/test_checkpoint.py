@@ -84,10 +84,10 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
 
 def test_a_continued_bake_is_resumed(tmp_path, bump_scene):
     kept = leaflight.bake(cone(16), bump_scene, isovalues=(30.0, 70.0), error=12.0)
-    whole = leaflight.resume(kept, error=0.3)
+    whole = leaflight.refine(kept, error=0.3)
     checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
-    first = leaflight.resume(kept, error=0.3, checkpoint=checkpoint)
-    again = leaflight.resume(kept, error=0.3, checkpoint=replace(checkpoint, resume=True))
+    first = leaflight.refine(kept, error=0.3, checkpoint=checkpoint)
+    again = leaflight.refine(kept, error=0.3, checkpoint=replace(checkpoint, resume=True))
     assert_same(first, whole)
     assert_same(again, whole)
 

@@ -95,8 +95,8 @@ def test_going_on_with_a_bake(volume, workers):
     part = leaflight.bake(
         volume, progress=progress, on_pass=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
-    alone = leaflight.resume(part, error=0.2)
-    check_same(leaflight.resume(part, error=0.2, workers=workers), alone)
+    alone = leaflight.refine(part, error=0.2)
+    check_same(leaflight.refine(part, error=0.2, workers=workers), alone)
     assert workers.traced > 0
 
 

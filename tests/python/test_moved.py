@@ -210,7 +210,7 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     with pytest.raises(LeaflightError, match="cannot be saved: save its original"):
         ours.save(tmp_path / "moved.vdb")
     with pytest.raises(LeaflightError, match="continue its original"):
-        leaflight.resume(ours)
+        leaflight.refine(ours)
     with pytest.raises(LeaflightError, match="cannot be changed: move its original"):
         ours.relit({scene.lights[0].name: 2})
 

@@ -60,8 +60,8 @@ def test_degrees_are_no_lengths(tmp_path, values):
     # Pressure falls upwards, and the first latitude is the northernmost.
     assert np.diag(volume.index_to_world).tolist() == [1, -1, 1, 1] and volume.unit == ""
     assert volume.notes == (
-        "The units of its axes, degrees, degrees, hPa, cannot be compared; voxels are read as cubes "
-        "of size 1, unless you give a voxel size.",
+        "The units of its axes, degrees, degrees, hPa, cannot be compared; voxels are read as "
+        "cubes of size 1, unless you give a voxel size.",
     )
     assert read_volume(path, spacing=(3, 2, 1)).spacing == (3, 2, 1)
 

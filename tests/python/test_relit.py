@@ -124,7 +124,7 @@ def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
         relit.save(tmp_path / "relit.vdb")
     assert not list(tmp_path.iterdir())
     with pytest.raises(LeaflightError, match="continue its original"):
-        leaflight.resume(relit)
+        leaflight.refine(relit)
     of_one.save(tmp_path / "bake.vdb")
     loaded = leaflight.load_bake(tmp_path / "bake.vdb").relit({name: (2, 1, 0.5)})
     points = relit.surface(47.0).vertices

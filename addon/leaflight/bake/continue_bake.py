@@ -35,7 +35,7 @@ class ContinueJob(bake.BakeJob):
 
     def _light(self, **how):
         arguments = {**self._arguments, "checkpoint": self.checkpoint}
-        return leaflight.resume(self._previous(how["progress"]), **arguments, **how)
+        return leaflight.refine(self._previous(how["progress"]), **arguments, **how)
 
 
 def _relit(obj):

@@ -15,7 +15,7 @@ import bpy
 import leaflight
 from bpy.props import BoolProperty
 from leaflight import LeaflightError
-from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
+from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
 from ..show import isovalues, preview, surface_object, walls, whole_detail

@@ -128,7 +128,7 @@ def build(context, isosurface, volumes, preset, own=None, hide_others=None):
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
     description = None if own else presets.fitted(preset, seen)
-    was_lit = _put_out(scene, volumes)
+    was_lit = _drop_baked_light(scene, volumes)
     failures.forget()
     _remember(scene, preset, own)
     # Keep the camera of the previous stage, because viewports may look through it.
@@ -204,7 +204,7 @@ def _remove_stage(scene, kept):
         scene.camera = scene.leaflight_stage.own_camera
 
 
-def _put_out(scene, volumes):
+def _drop_baked_light(scene, volumes):
     """Shows the volumes and the walls without baked light. The file of the bake stays.
 
     Returns True if a bake had lit the volumes.

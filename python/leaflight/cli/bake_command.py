@@ -15,7 +15,7 @@ from ..bake.estimate import Estimate, estimate
 from ..bake.fit_memory import NO_ROOM
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
-from ..bake.resume import resume
+from ..bake.refine import refine
 from ..io.output import check_writable
 from ..io.sources import is_generated
 from ..scene.scene import SceneDescription
@@ -87,7 +87,7 @@ def _continued(options: Namespace) -> Bake:
     def work(progress: Progress) -> Bake:
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
-            baked = resume(
+            baked = refine(
                 previous,
                 error=options.error,
                 time=options.time,
