@@ -44,8 +44,8 @@ def _parameters(obj):
         options = re.fullmatch(r"Unpack\[(\w+)\]", str(one.annotation))
         if options:
             function = inspect.unwrap(obj.__init__ if inspect.isclass(obj) else obj)
-            of = get_type_hints(function.__globals__[options[1]])
-            types |= {name: _type(hint) for name, hint in of.items()}
+            hints = get_type_hints(function.__globals__[options[1]])
+            types |= {name: _type(hint) for name, hint in hints.items()}
     return types
 
 

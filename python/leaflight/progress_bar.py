@@ -57,8 +57,8 @@ def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
             if isinstance(progress, Progress):
                 return call(*arguments, progress=progress, **options)
 
-            def work(own: Progress) -> T:
-                return call(*arguments, progress=own, **options)
+            def work(inner: Progress) -> T:
+                return call(*arguments, progress=inner, **options)
 
             if callable(progress):
                 return _run(work, label, _Calls(progress), KeyboardInterrupt)

@@ -72,8 +72,8 @@ class _HelpAll(argparse.Action):
 
 def layout_options() -> Parser:
     """Returns the options for the layout of values in a volume's file."""
-    whole = Parser(add_help=False)
-    parser = whole.add_argument_group("files")
+    options = Parser(add_help=False)
+    parser = options.add_argument_group("files")
     parser.add_argument(
         "--dims",
         type=integer,
@@ -135,7 +135,7 @@ def layout_options() -> Parser:
         metavar="S",
         help="smooth only the normals; isosurfaces do not change (0)",
     )
-    return whole
+    return options
 
 
 def threads_options() -> Parser:

@@ -17,16 +17,16 @@ BPY = "4.2.23"
 LEGACY_LEVEL = 1
 
 
-def extension(own, *platforms):
+def extension(built, *platforms):
     """Makes the zips for Blender 4.2 and later, one per platform, with wheels for its Pythons."""
     folder = wheels.WORK / "extension" / "-".join(platforms)
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
     (folder / "wheels").mkdir()
-    tags = sorted({path.name.split("-")[2] for path in own})
+    tags = sorted({path.name.split("-")[2] for path in built})
     # The wheels without compiled modules are the same for every platform.
     readers = {path.name: path for name in platforms for path in reader_wheels(tags, name)}
-    shipped = [*own, *readers.values()]
+    shipped = [*built, *readers.values()]
     for path in shipped:
         shutil.copyfile(path, folder / "wheels" / path.name)
     manifest = folder / "blender_manifest.toml"
@@ -83,16 +83,16 @@ def blender_ext():
     return path
 
 
-def legacy(own):
+def legacy(built):
     """Makes the zip for Blender 3.4 to 4.1: the add-on, and unpacked wheels in modules/."""
     target = OUT / f"leaflight-{version()}-legacy.zip"
-    tags = sorted(path.name.split("-")[2] for path in own)
+    tags = sorted(path.name.split("-")[2] for path in built)
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=LEGACY_LEVEL) as archive:
         for path in _addon_files():
             archive.write(path, f"leaflight_addon/{path.relative_to(ADDON).as_posix()}")
         archive.write(ROOT / "LICENSE", "leaflight_addon/LICENSE")
-        for path in [*own, *reader_wheels(tags)]:
+        for path in [*built, *reader_wheels(tags)]:
             with zipfile.ZipFile(path) as wheel:
                 for name in wheel.namelist():
                     archive.writestr(f"modules/{name}", wheel.read(name))

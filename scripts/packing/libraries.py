@@ -149,8 +149,8 @@ def build(target):
     needs = digest(*sorted((*HERE.glob("*.patch"), *beside.glob("*.cmake"), *beside.glob("*.txt"))))
     for library in LIBRARIES:
         # A library depends on all libraries before it.
-        own = target.options.get(library.package, ())
-        needs = hashlib.sha256(f"{needs} {library} {own}".encode()).hexdigest()
+        options = target.options.get(library.package, ())
+        needs = hashlib.sha256(f"{needs} {library} {options}".encode()).hexdigest()
         stamp = target.work / f"{library.package}.stamp"
         if stamp.exists() and stamp.read_text() == needs:
             continue
@@ -168,8 +168,8 @@ def _build(library, target):
         *(f"CMAKE_INSTALL_PREFIX={target.prefix}", "BUILD_SHARED_LIBS=OFF"),
         *(f"TBB_ROOT={target.prefix}", f"Blosc_ROOT={target.prefix}"),
     )
-    own = target.options.get(library.package, ())
-    options = (f"-D{option}" for option in (*shared, *library.options, *own))
+    of_target = target.options.get(library.package, ())
+    options = (f"-D{option}" for option in (*shared, *library.options, *of_target))
     run("cmake", "-G", "Ninja", "-S", source, "-B", folder, *options)
     run("cmake", "--build", folder, "--target", "install", "--parallel", os.cpu_count())
     shutil.rmtree(folder)

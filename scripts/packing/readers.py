@@ -77,8 +77,8 @@ def _of_process(tags, platform):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         for tag in tags:
-            own = [path for path in found if path.name.split("-")[3] == tag]
-            _packed(ONE, f"{tag}-{tag}-{PLATFORMS[platform][0]}", own, folder)
+            tagged = [path for path in found if path.name.split("-")[3] == tag]
+            _packed(ONE, f"{tag}-{tag}-{PLATFORMS[platform][0]}", tagged, folder)
         others = [path for path in found if path.name.split("-")[3] not in tags]
         _packed(ALL, f"py3-none-{PLATFORMS[platform][0]}", others, folder)
         stamp.write_text(wanted)

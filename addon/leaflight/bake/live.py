@@ -251,9 +251,9 @@ def _wanted(context):
 
 def _leader(scene):
     """Returns the lit volume whose settings count: the last active one, or the first."""
-    lit = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
+    volumes = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
     active = scene.objects.get(scene.leaflight.active_volume)
-    return active if active in lit else next(iter(lit), None)
+    return active if active in volumes else next(iter(volumes), None)
 
 
 def _begin(job):

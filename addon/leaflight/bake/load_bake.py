@@ -96,9 +96,9 @@ class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, I
                 f'{path}: this is not the bake of "{obj.name}": choose that one, or use Load Bake.'
             )
         surface_object.forget()
-        for lit in lighting.objects_lit_by(identifier):
-            bake_files.remember(lit, path)
-            surface_object.update_all(lit)
+        for each in lighting.objects_lit_by(identifier):
+            bake_files.remember(each, path)
+            surface_object.update_all(each)
         staleness.forget()
 
 
@@ -113,8 +113,8 @@ def _matching(context, bake):
         return found
     others = [obj for obj in isovalues.volumes(context.scene) if obj != active]
     for obj in [active, *others]:
-        for index, there in enumerate(found):
-            if there is None and obj.library is None and _is_volume_of(obj, bake, index):
+        for index, shown in enumerate(found):
+            if shown is None and obj.library is None and _is_volume_of(obj, bake, index):
                 found[index] = obj
                 break
         if active not in found:
@@ -248,8 +248,8 @@ def unused():
 
 def unused_among(bakes):
     """Returns those of the bakes, given as paths, that light no object of this .blend."""
-    lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
-    return [path for path in bakes if bake_files.id_in(path) not in lit]
+    used = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
+    return [path for path in bakes if bake_files.id_in(path) not in used]
 
 
 def megabytes(paths):

@@ -93,9 +93,12 @@ def _free_degrees(context, volume, camera, pivot):
         return not cast(place, middle - place, distance=arm.length)
 
     def is_before_something(degrees):
-        ways = [-_turned(arm, degrees + side) for side in (-_BESIDE, 0, _BESIDE)]
-        level = [mathutils.Vector((way.x, way.y, 0.0)).normalized() for way in ways]
-        return all(cast(middle + radius * way, way) for way in level)
+        directions = [-_turned(arm, degrees + side) for side in (-_BESIDE, 0, _BESIDE)]
+        level = [
+            mathutils.Vector((direction.x, direction.y, 0.0)).normalized()
+            for direction in directions
+        ]
+        return all(cast(middle + radius * direction, direction) for direction in level)
 
     has_backdrop = is_before_something(0)
     free = 0

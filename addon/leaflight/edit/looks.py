@@ -67,7 +67,7 @@ LOOKS = {
         },
     ),
 }
-MAPS = {key: _mapped(*of) for key, of in data_faces.MAPS.items()}
+MAPS = {key: _mapped(*color_map) for key, color_map in data_faces.MAPS.items()}
 
 
 _PLAIN = {"isosurface_scattering": "DIFFUSE", "isosurface_emission_strength": 0.0}

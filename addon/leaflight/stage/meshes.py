@@ -79,11 +79,11 @@ def _whole(obj, mesh, axes, order):
     return Mesh(obj.name, world.astype(np.float32), triangles, materials.DEFAULT_ALBEDO)
 
 
-def _part(whole, chosen):
-    used, renumbered = np.unique(whole.triangles[chosen], return_inverse=True)
+def _part(mesh, chosen):
+    used, renumbered = np.unique(mesh.triangles[chosen], return_inverse=True)
     return replace(
-        whole,
-        vertices=np.ascontiguousarray(whole.vertices[used]),
+        mesh,
+        vertices=np.ascontiguousarray(mesh.vertices[used]),
         triangles=np.ascontiguousarray(renumbered.reshape(-1, 3), np.uint32),
     )
 

@@ -50,12 +50,12 @@ def _set_front(group, number):
     _choose(group, with_front, number)
 
 
-def _choose(group, way, number):
+def _choose(group, turned, number):
     up, front = _axes_of(group)
-    if way(up, front, vector(number)) == (up, front):
+    if turned(up, front, vector(number)) == (up, front):
         group.is_unknown = False
     else:
-        _turn(group.id_data, *way(up, front, vector(number)))
+        _turn(group.id_data, *turned(up, front, vector(number)))
 
 
 def _axes_of(group):

@@ -84,8 +84,8 @@ def fitted(preset, points):
     scale = 0.5 * float((high - low).max())
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
     lowest = 0.5 * (low + high)[2] + floor * scale
-    placed = scene.fitted(description, scene.Fit.of_box(low, high))
-    return moved(placed, (low[2] - _GAP * scale) - lowest)
+    fitted_scene = scene.fitted(description, scene.Fit.of_box(low, high))
+    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest)
 
 
 def moved(description, up):

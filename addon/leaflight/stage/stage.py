@@ -115,31 +115,34 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         viewport.look_through_camera(context)
 
 
-def build(context, isosurface, volumes, preset, own=None, hide_others=None):
+def build(context, isosurface, volumes, preset, collection=None, hide_others=None):
     """Builds a stage around the isosurfaces of volume objects, with the front of `isosurface`.
 
-    own: the collection of My Scene. hide_others: None leaves other objects as they are. Returns
-    True if a bake had lit the volumes, which lose its light. Raises LeaflightError before anything
-    changes.
+    collection: The collection of My Scene, or None.
+    hide_others: None leaves other objects as they are.
+    Returns True if a bake had lit the volumes, which lose its light. Raises LeaflightError before
+    anything changes.
     """
     scene = context.scene
     context.view_layer.update()
     points = camera.shown_points(volumes)
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
-    description = None if own else presets.fitted(preset, seen)
+    description = None if collection else presets.fitted(preset, seen)
     was_lit = _drop_baked_light(scene, volumes)
     failures.forget()
-    _remember(scene, preset, own)
+    _remember(scene, preset, collection)
     # Keep the camera of the previous stage, because viewports may look through it.
-    kept = scene.camera if is_staged(scene.camera) and own is None else None
+    kept = scene.camera if is_staged(scene.camera) and collection is None else None
     _remove_stage(scene, kept)
     if hide_others is not None:
         hidden.show(scene, hidden.all_hidden(scene))
     if hide_others:
-        hidden.hide(scene, hidden.would_render(scene, set(own.all_objects) if own else ()))
+        hidden.hide(
+            scene, hidden.would_render(scene, set(collection.all_objects) if collection else ())
+        )
     if description is None:
-        _use(scene, own)
+        _use(scene, collection)
     else:
         _build(scene, description, turn, volumes, kept)
     if scene.camera is None or is_staged(scene.camera):
@@ -259,11 +262,11 @@ def _color(scene, volumes, albedo):
     remembered.albedo = albedo
 
 
-def _use(scene, own):
+def _use(scene, collection):
     """Links a collection of the user to the scene, and uses its camera."""
-    if own.name not in {child.name for child in scene.collection.children_recursive}:
-        scene.collection.children.link(own)
-    found = next((obj for obj in own.all_objects if obj.type == "CAMERA"), None)
+    if collection.name not in {child.name for child in scene.collection.children_recursive}:
+        scene.collection.children.link(collection)
+    found = next((obj for obj in collection.all_objects if obj.type == "CAMERA"), None)
     scene.camera = found or scene.leaflight_stage.own_camera
 
 

@@ -189,8 +189,8 @@ def _close(a, b):
 
 def follow_lamps(scene, depsgraph):
     """Relights bakes for the evaluated lamps. Returns True if a bake must be shown again."""
-    lit = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
-    if not lit:
+    volumes = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
+    if not volumes:
         return False
     try:
         present = [light for light in _present_lamps(depsgraph) if light is not None]
@@ -201,7 +201,7 @@ def follow_lamps(scene, depsgraph):
         return False
     # In a scene without any lamp, show volumes as they were baked.
     has_lamps = any(obj.type == "LIGHT" for obj in scene.objects)
-    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in lit]
+    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in volumes]
     return any(found)
 
 

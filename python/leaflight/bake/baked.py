@@ -311,9 +311,9 @@ class Bake:
         self._check_volume(volume)
         self._check_isovalue(isovalue)
         low, high = self.volumes[volume].field().range
-        own = self.isovalue_of(volume, isovalue)
-        if not low < own <= high:
-            shown, least, most = figures(own, *self.volumes[volume].data_range())
+        local = self.isovalue_of(volume, isovalue)
+        if not low < local <= high:
+            shown, least, most = figures(local, *self.volumes[volume].data_range())
             raise LeaflightError(
                 f"Isovalue {shown} is outside the data, {least}..{most}, so it has no isosurface: "
                 "choose an isovalue inside."

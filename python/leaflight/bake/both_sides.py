@@ -55,8 +55,8 @@ def why_both_sides_of(
     isovalues: the range of the common isovalue.
     """
     for volume, look in zip(volumes, isosurfaces):
-        own = look.isovalues if len(volumes) > 1 and look.isovalues is not None else isovalues
-        why = "" if look.scattering != "diffuse" else why_both_sides(volume, (own[0], own[1]))
+        low, high = look.isovalues if len(volumes) > 1 and look.isovalues else isovalues
+        why = "" if look.scattering != "diffuse" else why_both_sides(volume, (low, high))
         if why:
             return why
     return ""

@@ -118,8 +118,8 @@ def _interrupted(options: Namespace) -> Namespace:
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
         raise LeaflightError(f"{path}: Blender wrote this checkpoint: resume the bake there.")
-    own = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
-    recipe.update(out=options.resume, **own)
+    kept = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
+    recipe.update(out=options.resume, **kept)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
 
 
@@ -161,12 +161,12 @@ def _checkpoint_time(options: Namespace) -> int | None:
         return None
 
 
-def _given(options: Namespace, own: Collection[str]) -> list[str]:
+def _given(options: Namespace, ignored: Collection[str]) -> list[str]:
     """Returns the flags that were given, without the command's own."""
     return [
         "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
         for name, value in vars(options).items()
-        if name not in own and value not in (None, False, 0, [])
+        if name not in ignored and value not in (None, False, 0, [])
     ]
 
 

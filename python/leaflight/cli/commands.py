@@ -218,8 +218,8 @@ def _isovalue(baked: Bake, options: Namespace) -> str:
     """Returns the common isovalue asked for, with that of the chosen one of several volumes."""
     if len(baked.volumes) == 1:
         return figures(options.isovalue, *baked.isovalues)[0]
-    own = baked.isovalue_of(options.volume, options.isovalue)
-    return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
+    local = baked.isovalue_of(options.volume, options.isovalue)
+    return f"{options.isovalue:g} ({local:g} of {baked.scene.isosurfaces[options.volume].name})"
 
 
 def _flatland(options: Namespace) -> Output:

@@ -49,16 +49,16 @@ def _wall(data: "PageData", bake: Bake, strengths: Array | None, mesh: RoomMesh)
 
 
 def _light(data: "PageData", bake: Bake, strengths: Array, number: int) -> dict[str, Any]:
-    lit, exposure = bake.walls, np.float32(bake.scene.exposure)
-    assert lit is not None
+    radiance, exposure = bake.walls, np.float32(bake.scene.exposure)
+    assert radiance is not None
 
     def colors(light: Array) -> int | None:
         return data.add_colors(packed(light * exposure)) if light.any() else None
 
-    sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
+    sets, least, greatest, shares, *unshadowed = radiance.direct_ways(number)
     return {
-        "between": data.add(lit.between(number)),
-        "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
+        "between": data.add(radiance.between(number)),
+        "indirect": [colors(radiance.indirect(number, back)) for back in (False, True)],
         "unshadowed": [[colors(light) for light in side] for side in unshadowed],
         "sets": data.add(sets),
         "least": None if least is None else data.add(codes(least, bake.isovalues).T),

@@ -241,5 +241,5 @@ def _dim_image(volume: Volume, size: Array) -> "Image":
 
 def _exposure(radiances: Sequence[Array]) -> float:
     brightest = np.concatenate(radiances).max(axis=1)
-    lit = brightest[brightest > 0]
-    return BRIGHT / np.quantile(lit, BRIGHT_SHARE) if len(lit) else 1.0
+    positive = brightest[brightest > 0]
+    return BRIGHT / np.quantile(positive, BRIGHT_SHARE) if len(positive) else 1.0

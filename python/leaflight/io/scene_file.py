@@ -115,14 +115,14 @@ def scene_from_json(
         if not isosurfaces:
             raise root.error('"volumes" must name at least one volume')
     else:
-        own = (
+        single = (
             "isosurface_albedo",
             "isosurface_emission",
             "isosurface_scattering",
             "isosurface_ior",
             "capped",
         )
-        root.only(*own, *both)
+        root.only(*single, *both)
         isosurfaces = [_look(root, "isosurfaces", "isosurface_")]
     return SceneDescription(
         name=root.text("name"),
@@ -179,8 +179,8 @@ def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
     vertices = item.points("vertices", 3)
     faces = item.faces("faces", (3, 4), len(vertices))
     if ("texture" in item) != ("uv" in item):
-        there, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
-        raise item.error(f'"{there}" also needs "{missing}"')
+        present, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
+        raise item.error(f'"{present}" also needs "{missing}"')
     textured = "texture" in item
     return Mesh(
         item.name,
@@ -206,10 +206,10 @@ def _uv(item: JsonObject, faces: list[list[int]]) -> Array:
         not isinstance(uv, list) or len(uv) != len(face) for uv, face in zip(corners, faces)
     ):
         raise item.error('"uv" must hold a list for each face, with [u, v] for each of its corners')
-    whole = JsonObject({"uv": _triangles(corners)}, item.where).array("uv")
-    if whole.shape[1:] != (3, 2):
+    coordinates = JsonObject({"uv": _triangles(corners)}, item.where).array("uv")
+    if coordinates.shape[1:] != (3, 2):
         raise item.error('"uv" must hold [u, v], two numbers, for each corner')
-    return whole.astype(np.float32)
+    return coordinates.astype(np.float32)
 
 
 def _light(item: JsonObject) -> Light:

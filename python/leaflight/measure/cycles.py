@@ -89,16 +89,16 @@ def measure(
     # facets and needs the finer mesh.
     isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
     meshes = [_mesh(mesh) for mesh in description.meshes]
-    lit = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
-    if len(lit.corners["triangles"]) == 0:
+    surface = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
+    if len(surface.corners["triangles"]) == 0:
         raise LeaflightError(
-            f'"{lit.look["name"]}" has no surface at this isovalue: choose another isovalue.'
+            f'"{surface.look["name"]}" has no surface at this isovalue: choose another isovalue.'
         )
     seed = sampling.seed
-    probes, pixels, size, lit.corners["target_uv"] = _lay_out(lit, sampling.points, seed)
+    probes, pixels, size, surface.corners["target_uv"] = _lay_out(surface, sampling.points, seed)
     if target.back:
-        lit.flip()
-    settings, arrays = _scene(description, isosurfaces + meshes, lit, sampling.threads)
+        surface.flip()
+    settings, arrays = _scene(description, isosurfaces + meshes, surface, sampling.threads)
     settings["image_size"] = size
     each = -(-sampling.spp // PASSES)
     settings["passes"] = [(each, seed * PASSES + number) for number in range(PASSES)]

@@ -103,9 +103,9 @@ def parts_of(
     }
 
 
-def without(whole: float, *parts: float) -> float:
+def without(total: float, *parts: float) -> float:
     """Returns the root of whole^2 minus the squares of the parts, at least 0."""
-    return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
+    return float(np.sqrt(max(0.0, total**2 - sum(part**2 for part in parts))))
 
 
 def errors_of(
@@ -120,14 +120,14 @@ def errors_of(
     mask = counted if mask is None else mask & counted
     if not mask.any():
         return {"points": 0, **dict.fromkeys(FIGURES)}
-    own, true = radiance[mask].astype(np.float64), truth.radiance[mask]
+    compared, true = radiance[mask].astype(np.float64), truth.radiance[mask]
     weights = truth.weights[mask]
     mean = _mean(true, weights)
-    ratio = _mean(own, weights) / mean if mean > 0 else None
+    ratio = _mean(compared, weights) / mean if mean > 0 else None
     return {
-        "points": len(own),
-        "rms_percent": rms_percent(own, true, exposure, weights),
-        "relative_rms": rms(own - true, weights) / mean if mean > 0 else None,
+        "points": len(compared),
+        "rms_percent": rms_percent(compared, true, exposure, weights),
+        "relative_rms": rms(compared - true, weights) / mean if mean > 0 else None,
         "reference_noise_percent": noise_percent(
             true, truth.standard_error[mask], exposure, weights
         ),

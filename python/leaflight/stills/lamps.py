@@ -43,12 +43,12 @@ class Lamps:
         total = np.zeros((len(points), 3))
         for row in self.rows:
             position, kind, axis, end, intensity, bright = np.split(row, [3, 4, 7, 8, 11])
-            way = np.broadcast_to(position, points.shape) - (0.0 if kind == _SUN else points)
-            squared = (way * way).sum(axis=1)
-            way = way / np.sqrt(np.maximum(squared, 1e-30))[:, None]
-            share = np.maximum((way * normals).sum(axis=1), 0.0)
+            to_lamp = np.broadcast_to(position, points.shape) - (0.0 if kind == _SUN else points)
+            squared = (to_lamp * to_lamp).sum(axis=1)
+            to_lamp = to_lamp / np.sqrt(np.maximum(squared, 1e-30))[:, None]
+            share = np.maximum((to_lamp * normals).sum(axis=1), 0.0)
             if kind != _SUN:
-                cosine = -(way @ axis)
+                cosine = -(to_lamp @ axis)
                 share = share / np.maximum(squared, 1e-30)
                 if kind == _POINT:
                     share = share * np.clip((cosine - end) / max(bright - end, 1e-6), 0.0, 1.0)
@@ -60,8 +60,8 @@ class Lamps:
 
 def headlight(points: Array, normals: Array, eye: Array) -> Array:
     """Returns light of a lamp at the camera that a white surface reflects, float64 (n, 3)."""
-    way = eye - points
-    cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
+    to_eye = eye - points
+    cosine = (normals * to_eye).sum(axis=1) / np.linalg.norm(to_eye, axis=1)
     return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
 
 

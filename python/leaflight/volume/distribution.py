@@ -31,8 +31,8 @@ class Distribution:
         # 0.
         self._least = low if high - low < _STEPS * np.spacing(max(-low, high)) else np.float32(0)
         self._data = values
-        whole = as_voxels(values[:1]).dtype != np.float32
-        self._counted = self._count_whole() if whole else None
+        is_integer = as_voxels(values[:1]).dtype != np.float32
+        self._counted = self._count_whole() if is_integer else None
         if self._counted is not None:
             self.count = int(self._counted[1].sum())
         else:

@@ -25,12 +25,12 @@ def are_labels(values: Array, levels: Array) -> bool:
     alike = np.zeros(len(levels), np.int64)
     for k in range(0, len(values) - 1, max(1, len(values) // _PLANES)):
         plane, behind = as_voxels(values[k]), as_voxels(values[k + 1])
-        own = plane[..., :-1]
-        is_alike = (own == plane[..., 1:]) & (own == behind[..., :-1])
+        here = plane[..., :-1]
+        is_alike = (here == plane[..., 1:]) & (here == behind[..., :-1])
         if plane.ndim > 1:
-            is_alike[:-1] &= own[:-1] == own[1:]
-        voxels += _occurrences(own, levels)
-        alike += _occurrences(own[is_alike], levels)
+            is_alike[:-1] &= here[:-1] == here[1:]
+        voxels += _occurrences(here, levels)
+        alike += _occurrences(here[is_alike], levels)
     seen = np.flatnonzero(voxels[1:]) + 1
     return len(seen) > 0 and bool(np.mean(alike[seen] >= ALIKE * voxels[seen]) >= LABELS)
 

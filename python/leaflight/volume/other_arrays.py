@@ -41,12 +41,12 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
         found = data
     else:
         reader = _reader(data)
-        values, index_to_world, unit, own = reader(data)
-        values = as_voxels(_scalars(values, own))
+        values, index_to_world, unit, data_name = reader(data)
+        values = as_voxels(_scalars(values, data_name))
         if index_to_world is None:
-            return Volume(values, None, name or own, spacing=spacing)
+            return Volume(values, None, name or data_name, spacing=spacing)
         is_patient = reader in (_of_nibabel, _of_itk)
-        found = Volume(values, index_to_world, name or own, unit=unit, patient=is_patient)
+        found = Volume(values, index_to_world, name or data_name, unit=unit, patient=is_patient)
     if spacing is not None:
         raise SettingError(
             f"{found.name}: the image has its own voxel size: leave spacing out.", "spacing"
@@ -68,8 +68,8 @@ def _reader(data: Any) -> Callable[[Any], _Read]:
 
 
 def _of_array(data: Any) -> _Read:
-    own = getattr(data, "name", None)
-    name = own.strip("/").rpartition("/")[2] if isinstance(own, str) else ""
+    full_name = getattr(data, "name", None)
+    name = full_name.strip("/").rpartition("/")[2] if isinstance(full_name, str) else ""
     return data, None, "", name or "array"
 
 

@@ -111,8 +111,8 @@ def _neuron_positions() -> Array:
                 points.append(position)
             fork = 0.5 * rng.normal(size=(1, 3))
             ends += [(position, _unit(direction + fork)), (position, _unit(direction - fork))]
-    whole = np.concatenate(points)
-    kept: Array = whole[(np.abs(whole - 0.5) < 0.44).all(axis=1)]
+    positions = np.concatenate(points)
+    kept: Array = positions[(np.abs(positions - 0.5) < 0.44).all(axis=1)]
     return kept
 
 

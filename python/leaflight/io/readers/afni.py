@@ -64,8 +64,8 @@ def _files(path: Path) -> tuple[Path, Path]:
     found = []
     for files in (heads, bricks):
         files = [path] if path in files else files
-        there = [file for file in files if file.is_file()]
-        if not there:
+        existing = [file for file in files if file.is_file()]
+        if not existing:
             raise LeaflightError(f"{path}: there is no {files[0].name} beside it; put it there.")
-        found.append(there[0])
+        found.append(existing[0])
     return found[0], found[1]

@@ -141,8 +141,8 @@ def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[
 def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> Iterator[Array]:
     """Yields the planes [y, x] at these indices, or [y, x, s] with all samples."""
     names = [name for name, _ in blocks.inner]
-    whole = "YXS" if samples else "YX"
-    order = [name for name in names if name in whole]
+    letters = "YXS" if samples else "YX"
+    order = [name for name in names if name in letters]
     split = len(blocks.outer)
     numbers = [_place(blocks.outer, index[:split]) for index in indices]
     with blocks.open([number for number, _ in groupby(numbers)]) as read:
@@ -150,8 +150,8 @@ def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> 
         for index, number in zip(indices, numbers):
             if block is None or number != last:
                 last, block = number, read(number)
-            part = tuple(slice(None) if a in whole else k for a, k in zip(names, index[split:]))
-            yield block[part].transpose([order.index(name) for name in whole if name in order])
+            part = tuple(slice(None) if a in letters else k for a, k in zip(names, index[split:]))
+            yield block[part].transpose([order.index(name) for name in letters if name in order])
 
 
 def _place(axes: Axes, index: Sequence[int]) -> int:

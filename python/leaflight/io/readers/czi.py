@@ -65,9 +65,9 @@ def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
     scene, coordinates = sorted(_scenes(file).items())[number]
     values = _values(coordinates)
     planes = [{d: values[d][k] for d, k in zip(values, place)} for place in places]
-    there = {tuple(one.get(d, 0) for d in values) for one in coordinates}
+    stored = {tuple(one.get(d, 0) for d in values) for one in coordinates}
     for plane in planes:
-        if tuple(plane.values()) not in there:
+        if tuple(plane.values()) not in stored:
             # The library would return black.
             where = ", ".join(f"{d} {k}" for d, k in plane.items() if len(values[d]) > 1)
             raise LeaflightError(

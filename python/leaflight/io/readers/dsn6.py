@@ -78,8 +78,8 @@ def open_volume(path: Path) -> StoredVolume:
             raise truncated(path, dims) from None
         if header.swapped:
             values = values.reshape(-1, 2)[:, ::-1].reshape(values.shape)
-        whole = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])
-        kept = whole[tuple(slice(n) for n in dims[::-1])].astype(np.float32)
+        joined = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])
+        kept = joined[tuple(slice(n) for n in dims[::-1])].astype(np.float32)
         kept = (kept - np.float32(header.plus)) / np.float32(header.prod)
         return Volume(kept, matrix, path.name.partition(".")[0])
 

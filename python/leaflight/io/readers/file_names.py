@@ -164,8 +164,8 @@ def _gaps(name: str, numbers: Sequence[int]) -> tuple[str, ...]:
     if step == 0 or (numbers[-1] - numbers[0]) // step >= 2 * len(numbers):
         # There is one file, or the steps are not equal.
         return ()
-    there = set(numbers)
-    missing = [n for n in range(numbers[0], numbers[-1], step) if n not in there]
+    present = set(numbers)
+    missing = [n for n in range(numbers[0], numbers[-1], step) if n not in present]
     if not missing:
         return ()
     one, numbers_of = len(missing) == 1, listed([str(n) for n in missing])

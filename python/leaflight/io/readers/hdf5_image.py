@@ -50,8 +50,8 @@ class Image:
         for level in self.levels:
             if any(path in channels for channels in level.paths):
                 only = replace(level, paths=[[path]])
-                whole = len(level.paths) == len(level.paths[0]) == 1
-                counts = (self.frames, self.channels) if whole else (1, 1)
+                is_single = len(level.paths) == len(level.paths[0]) == 1
+                counts = (self.frames, self.channels) if is_single else (1, 1)
                 return replace(self, levels=[only], frames=counts[0], channels=counts[1])
         return None
 

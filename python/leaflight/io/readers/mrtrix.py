@@ -37,8 +37,8 @@ def open_volume(path: Path) -> StoredVolume:
     axes, backwards = _layout(path, fields, len(sizes))
     shape = [sizes[axis] for axis in axes]
     stored, matrix = _value_files(path, fields), _matrix(path, fields)
-    whole = [(prod(shape) + 7) // 8] if bits else shape
-    stored.check(whole, dtype)
+    stored_shape = [(prod(shape) + 7) // 8] if bits else shape
+    stored.check(stored_shape, dtype)
     offset, scale = _numbers(fields, "scaling", "0 1")
     scaled = None if (offset, scale) == (0, 1) else scaled_type(dtype, scale, offset)
 
@@ -49,7 +49,7 @@ def open_volume(path: Path) -> StoredVolume:
             for axis in axes
         )
         if bits:
-            packed = stored.read(whole, dtype, (slice(None),), progress)
+            packed = stored.read(stored_shape, dtype, (slice(None),), progress)
             values = np.unpackbits(packed, count=prod(shape)).reshape(shape)[index]
         else:
             values = stored.read(shape, dtype, index, progress)

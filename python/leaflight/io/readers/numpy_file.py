@@ -62,8 +62,8 @@ def open_volume(
 
     def array() -> Array:
         with np.load(path) as archive:
-            whole: Array = archive[name]
-        return whole
+            loaded: Array = archive[name]
+        return loaded
 
     return _stored(path, shape, dtype, matrix, array, names)
 

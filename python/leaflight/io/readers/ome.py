@@ -188,7 +188,7 @@ def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) 
 def _parts(
     path: Path, root: ElementTree.Element, image: Image, pixels: ElementTree.Element
 ) -> Iterator[Part]:
-    own = _own_names(path, root)
+    own_names = _own_names(path, root)
     elements = list(_children(pixels, "TiffData"))
     for data in elements:
         named = next(_children(data, "UUID"), None)
@@ -205,7 +205,7 @@ def _parts(
             yield Part(
                 image.place(**first),
                 None if count is None else int(count),
-                "" if name in own else name,
+                "" if name in own_names else name,
                 page,
             )
     if not elements:
@@ -219,12 +219,12 @@ def _own_names(path: Path, root: ElementTree.Element) -> set[str]:
         if _local(named) == "UUID" and named.get("FileName"):
             names.setdefault((named.text or "").strip(), set()).add(named.attrib["FileName"])
     every = set().union(*names.values())
-    own = {path.name}
+    found = {path.name}
     if path.name not in every:
         with_own_id = names.get(root.get("UUID", ""), set())
         absent = {name for name in every if not (path.parent / name).exists()}
         if len(with_own_id) == 1:
-            own |= with_own_id
+            found |= with_own_id
         elif len(every) == 1:
-            own |= absent
-    return own
+            found |= absent
+    return found

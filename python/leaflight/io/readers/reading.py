@@ -238,9 +238,9 @@ def _held(values: Array | Usable, progress: Progress) -> Array:
     """Returns a copy of the voxels in memory, because a mapped file might change."""
     stored = values.stored if isinstance(values, Usable) else values
     kept, mapped = held_type(values.dtype), isinstance(stored, np.memmap)
-    own = isinstance(stored, np.ndarray) and not mapped and stored.flags.c_contiguous
-    own = own and stored.dtype == kept and (values is stored or stored.flags.writeable)
-    held = stored if own else new_voxels(values.shape, kept)
+    is_owned = isinstance(stored, np.ndarray) and not mapped and stored.flags.c_contiguous
+    is_owned = is_owned and stored.dtype == kept and (values is stored or stored.flags.writeable)
+    held = stored if is_owned else new_voxels(values.shape, kept)
     if held is not values:
         for k in watched(progress, range(len(values))):
             held[k] = as_voxels(values[k])

@@ -45,7 +45,7 @@ def voxel_size(
     else:
         unit = unit or first[1]
         scales = [
-            scale * METERS[own] / METERS[unit] for scale, own in (one or first for one in known)
+            scale * METERS[key] / METERS[unit] for scale, key in (one or first for one in known)
         ]
     x, y = x or y, y or x
     assert x is not None and y is not None

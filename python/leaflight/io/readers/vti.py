@@ -92,8 +92,8 @@ def _pieces(document: Document, image: Element) -> list[_Piece]:
     for piece in image.findall("Piece"):
         source = piece.get("Source")
         if source is None:
-            whole = piece.get("Extent") is None
-            extent = _extent(image, "WholeExtent") if whole else _extent(piece, "Extent")
+            is_whole = piece.get("Extent") is None
+            extent = _extent(image, "WholeExtent") if is_whole else _extent(piece, "Extent")
             found.append(_Piece(document, piece, extent))
         elif image.tag == "PImageData":
             other = open_document(data_file(document.path, source))

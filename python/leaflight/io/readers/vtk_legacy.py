@@ -198,8 +198,8 @@ def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, 
     start = file.place
     _skip(file, dtype, channels * count)
     points = [int(n) for n in file.header.get("DIMENSIONS", (0, 0, 0))]
-    whole = prod(max(1, n - 1) for n in points) if file.of_cells else prod(points)
-    if not file.count or count != whole or channels < 1:
+    expected = prod(max(1, n - 1) for n in points) if file.of_cells else prod(points)
+    if not file.count or count != expected or channels < 1:
         return
 
     # In text files colors are shares of 255.

@@ -104,8 +104,8 @@ def _counted(numbers: Array, pixels: Pixels, lowest: int) -> Array:
     stored = pixels.stored
     if not pixels.signed and lowest == 0 and stored == 8 * numbers.dtype.itemsize:
         return numbers
-    whole = numbers.astype(np.int64 if stored > 16 else np.int32)
-    counted: Array = np.right_shift(whole, lowest) & ((1 << stored) - 1)
+    integers = numbers.astype(np.int64 if stored > 16 else np.int32)
+    counted: Array = np.right_shift(integers, lowest) & ((1 << stored) - 1)
     if pixels.signed:
         sign = 1 << (stored - 1)
         counted = (counted ^ sign) - sign
@@ -124,6 +124,6 @@ def _lowest(numbers: Array, pixels: Pixels) -> int:
         return lowest
     if pixels.signed:
         half = 1 << (pixels.stored - 1)
-        own = numbers.astype(numbers.dtype.newbyteorder("=")).view(f"i{numbers.dtype.itemsize}")
-        return 0 if -half <= own.min() and own.max() < half else lowest
+        signed = numbers.astype(numbers.dtype.newbyteorder("=")).view(f"i{numbers.dtype.itemsize}")
+        return 0 if -half <= signed.min() and signed.max() < half else lowest
     return 0 if numbers.max() < 1 << pixels.stored else lowest

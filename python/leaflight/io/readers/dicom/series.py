@@ -72,27 +72,27 @@ def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
                 "whole disc, or open the folder with the slices."
             )
         return _series_of(path, files, missing)
-    own = _picture(header)
-    if own is None or own.cut:
+    picture = _picture(header)
+    if picture is None or picture.cut:
         raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another file.")
-    if own.color:
+    if picture.color:
         raise LeaflightError(
             f"{path}: the pixels are colors, but a volume needs one real number per voxel; choose "
             "another series."
         )
-    if own.alone:
+    if picture.alone:
         return _series_of(path, [path], 0)
     beside = [file for file in sorted(path.parent.iterdir()) if file.is_file() and is_dicom(file)]
-    return _series_of(path, beside if path in beside else [path, *beside], 0, own.key)
+    return _series_of(path, beside if path in beside else [path, *beside], 0, picture.key)
 
 
 def _series_of(
-    path: Path, files: list[Path], missing: int, own: Key | None = None
+    path: Path, files: list[Path], missing: int, only: Key | None = None
 ) -> tuple[list[Series], tuple[str, ...]]:
     """Returns the series of these files, and notes. Raises LeaflightError.
 
     missing: Number of files that are missing.
-    own: Key of the only series to return.
+    only: Key of the only series to return.
     """
     series: dict[Key, Series] = {}
     colors, cut, damaged = 0, list[str](), list[str]()
@@ -102,7 +102,7 @@ def _series_of(
         except LeaflightError:
             damaged.append(file.name)
             continue
-        if picture is None or own not in (None, picture.key):
+        if picture is None or only not in (None, picture.key):
             continue
         if picture.cut:
             cut.append(file.name)
@@ -122,7 +122,7 @@ def _series_of(
         )
     if not series:
         raise LeaflightError(f"{path}: its DICOM files hold no pixels; choose another folder.")
-    return list(series.values()), _notes(colors, cut + damaged * (own is None), missing)
+    return list(series.values()), _notes(colors, cut + damaged * (only is None), missing)
 
 
 def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:

@@ -69,13 +69,13 @@ def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
     indices = _indices(path, np.array([_along(place[0], planes[0]) for place in places]), planes[0])
     frame: list[Plane | None] = [None] * int(indices[-1] + 1)
     for index, place in zip(indices, places):
-        own = [one for one in place if one.label == label]
-        if len(own) > 1 and len({digest(one) for one in own}) > 1:
+        segment = [one for one in place if one.label == label]
+        if len(segment) > 1 and len({digest(one) for one in segment}) > 1:
             raise LeaflightError(
-                f"{path}: the segment {label!r} has {len(own)} different slices at one position; "
-                "choose a file with one of them."
+                f"{path}: the segment {label!r} has {len(segment)} different slices at one "
+                "position; choose a file with one of them."
             )
-        frame[index] = own[0] if own else None
+        frame[index] = segment[0] if segment else None
     return Stack([frame], _matrix(path, places[0][0], places[-1][0], len(frame)))
 
 

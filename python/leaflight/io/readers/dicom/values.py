@@ -64,8 +64,8 @@ def _fits(page: Array, dtype: np.dtype[Any]) -> bool:
 def _widened(values: Array, count: int, page: Array) -> Array:
     """Returns a wider array that can hold another page, with the first `count` planes copied."""
     # Single precision is exact up to 24 bits.
-    whole = np.int32 if _fits(page, np.dtype(np.int32)) else np.float64
-    kind = np.float32 if np.abs(page.astype(np.float64)).max() < 1 << 24 else whole
+    exact = np.int32 if _fits(page, np.dtype(np.int32)) else np.float64
+    kind = np.float32 if np.abs(page.astype(np.float64)).max() < 1 << 24 else exact
     wide = new_voxels(values.shape, kind)
     wide[:count] = values[:count]
     return wide
