@@ -15,9 +15,14 @@ from ..stage import stage
 
 
 @dataclass(frozen=True)
-class Look:
-    """name, text: for people; settings: of Object.leaflight; stops: (part of the isovalue range,
-    linear color); gloss, roughness: of Object.leaflight_look; background: linear color or None.
+class Preset:
+    """A named look of isosurfaces.
+
+    name, text: Label and description.
+    settings: Values of Object.leaflight.
+    stops: (share of the isovalue range, linear color) of each stop.
+    gloss, roughness: Values of Object.leaflight_look.
+    background: A linear color or None.
     """
 
     name: str
@@ -29,35 +34,37 @@ class Look:
     background: tuple = None
 
 
-def _one_color(look):
-    settings = {"isosurface_albedo": look.color}
-    return Look(look.name, look.text, settings, (), look.gloss, look.roughness, look.background)
+def _one_color(preset):
+    settings = {"isosurface_albedo": preset.color}
+    return Preset(
+        preset.name, preset.text, settings, (), preset.gloss, preset.roughness, preset.background
+    )
 
 
 def _mapped(name, text, colors):
     stops = tuple((i / (len(colors) - 1), color) for i, color in enumerate(colors))
-    return Look(name, text, stops=stops)
+    return Preset(name, text, stops=stops)
 
 
 LOOKS = {
     **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
-    "TISSUE": Look(
+    "TISSUE": Preset(
         "Tissue",
         "Skin, flesh and bone, from low to high isovalues",
         stops=((0.0, (0.8, 0.55, 0.42)), (0.45, (0.6, 0.2, 0.15)), (1.0, (0.88, 0.84, 0.72))),
         gloss=0.4,
     ),
-    "GLOW": Look(
+    "GLOW": Preset(
         "Glowing",
         "Emits light",
         {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
     ),
-    "MIRROR": Look(
+    "MIRROR": Preset(
         "Mirror",
         "Polished metal; reflections are rendered, not baked",
         {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
     ),
-    "GLASS": Look(
+    "GLASS": Preset(
         "Glass",
         "Clear glass with caustics",
         {
@@ -73,8 +80,8 @@ MAPS = {key: _mapped(*color_map) for key, color_map in data_faces.MAPS.items()}
 _PLAIN = {"isosurface_scattering": "DIFFUSE", "isosurface_emission_strength": 0.0}
 
 
-def _items(looks):
-    return [(key, look.name, look.text) for key, look in looks.items()]
+def _items(presets):
+    return [(key, preset.name, preset.text) for key, preset in presets.items()]
 
 
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):

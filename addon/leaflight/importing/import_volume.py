@@ -110,12 +110,12 @@ class LEAFLIGHT_OT_import_volume(
         search=lambda self, _context, _text: self._datasets(),
     )
 
-    def _look(self):
+    def _facts(self):
         path = bpy.path.abspath(self.filepath)
-        return path, *stored_facts.look(path, source_files.choices_of(self))
+        return path, *stored_facts.read_facts(path, source_files.choices_of(self))
 
     def _datasets(self):
-        _, stored, _ = self._look()
+        _, stored, _ = self._facts()
         return list(stored.datasets) if stored is not None else []
 
     # One of source_files.CHOICES, which the resolution sets later.
@@ -126,7 +126,7 @@ class LEAFLIGHT_OT_import_volume(
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "all_files")
-        path, stored, problem = self._look()
+        path, stored, problem = self._facts()
         takes = source_files.format_of(path).options if stored is not None or problem else ()
         facts = [problem]
         if stored is not None:

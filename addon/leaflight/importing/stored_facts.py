@@ -29,11 +29,11 @@ _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 # Choices that do not change the facts in the header.
 _NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
 
-# Cache of the last file: (path, state of the file, choices) -> result of look().
+# Cache of the last file: (path, state of the file, choices) -> result of read_facts().
 _last = session.remembered()
 
 
-def look(path, choices):
+def read_facts(path, choices):
     """Returns (StoredVolume, "") of a file, or (None, reason). Reads each file only once."""
     try:
         state = os.stat(path)

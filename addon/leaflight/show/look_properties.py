@@ -48,7 +48,7 @@ def _has_box(_look, obj):
     return not display.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
 
 
-class LeaflightLook(bpy.types.PropertyGroup):
+class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
         name="Opacity",
         description="Opacity of the isosurface. Its light is that of an opaque one",
@@ -147,5 +147,7 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (LeaflightLook,)
-PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightLook)),)
+CLASSES = (LeaflightIsosurfaceDisplay,)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightIsosurfaceDisplay)),
+)

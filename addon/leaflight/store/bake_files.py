@@ -152,22 +152,22 @@ def holds(path, identifier):
 def locate(obj):
     """Finds the file of the bake that lights an object. Raises LeaflightError if there is none."""
     settings = obj.leaflight
-    looks = _remembered(obj)
-    for path in looks:
+    paths = _remembered(obj)
+    for path in paths:
         if holds(path, settings.bake_id):
             return path
     for folder in places(obj):
         for path in bakes_in(folder):
             if id_in(path) == settings.bake_id:
                 return path
-    for path in looks:
+    for path in paths:
         if path.is_file():
             id_in(path)  # raises the reason if the file is no bake
             raise LeaflightError(
                 f'{path}: this is not the bake of "{obj.name}": relocate the bake, or bake again.'
             )
     raise LeaflightError(
-        f'{looks[0]}: the bake of "{obj.name}" is missing here and in folders of other bakes: '
+        f'{paths[0]}: the bake of "{obj.name}" is missing here and in folders of other bakes: '
         "relocate the bake, or bake again."
     )
 

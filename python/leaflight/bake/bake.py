@@ -212,7 +212,7 @@ def lit(
     """
     volumes, scene, isovalues = task.volumes, task.scene, task.isovalues
 
-    def whole(baked: _core.Baked) -> Bake:
+    def as_bake(baked: _core.Baked) -> Bake:
         statistics = statistics_of(baked)
         grids, continued = baked.grids, ""
         # A previous bake with other texels, a first coarse result, is not continued.
@@ -230,7 +230,7 @@ def lit(
     if previous is not None:
         known = previous.provenance
         light = (previous.grids, known.passes, known.blocks)
-    look = None if on_pass is None else lambda baked: on_pass(whole(baked))
+    on_core_pass = None if on_pass is None else lambda baked: on_pass(as_bake(baked))
     progress = progress or _core.Progress()
     rest = checkpoint.arguments(task.provenance) if checkpoint else {}
     with contextlib.ExitStack() as shared:
@@ -238,8 +238,8 @@ def lit(
             tracing = workers.tracing(volumes, scene, isovalues, task.settings, progress)
             rest["workers"] = shared.enter_context(tracing)
         baked = _core.bake(
-            task.core_scene(), task.settings, progress, on_pass=look, previous=light, **rest
+            task.core_scene(), task.settings, progress, on_pass=on_core_pass, previous=light, **rest
         )
-    result = whole(baked)
+    result = as_bake(baked)
     noise = estimated_rms_percent(result.grids, scene.exposure)
     return replace(result, statistics=replace(result.statistics, estimated_rms_percent=noise))

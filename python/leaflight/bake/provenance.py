@@ -146,11 +146,11 @@ def provenance_of(
             values_sha256(volume),
             frozen(np.asarray(volume.index_to_world, np.float64).tolist()),
             volume.unit,
-            look.capped,
+            material.capped,
             volume.patient,
             volume.smooth_normals,
         )
-        for volume, look in zip(volumes, isosurfaces)
+        for volume, material in zip(volumes, isosurfaces)
     )
     lo, hi = map(float, isovalue_range)
     return Provenance(

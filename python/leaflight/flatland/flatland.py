@@ -149,14 +149,16 @@ def bake_flatland(
     of_core = asked.core(_core.BakeSettings2, volume.flat_field().dims, exposure)
     provenance = flat_provenance(volume, scene, isovalue_range, of_core)
 
-    def whole(baked: _core.Baked2) -> FlatBake:
+    def as_bake(baked: _core.Baked2) -> FlatBake:
         statistics = statistics_of(baked)
         known = provenance.after(baked.grids, statistics.passes, statistics.blocks)
         return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics, known)
 
-    look = None if on_pass is None else lambda baked: on_pass(whole(baked))
+    on_core_pass = None if on_pass is None else lambda baked: on_pass(as_bake(baked))
     rest = checkpoint.arguments(provenance) if checkpoint else {}
-    return whole(_core.bake2(core, of_core, progress or _core.Progress(), on_pass=look, **rest))
+    return as_bake(
+        _core.bake2(core, of_core, progress or _core.Progress(), on_pass=on_core_pass, **rest)
+    )
 
 
 def flat_provenance(

@@ -123,7 +123,7 @@ def scene_from_json(
             "capped",
         )
         root.only(*single, *both)
-        isosurfaces = [_look(root, "isosurfaces", "isosurface_")]
+        isosurfaces = [_material(root, "isosurfaces", "isosurface_")]
     return SceneDescription(
         name=root.text("name"),
         isosurfaces=isosurfaces,
@@ -137,7 +137,7 @@ def scene_from_json(
     )
 
 
-def _look(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
+def _material(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
     """Returns the Isosurfaces of an object whose keys have this prefix."""
     return Isosurfaces(
         name=name,
@@ -154,7 +154,7 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
         "capped",
     )
-    look = _look(item, item.name)
+    material = _material(item, item.name)
     isovalues = source = None
     if "isovalues" in item:
         lo_hi = item.array("isovalues")
@@ -169,7 +169,7 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
     if "reading" in item:
         item.child("reading").only(*OPTIONS)
         reading = item.get("reading")
-    return replace(look, isovalues=isovalues, source=source, reading=reading)
+    return replace(material, isovalues=isovalues, source=source, reading=reading)
 
 
 def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:

@@ -92,7 +92,7 @@ def measure(
     surface = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
     if len(surface.corners["triangles"]) == 0:
         raise LeaflightError(
-            f'"{surface.look["name"]}" has no surface at this isovalue: choose another isovalue.'
+            f'"{surface.material["name"]}" has no surface at this isovalue: choose another.'
         )
     seed = sampling.seed
     probes, pixels, size, surface.corners["target_uv"] = _lay_out(surface, sampling.points, seed)
@@ -145,7 +145,7 @@ def bake_vertices(
     )
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
-    target = _Object(_look(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
+    target = _Object(_material(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
@@ -160,7 +160,7 @@ def _scene(
     """Returns the settings and arrays for cycles_scene.py, except those of the target."""
     environment = description.environment
     settings: dict[str, Any] = {
-        "objects": [one.look for one in objects],
+        "objects": [one.material for one in objects],
         "lights": [{"type": type(light).__name__, **asdict(light)} for light in description.lights],
         "environment": environment
         and {"radiance": environment.radiance, "world_to_image": environment.world_to_image},
@@ -179,7 +179,7 @@ def _scene(
 class _Object:
     """A mesh for Blender: its material as JSON data, and arrays by vertex and by corner."""
 
-    look: dict[str, Any]
+    material: dict[str, Any]
     vertices: dict[str, Array]  # vertices, optionally normals, float32 (n, 3)
     corners: dict[str, Array]  # triangles, (m, 3), optionally uv and target_uv, float32 (m, 3, 2)
 
@@ -202,8 +202,8 @@ def _isosurface(
     albedo, emission = (
         ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
     )
-    look = _look(isosurfaces, albedo, emission)
-    return _Object(look, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
+    material = _material(isosurfaces, albedo, emission)
+    return _Object(material, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
 
 
 def _finer(field: Field, detail: int) -> Field:
@@ -222,9 +222,9 @@ def _finer(field: Field, detail: int) -> Field:
 
 
 def _mesh(mesh: Mesh) -> _Object:
-    look = _look(mesh, mesh.albedo, mesh.emission)
+    material = _material(mesh, mesh.albedo, mesh.emission)
     corners = {"triangles": mesh.triangles.astype(np.int32)}
-    one = _Object(look, {"vertices": mesh.vertices}, corners)
+    one = _Object(material, {"vertices": mesh.vertices}, corners)
     if mesh.texture is not None:
         assert mesh.uv is not None
         one.vertices["texture"] = mesh.texture
@@ -232,11 +232,11 @@ def _mesh(mesh: Mesh) -> _Object:
     return one
 
 
-def _look(
+def _material(
     item: Isosurfaces | Mesh, albedo: Iterable[float], emission: Iterable[float]
 ) -> dict[str, Any]:
-    look: dict[str, Any] = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
-    return look | {"albedo": tuple(albedo), "emission": tuple(emission)}
+    material: dict[str, Any] = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
+    return material | {"albedo": tuple(albedo), "emission": tuple(emission)}
 
 
 def _lay_out(

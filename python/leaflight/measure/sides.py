@@ -166,10 +166,10 @@ def _of_passes(points: Array, radiance: Array, passes: int) -> Truth:
     return Truth.of_passes(points, np.ones(len(points)), radiance.reshape(passes, -1, 3))
 
 
-def _check_diffuse(look: Isosurfaces | Mesh) -> None:
-    if look.scattering != "diffuse":
+def _check_diffuse(item: Isosurfaces | Mesh) -> None:
+    if item.scattering != "diffuse":
         raise LeaflightError(
-            f'"{look.name}" is {look.scattering}, so its appearance depends on the view: choose a '
+            f'"{item.name}" is {item.scattering}, so its appearance depends on the view: choose a '
             "diffuse material."
         )
 

@@ -315,8 +315,8 @@ def covered(
 ) -> Array:
     """Returns a mask (n,) of world points (n, 3) inside other isosurfaces, except glass."""
     hidden = np.zeros(len(points), bool)
-    for other, (field, look) in enumerate(zip(fields, description.isosurfaces, strict=True)):
-        if other != volume and look.scattering != "glass":
+    for other, (field, material) in enumerate(zip(fields, description.isosurfaces, strict=True)):
+        if other != volume and material.scattering != "glass":
             hidden |= field.sample(points) >= isovalue_at(description, other, c)
     return hidden
 

@@ -77,7 +77,7 @@ class SeenWalls:
         self._lamps = lamps_of(bake.scene)
         self._mesh: _core.Mesh | None = None
         sides: tuple[list[Array], list[Array]] = ([], [])
-        vertices, triangles, looks, count = [], [], [], 0
+        vertices, triangles, colors, count = [], [], [], 0
         walls = None if local else bake.walls
         for mesh in room_meshes(bake):
             facets = mesh.triangles.astype(np.int64)
@@ -86,15 +86,15 @@ class SeenWalls:
             vertices.append(mesh.vertices)
             triangles.append(facets + count)
             count += len(mesh.vertices)
-            looks += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
+            colors += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
             if walls is not None:
                 for back in (False, True):
                     sides[back].append(walls.radiance(mesh.number, isovalue, back=back))
-        if not looks:
+        if not colors:
             return
         self._vertices = np.concatenate(vertices).astype(np.float32)
         self._triangles = np.concatenate(triangles).astype(np.uint32)
-        self._looks = np.array(looks)
+        self._colors = np.array(colors)
         self._sides = None if walls is None else [np.concatenate(side) for side in sides]
         self._mesh = _core.Mesh("walls", self._vertices, self._triangles, (0.0, 0.0, 0.0))
 
@@ -114,8 +114,8 @@ class SeenWalls:
             normals[behind] *= -1.0
             points = origins[hit] + distances[hit, None] * directions[hit]
             light = self._lamps.irradiance(points, normals, origins[hit])
-            looks = self._looks[facets[hit]]
-            radiance[hit] = looks[:, :3] * light + looks[:, 3:]
+            colors = self._colors[facets[hit]]
+            radiance[hit] = colors[:, :3] * light + colors[:, 3:]
             return distances, radiance
         weights = np.stack([1.0 - u - v, u, v], axis=1)[hit]
         for back in (False, True):
