@@ -103,18 +103,13 @@ def layout_options() -> Parser:
     )
     parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
     parser.add_argument(
-        "--channel",
-        type=integer,
-        metavar="K",
-        help="several values per voxel: channel to read, from 0",
+        "--channel", type=integer, metavar="K", help="several values per voxel: channel, from 0"
     )
     parser.add_argument(
         "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 is the finest"
     )
     parser.add_argument(
-        "--dataset",
-        metavar="NAME",
-        help="several volumes in one file or folder: name of the volume",
+        "--dataset", metavar="NAME", help="several volumes: name of the one to read"
     )
     parser.add_argument(
         "--downsample",

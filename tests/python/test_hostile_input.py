@@ -237,9 +237,9 @@ def test_vdb_files_that_ended_it(script, tmp_path, name):
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        (["--seed", "4294967296"], "2^31"),
+        (["--seed", "4294967296"], "32 bits"),
         (["--seed", "9" * 5000], "whole number"),
-        (["--threads", "-9999999999"], "2^31"),
+        (["--threads", "-9999999999"], "32 bits"),
         (["--resolution", "1e3"], "whole number"),
         (["--error", "nan"], "finite"),
         (["--time", "inf"], "finite"),

@@ -90,10 +90,10 @@ def test_headers_of_any_file(tmp_path, cli, values, name, skip):
         (
             13,
             132,
-            r"are 120 bytes, but the file holds 119 behind the 13 .*type \(--dims, --type, --sk",
+            r"take 120 bytes, but the file holds 119 behind the 13 .*type \(--dims, --type, --sk",
         ),
         (500, 133, r"holds 0 behind the 500"),
-        (-1, 119, r"are 120 bytes, but the file holds 119; .*type \(--dims, --type\)"),
+        (-1, 119, r"take 120 bytes, but the file holds 119; .*type \(--dims, --type\)"),
         (-2, 120, r"to skip is -2; .* \(--skip\)"),
     ],
 )

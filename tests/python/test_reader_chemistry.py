@@ -83,7 +83,7 @@ def test_damaged_maps(tmp_path, values):
         (whole.replace("6 5 4", "6 5"), "readable OpenDX map"),
         (whole.replace("counts 6 5 4", "counts 600 500 400").replace("120", "120000000"), "ends"),
         (whole.replace("double", "string"), "readable OpenDX map"),
-        (whole.replace("delta 3.0 0.0 0.0", "delta 0 0 0"), "nowhere"),
+        (whole.replace("delta 3.0 0.0 0.0", "delta 0 0 0"), "not invertible"),
         (whole.replace("data follows", 'data file "../x",0'), "outside .* folder"),
         (whole.partition("object 2")[0], "readable OpenDX map"),
         ("", "readable OpenDX map"),
@@ -155,7 +155,7 @@ def test_damaged_files_of_vasp(tmp_path, values):
     for broken, sentence in (
         (whole[:1500], "ends before"),
         (whole.replace("   6   5   4", "  600  500  400"), "ends before"),
-        (whole.replace("3.0 0.0 0.0", "0 0 0"), "nowhere"),
+        (whole.replace("3.0 0.0 0.0", "0 0 0"), "not invertible"),
         (whole.replace("   6   5   4", "   6   0   4"), "readable VASP file"),
         (head, "structure of a crystal, but no values"),
         ("", "readable VASP file"),

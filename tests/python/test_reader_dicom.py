@@ -169,7 +169,7 @@ def test_slices_beside_each_other(tmp_path, values):
         write_slice(tmp_path / str(k), values[k], k)
         place = {"ImagePositionPatient": [60, 20, k], "InstanceNumber": 10 + k}
         write_slice(tmp_path / f"{k} aside", values[k], k, **place)
-    with pytest.raises(LeaflightError, match="up to 50 mm aside"):
+    with pytest.raises(LeaflightError, match="up to 50 mm off a common line"):
         read_volume(tmp_path)
 
 

@@ -88,7 +88,7 @@ def test_a_disc_that_lacks_files(disc, values):
     slices[-1].unlink()
     volume = read_volume(disc)
     np.testing.assert_array_equal(volume.values, values[:3])
-    assert volume.notes == ("The DICOMDIR lists 1 more file, which is not there.",)
+    assert volume.notes == ("The DICOMDIR lists 1 more file, which is missing.",)
     for path in slices[:-1]:
         path.unlink()
     with pytest.raises(LeaflightError, match="lists 4 files, and all are missing"):

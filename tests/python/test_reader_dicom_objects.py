@@ -87,7 +87,7 @@ def test_planes_of_a_dose_that_descend(tmp_path, values, offsets):
 
 
 def test_damaged_doses(tmp_path, values):
-    with pytest.raises(LeaflightError, match="places for 3 planes, but the file has 4"):
+    with pytest.raises(LeaflightError, match="positions for 3 planes, but the file has 4"):
         read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 6]))
     with pytest.raises(LeaflightError, match="3 to 6 mm apart"):
         read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 9, 12]))

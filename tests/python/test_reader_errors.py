@@ -99,7 +99,7 @@ def frame_too_high(path):
     nifti(path, np.stack([NOISE] * 3, axis=-1))
 
 
-@case(".nii", r"choose none \(--frame\)\.", "--frame", "1")
+@case(".nii", r"leave the option out \(--frame\)\.", "--frame", "1")
 def frame_of_3d(path):
     nifti(path, NOISE)
 
@@ -166,7 +166,7 @@ def raw_without_extent(path):
     raw(path, NOISE)
 
 
-@case(".nii", r"type has no meaning.*\(--type\)", "--type", "uint8")
+@case(".nii", r"option type does not apply.*\(--type\)", "--type", "uint8")
 def meaningless_option(path):
     nifti(path, NOISE)
 

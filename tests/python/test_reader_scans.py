@@ -113,7 +113,7 @@ def test_damaged_pairs(tmp_path, shorts):
     with pytest.raises(LeaflightError, match="not a readable NIfTI"):
         read_volume(tmp_path / "y.nii")
     (tmp_path / "x.img").unlink()
-    with pytest.raises(LeaflightError, match="no values x.img beside it"):
+    with pytest.raises(LeaflightError, match="values x.img are missing"):
         read_volume(tmp_path / "x.hdr")
 
 

@@ -105,7 +105,7 @@ def test_a_translation_is_in_the_unit_of_its_axis(tmp_path, values):
     volume = read_volume(path)
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
     np.testing.assert_allclose(volume.spacing, [1, 1, 0.5])
-    assert volume.notes == ("Its transformation 'affine' is left out.",)
+    assert volume.notes == ("The transformation 'affine' is ignored.",)
 
 
 def test_axes_in_any_order(tmp_path, values):

@@ -113,7 +113,7 @@ def _empty(values, matrix):
 
 @pytest.mark.parametrize("field", [_shifted, _transposed, _unmoved])
 def test_arrays_that_arrive_as_something_else(field):
-    assert f"NumPy {np.__version__} wrongly" in refusal(
+    assert f"misreads arrays of NumPy {np.__version__}" in refusal(
         self_check.check_arrays, np, Changed(Field=field)
     )
 

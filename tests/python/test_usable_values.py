@@ -220,7 +220,7 @@ def test_an_offset_is_kept_by_a_bake_and_told_by_info(cli, tmp_path):
     np.save(tmp_path / "p.npy", 101325.0 + 0.01 * BODY)
     info = cli("info", tmp_path / "p.npy")
     assert "p.npy, less 101325: 16 x 16 x 16 voxels" in info.out
-    assert "Its values 101325.00015..101325.00981 differ too little for single prec" in info.out
+    assert "The values 101325.00015..101325.00981 differ too little for single prec" in info.out
     bake = ("bake", tmp_path / "p.npy", "--error", 50, "--resolution", 8)
     done = cli(*bake, "--out", tmp_path / "p.vdb")
     assert done.status == 0 and "101325 is subtracted from them and from isovalues." in done.err

@@ -175,7 +175,7 @@ def test_bad_headers(tmp_path):
     write_3(tmp_path / "y.zarr", VALUES, sharded(), chunks=(4, 6, 8))
     for kind in ("string", "complex64", "r24", {"name": "struct"}):
         _change(tmp_path / "y.zarr" / "zarr.json", data_type=kind)
-        with pytest.raises(LeaflightError, match="y.zarr: (the|its) values are .* convert"):
+        with pytest.raises(LeaflightError, match="y.zarr: the values (are|have) .* convert"):
             probe(tmp_path / "y.zarr")
     _change(tmp_path / "y.zarr" / "zarr.json", data_type="uint16", shape=[0, 6, 7])
     with pytest.raises(LeaflightError, match="the shape is 0 x 6 x 7, so there are no values"):
