@@ -231,7 +231,7 @@ def isosurface_options() -> Parser:
         type=number,
         required=True,
         metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
+        help="isovalue in data units; 0..1 for several volumes, from the lowest to the highest",
     )
     side_options(parser)
     return parser

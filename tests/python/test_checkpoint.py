@@ -75,7 +75,7 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
     for first, second in counts:
         checkpoint = Checkpoint(tmp_path / f"{first}.checkpoint", {"of": first}, seconds=0.0)
         interrupted(arguments, checkpoint, first)
-        # Twice, and with another number of threads.
+        # Resume twice, the last time with another number of threads.
         again = replace(checkpoint, resume=True)
         interrupted(arguments, again, second)
         assert read_recipe(again.path) == {"of": first}

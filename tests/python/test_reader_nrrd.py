@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NRRD: where values begin, over how many files they go, and what its axes are."""
+"""Tests NRRD headers: the start of the values, the number of data files, and the axes."""
 
 import bz2
 import gzip

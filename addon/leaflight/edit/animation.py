@@ -122,7 +122,8 @@ def _wipe(context, volume, frames):
     box, camera = look.box, context.scene.camera
     if box.type != "EMPTY":
         raise LeaflightError(
-            f'The clip box "{box.name}" is a mesh, which cannot be moved: choose an Empty.'
+            f'The clip box "{box.name}" is a mesh, but the animation moves only an Empty: choose '
+            "one."
         )
     low, high = isosurfaces.world_box(volume)
     half, middle = 0.5 * (high - low), 0.5 * (low + high)

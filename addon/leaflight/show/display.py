@@ -30,7 +30,7 @@ def mark(obj, kind):
 
 
 def is_display(obj, kind=None):
-    """True if an object only shows results, of this kind or, for None, of any."""
+    """True if an object only shows results, of this kind or, if kind is None, of any kind."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
 
 

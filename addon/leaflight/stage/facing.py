@@ -60,7 +60,7 @@ def front_of(obj):
 def with_up(up, front, new):
     """Returns (up, front), each an axis (3,), with another axis up.
 
-    If the new axis was the front or the back, the volume tips over.
+    If the new axis was the front or the back, the volume is tipped over.
     """
     toward = along(new, front)
     return new, scaled(up, -toward) if toward else front
@@ -69,7 +69,7 @@ def with_up(up, front, new):
 def with_front(up, front, new):
     """Returns (up, front) with another axis in front.
 
-    If the new axis pointed up or down, the volume tips over.
+    If the new axis pointed up or down, the volume is tipped over.
     """
     toward = along(new, up)
     return scaled(front, -toward) if toward else up, new

@@ -178,11 +178,11 @@ def provenance_from_json(text: str) -> Provenance:
     numbers += [volume.smooth_normals for volume in volumes]
     numbers += [] if found.error is None else [found.error]
     if not all(isinstance(text, str) for text in texts):
-        raise TypeError("a text is none")
+        raise TypeError("a text is not a text")
     if not all(isinstance(number, (int, float)) for number in numbers):
-        raise TypeError("a number is none")
+        raise TypeError("a number is not a number")
     if len(found.isovalues) != 2 or found.lamps is not None:
-        raise ValueError("no isovalue range, or lamps")
+        raise ValueError("the isovalue range is missing, or there are lamps")
     return found
 
 

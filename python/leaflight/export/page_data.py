@@ -144,7 +144,7 @@ def step_of(bake: Bake) -> float:
 
 
 def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
-    """Returns [(label, value as text)] of a bake."""
+    """Returns facts about a bake, [(label, value as text)]."""
     known = bake.statistics
     rows = []
     for volume in bake.volumes:
