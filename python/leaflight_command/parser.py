@@ -165,7 +165,7 @@ def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         "--isovalue",
         type=float,
         metavar="C",
-        help="isovalue in data units; 0..1 for several volumes, from the lowest to the highest (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (one)",
     )
     parser.add_argument(
         "--out",
@@ -227,7 +227,7 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         type=number,
         nargs="+",
         metavar="C",
-        help="isovalue in data units; 0..1 for several volumes, from the lowest to the highest (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (one)",
     )
     side_options(parser)
     parser.add_argument(

@@ -231,7 +231,7 @@ def isosurface_options() -> Parser:
         type=number,
         required=True,
         metavar="C",
-        help="isovalue in data units; 0..1 for several volumes, from the lowest to the highest",
+        help="isovalue in data units; 0..1 of the range for several volumes",
     )
     side_options(parser)
     return parser

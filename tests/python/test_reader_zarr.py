@@ -135,7 +135,7 @@ def test_a_codec_that_is_not_at_hand(tmp_path, values):
 
 @pytest.mark.parametrize("fill", [None, 0, 7])
 def test_absent_chunks_are_the_fill_value(tmp_path, fill):
-    """Also without one: then they are 0, and not memory that nobody filled."""
+    """Checks absent chunks with and without a fill value; without one they are 0."""
     path = tmp_path / "x.zarr"
     options = {"mode": "w", "chunks": (2, 4, 4), "dtype": "f4", "fill_value": fill, **ZARR_2}
     array = zarr.open(str(path), shape=(64, 8, 8), **options)

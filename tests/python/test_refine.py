@@ -181,7 +181,7 @@ def test_the_command_line(cli, root, tmp_path):
     assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
-    # In place, too.
+    # Continue the bake into its own file.
     assert cli("bake", "--continue", more, "--out", more, "--error", "0.4").status == 0
     refused = cli(*continued)
     assert refused.status == 2 and refused.err.endswith("(--error).\n")

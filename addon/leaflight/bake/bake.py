@@ -58,7 +58,7 @@ def checkpoint_path(obj):
 
 
 class BakeJob(jobs.Job):
-    """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
+    """A bake of all volumes of the scene: its inputs, the work, and lighting the volumes."""
 
     # True if the light of `latest` is temporary, so that coarse isosurfaces are good enough.
     is_rough = False

@@ -16,7 +16,7 @@ from . import bake, stopped
 
 
 class ContinueJob(bake.BakeJob):
-    """A bake that goes on where the one of an object ended, with its present error and time."""
+    """A bake that continues the bake of an object, with its present target error and time limit."""
 
     def __init__(self, context, obj, resume=False):
         """Exports the scene. Raises LeaflightError as BakeJob, or if the bake is not found."""

@@ -65,7 +65,7 @@ def _key(settings):
 
 
 class EstimateJob(jobs.Job):
-    """The first passes of the bake of an object, and what follows from them."""
+    """The first passes of the bake of an object, and the estimates from them."""
 
     def __init__(self, context, obj):
         """Exports the scene. Raises LeaflightError if it cannot be baked with the settings."""

@@ -65,7 +65,7 @@ class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
 
 
 class PhotonJob(jobs.Job):
-    """Photons of the present scene: what they need, their paths, and the cloud of points."""
+    """Photons of the present scene: their inputs, their paths, and the cloud of points."""
 
     def __init__(self, context, obj, options):
         """Exports the scene. options: the operator's properties. Raises LeaflightError."""

@@ -34,7 +34,7 @@ _sizes = session.remembered()
 
 
 class ExportJob(jobs.Job):
-    """The file is written in the background; large volumes take their time."""
+    """Writes an export in the background, because large volumes take long."""
 
     def __init__(self, obj, path, values, **page):
         """Stores the bake and the isovalues to write. page: the options of a web page."""

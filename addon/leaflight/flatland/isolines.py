@@ -31,7 +31,7 @@ def _changed(settings, _context):
 
 
 class LeaflightFlatSettings(bpy.types.PropertyGroup):
-    """A graph, its isolines and how they are baked: Object.leaflight_flat."""
+    """A graph, its isolines and the settings of its bake: Object.leaflight_flat."""
 
     source: StringProperty(
         name="Image",
@@ -159,7 +159,7 @@ def _draw_menu(menu, _context):
 
 
 class FlatBakeJob(jobs.Job):
-    """One bake of all isolines: what it needs, the work, and lighting the object by it."""
+    """A bake of all isolines of an image: its inputs, the work, and lighting the object."""
 
     def __init__(self, obj):
         """Reads the settings. Raises LeaflightError if they cannot be baked."""

@@ -11,7 +11,7 @@ from ..store import cache, source_files
 
 
 class SmoothJob(jobs.Job):
-    """Reads the file of a volume object again, with another one of source_files.SMOOTHING."""
+    """Reads the file of a volume object again with different smoothing."""
 
     name = "Smooth"
     cancelled = "Smoothing was cancelled; nothing has changed"

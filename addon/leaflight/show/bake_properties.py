@@ -57,7 +57,7 @@ def _switches_on(name):
 
 
 class BakeOptions:
-    """How good the next bake is to be."""
+    """The quality of the next bake."""
 
     low: FloatProperty(
         name="Lowest Isovalue",
@@ -125,7 +125,7 @@ class BakeOptions:
 
 
 class BakeRecord:
-    """The bake that lights a volume; frame_bakes.py has these for each frame."""
+    """The bake that lights a volume. frame_bakes.py stores one for each frame."""
 
     bake_path: StringProperty(name="Bake", subtype="FILE_PATH", options=versions.RELATIVE_PATH)
     bake_matrix: FloatVectorProperty(name="Transform at the Bake, by Rows", size=16)

@@ -29,7 +29,7 @@ def _shading_changed(settings, _context):
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):
-    """The albedo at one isovalue; between two stops it is blended linearly."""
+    """The albedo at one isovalue. It is linear between two stops."""
 
     isovalue: FloatProperty(
         name="Isovalue",
@@ -44,7 +44,7 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
 
 
 class Isosurfaces:
-    """The material of the isosurfaces, and how they are shaded."""
+    """The material of the isosurfaces, and their shading."""
 
     isosurface_scattering: EnumProperty(
         name="Material", items=SCATTERING_ITEMS, update=_shading_changed
@@ -115,10 +115,10 @@ def _walls_changed(_settings, context):
 class LeaflightSettings(
     VolumeSource, Isosurfaces, BakeOptions, BakeRecord, bpy.types.PropertyGroup
 ):
-    """The volume of an object, how it is baked, and the bake that lights it.
+    """The volume of an object, the settings of its bake, and the bake that lights it.
 
-    The isovalue is an ID property, because only these take their limits from the data; `isovalue`
-    reads and writes it in scripts, ISOVALUE_PATH animates it.
+    The isovalue is an ID property, because only these can take their limits from the data. Scripts
+    read and write it as `isovalue`. ISOVALUE_PATH animates it.
     """
 
     is_volume: BoolProperty(name="Leaflight Volume")
@@ -151,7 +151,7 @@ class LeaflightSettings(
 
 
 class LeaflightSceneSettings(bpy.types.PropertyGroup):
-    """What concerns all volumes of a scene: Scene.leaflight."""
+    """Settings for all volumes of a scene: Scene.leaflight."""
 
     show_walls: bpy.props.BoolProperty(
         name="Show Lit Walls",

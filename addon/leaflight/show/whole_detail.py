@@ -73,7 +73,7 @@ def _is_to_be_made(obj):
 
 
 class _Making(jobs.Job):
-    """Makes the whole detail of an Isosurface; made: it and its arrays, once that is done."""
+    """Makes the full detail of an Isosurface. made: The Isosurface and its arrays, when done."""
 
     def __init__(self, surface):
         self._surface, self.made = surface, None

@@ -21,7 +21,7 @@ _GAP = 0.02
 
 @dataclass(frozen=True)
 class Preset:
-    """A stage: its name, what it is for, its icon, and its scene file, None for the user's own."""
+    """A stage: its name, its purpose, its icon, and its scene file (None for the user's own)."""
 
     name: str
     text: str

@@ -34,7 +34,7 @@ CHOICES = (
     "smooth",
     "smooth_normals",
 )
-# Properties that are in effect above this number.
+# Largest value of each property that has no effect.
 _NONE = {"frame": -1, "channel": -1, "downsample": 1, "smooth": 0, "smooth_normals": 0}
 # Properties for the smoothing of values and of normals alone.
 SMOOTHING = CHOICES[-2:]
