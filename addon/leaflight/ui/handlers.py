@@ -85,13 +85,13 @@ def _after_change(scene, depsgraph):
     if any(_concerns_bakes(scene, change, moved) for change in changes):
         staleness.forget()
         live.changed(scene, at_once=depsgraph.mode == "VIEWPORT")
-    if isovalues.left_alone() or walls.are_left_alone(scene):
-        _remove(_left_alone)
+    if isovalues.orphans() or walls.are_orphans(scene):
+        _remove(_remove_orphans)
 
 
-def _left_alone():
-    isovalues.remove_left_alone()
-    walls.remove_left_alone()
+def _remove_orphans():
+    isovalues.remove_orphans()
+    walls.remove_orphans()
 
 
 def _remove(remove):

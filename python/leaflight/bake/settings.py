@@ -66,8 +66,9 @@ class CommonSettings:
     walls: bool = False
 
     def set_common(self, settings: _Settings, dims: Sequence[int]) -> _Settings:
-        """Returns the core's settings with these set, without isovalues; dims: nodes of the volume.
+        """Sets these fields, except isovalues, in settings of the core, and returns those.
 
+        dims: Nodes of the volume.
         Raises LeaflightError.
         """
         settings.resolution = _texels(self.resolution, dims)

@@ -40,8 +40,7 @@ def _voxel_size(file: Any) -> list[float | None]:
         volume = file.metadata.channels[0].volume
         known = zip(volume.axesCalibration, volume.axesCalibrated)
     except Exception:
-        # On metadata of unknown microscopes the package raises many types. The pixels are readable
-        # nevertheless.
+        # Ignore any exception on metadata of unknown microscopes, because the pixels are readable.
         return [None, None, None]
     return [size if calibrated else None for size, calibrated in known]
 
