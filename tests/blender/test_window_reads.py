@@ -61,7 +61,8 @@ def test_an_export_and_a_script_wait(found):
 
 def test_live_begins_once_the_bake_is_read(found):
     row = found["live"]
-    assert row["held"] == {"live": False, "sentence": ""} and row["sentence"] == ""
+    assert row["held"] == {"live": False, "sentence": ""}
+    assert row["begun"] == {"live": True, "sentence": ""}
 
 
 def test_a_picture_waits_and_has_all_light(found):

@@ -247,9 +247,10 @@ def go_live():
     held = {"live": live.at_work() is not None, "sentence": live.sentence()}
     gate.open()
     yield from stepwise.until(lambda: live.at_work() is not None)
+    begun = {"live": live.at_work() is not None, "sentence": live.sentence()}
     bpy.context.scene.leaflight_live = False
     yield from stepwise.until(lambda: live.at_work() is None)
-    return {"held": held, "sentence": live.sentence()}
+    return {"held": held, "begun": begun}
 
 
 def render():
