@@ -101,7 +101,10 @@ def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
     settings = obj.leaflight
     settings.bake_folder, settings.error, settings.resolution = str(tmp_path), 50.0, 8
     settings.use_resolution, settings.low, settings.high = True, -0.4, 0.4
+    # The import has turned it on.
+    settings.both_sides = False
     blender.stage(obj)
+    settings.light_walls = False
     blender.show(obj, -0.2)
     assert not _has_note()
     blender.bake(obj)
