@@ -14,6 +14,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
+from leaflight.bake.load_bake import open_bake, with_walls
 from leaflight.progress_bar import run_with_progress
 from leaflight.export.export import SUFFIXES, export
 from leaflight.io.images import write_png
@@ -183,6 +184,19 @@ def test_a_cancelled_save_writes_nothing(box_bake, tmp_path):
     with pytest.raises(Cancelled):
         box_bake.save(tmp_path / "x.vdb", progress)
     assert os.listdir(tmp_path) == []
+
+
+def test_reading_can_be_cancelled_and_has_a_share(lapr_file):
+    """Of the direct light of isosurfaces, and then of the walls, all is done in the end."""
+    cancelled, progress = Progress(), Progress()
+    cancelled.cancel()
+    with pytest.raises(Cancelled):
+        open_bake(lapr_file, cancelled)
+    bake, walls = open_bake(lapr_file, progress)
+    assert 0.9 < progress.fraction < 1.0
+    with pytest.raises(Cancelled):
+        with_walls(bake, walls, cancelled)
+    assert with_walls(bake, walls, progress).walls is not None and 0.9 < progress.fraction < 1.0
 
 
 def test_a_cancel_that_comes_too_late():

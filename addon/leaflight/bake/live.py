@@ -21,6 +21,7 @@ from ..operators import checks, failures, jobs
 from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
+from ..store.reading import StillReading
 from ..translations import iface_
 from . import bake, stopped
 
@@ -220,6 +221,9 @@ def _look():
     _has_changed = False
     try:
         wanted = _wanted(bpy.context)
+    except StillReading:
+        # changed() is called once it is read.
+        wanted = None
     except LeaflightError as error:
         wanted = None
         _give_up(error)

@@ -18,6 +18,7 @@ from ..operators.checks import active_volume
 from ..show import display, isosurfaces, isovalues, lamps, surface_object
 from ..stage import scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, frame_bakes, source_files
+from ..store.reading import StillReading
 from ..translations import iface_
 from . import lighting
 
@@ -126,6 +127,8 @@ def _is_volume_of(obj, bake, index):
     """True if an object's volume has the values of a volume of a bake, capped or not."""
     try:
         volume = cache.volume_of(obj)
+    except StillReading:
+        raise
     except LeaflightError:
         return False
     capped = bake.scene.isosurfaces[index].capped

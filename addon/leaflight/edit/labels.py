@@ -32,8 +32,8 @@ def add_scale_bar(context, volume):
             f"{volume.leaflight.source or volume.name}: the file gives no unit of length; choose "
             "one under Scale and Labels."
         )
-    _remove(volume, _BAR)
     low, high, side = _box(volume)
+    _remove(volume, _BAR)
     length = round_length(_LENGTH * side)
     across, deep = _axes(context, volume)
     width = _WIDTH * side
@@ -55,8 +55,8 @@ def add_letters(context, volume):
             f"{volume.leaflight.source or volume.name}: the file has no directions of a patient: "
             "choose Up and Front under Stage."
         )
-    _remove(volume, _LETTER)
     low, high, side = _box(volume)
+    _remove(volume, _LETTER)
     for letter, axis, direction in SIDES:
         place = 0.5 * (low + high)
         place[axis] = (high if direction > 0 else low)[axis] + direction * _GAP * side

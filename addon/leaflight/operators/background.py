@@ -7,6 +7,8 @@ from typing import Any, Optional
 import bpy
 import leaflight
 
+from ..store import cache
+from ..store.reading import StillReading
 from ..translations import iface_
 from . import failures, jobs
 from .checks import LeaflightOperator
@@ -100,7 +102,7 @@ class BackgroundOperator(LeaflightOperator):
             return
         context.window_manager.event_timer_remove(self._timer)
         if work.progress.cancelled:
-            _clear_status()
+            jobs.show_status(None)
             jobs.set_running(None)
             return
         # The timer runs only if a window was closed: not after quitting or loading.
@@ -111,7 +113,7 @@ class BackgroundOperator(LeaflightOperator):
         jobs.set_running(None)
         context.window_manager.event_timer_remove(self._timer)
         self._status = None
-        _clear_status()
+        jobs.show_status(None)
 
     def _show_status(self, context: bpy.types.Context) -> None:
         """Shows the progress in the status bar and redraws the panels."""
@@ -132,9 +134,10 @@ class BackgroundOperator(LeaflightOperator):
         return ended or {"FINISHED"}
 
     def _do(self, start: Start, context: bpy.types.Context) -> set[str] | None:
-        """Does a job to its end. Returns None if there is none."""
+        """Does a job to its end, and waits for its files. Returns None if there is no job."""
         try:
-            job = start(context)
+            with cache.waiting():
+                job = start(context)
         except Exception as error:
             return self._fail(error)
         if job is None:
@@ -154,7 +157,8 @@ class BackgroundOperator(LeaflightOperator):
         except Exception as error:
             return self._end(error, ended)
         try:
-            summary = job.apply()
+            with cache.waiting():
+                summary = job.apply()
         except Exception as error:
             failed = self._fail(error)
             self._attempt(job.failed)
@@ -181,7 +185,9 @@ class BackgroundOperator(LeaflightOperator):
             return None
 
     def _fail(self, error: BaseException) -> set[str]:
-        self.report({"ERROR"}, failures.record(error))
+        # The panels show that a file is still being read, as long as it is.
+        is_early = isinstance(error, StillReading)
+        self.report({"ERROR"}, str(error) if is_early else failures.record(error))
         return {"CANCELLED"}
 
 
@@ -245,12 +251,6 @@ def _go_on_elsewhere() -> None:
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window):
         bpy.ops.leaflight.go_on("INVOKE_DEFAULT")
-
-
-def _clear_status() -> None:
-    """Clears the status text of all workspaces, because each one shown meanwhile keeps it."""
-    for workspace in bpy.data.workspaces:
-        workspace.status_text_set(None)
 
 
 CLASSES = (LEAFLIGHT_OT_go_on,)

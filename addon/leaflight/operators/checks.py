@@ -7,6 +7,8 @@ from typing import Any
 import bpy
 from leaflight import LeaflightError
 
+from ..store import cache
+
 # Function that is true if an operator can be called. Otherwise it sets the reason for its button.
 Condition = Callable[[Any, bpy.types.Context], bool]
 
@@ -63,6 +65,7 @@ BAKE = (
 class LeaflightOperator:
     """An operator whose run() does its work. A LeaflightError becomes a report.
 
+    A script waits for files that are being read. A user gets a report.
     conditions: without which it cannot be called.
     """
 
@@ -75,7 +78,8 @@ class LeaflightOperator:
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         try:
-            self.run(context)
+            with cache.waiting(not self.options.is_invoke):
+                self.run(context)
         except LeaflightError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

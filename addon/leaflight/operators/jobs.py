@@ -41,7 +41,7 @@ class Job:
 
     def status(self, progress: leaflight.Progress) -> str:
         """Returns the progress as text for the panel, in any thread."""
-        return f"{100.0 * self.fraction(progress):3.0f} % {progress.stage}"
+        return status_of(self.fraction(progress), progress.stage)
 
     def run(self, progress: leaflight.Progress) -> None:
         raise NotImplementedError
@@ -164,11 +164,16 @@ def viewports() -> list[tuple[bpy.types.Window, bpy.types.Area]]:
     return [(window, area) for window, area in found if area.type == "VIEW_3D"]
 
 
+def status_of(fraction: float, stage: str) -> str:
+    """Returns a progress, 0 to 1, and the name of the present work as text."""
+    return f"{100.0 * fraction:3.0f} % {stage}"
+
+
 def show_status(text: str | None) -> None:
     """Shows a text in the status bar. None removes it."""
-    for window in bpy.context.window_manager.windows:
-        with bpy.context.temp_override(window=window):
-            window.workspace.status_text_set(text)
+    # Each workspace keeps its text, so remove it from those that were shown meanwhile, too.
+    for workspace in bpy.data.workspaces:
+        workspace.status_text_set(text)
 
 
 def redraw_panels() -> None:

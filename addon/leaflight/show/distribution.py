@@ -14,6 +14,7 @@ from leaflight import LeaflightError
 from .. import session
 from ..operators import jobs
 from ..store import cache, source_files
+from ..store.reading import StillReading
 
 BINS = 256
 # Approximate number of voxels, evenly spread, that are counted in a larger volume.
@@ -85,6 +86,10 @@ def _look(name, key):
         return
     try:
         _known[key] = _distribution(cache.volume_of(obj), obj.leaflight.isovalue)
+    except StillReading:
+        # The panels are drawn again once it is read.
+        del _known[key]
+        return
     except LeaflightError:
         # The panel of the volume shows the error.
         return

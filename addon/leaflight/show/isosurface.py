@@ -8,6 +8,7 @@ import numpy as np
 from leaflight import LeaflightError
 
 from ..store import cache, source_files
+from ..store.reading import StillReading
 from . import display, lamps, preview
 
 # Color attributes: radiance that leaves the front of the surface, and the back if it is baked.
@@ -114,7 +115,7 @@ class Isosurface:
 
 
 def isosurface_of(obj, isovalue, halvings=None):
-    """Returns an Isosurface, ready for mesh() in any thread. Raises LeaflightError.
+    """Returns an Isosurface, ready for mesh() in any thread. Raises LeaflightError, StillReading.
 
     An unreadable bake gives an unlit Isosurface and no error here. is_lit() raises it.
     """
@@ -126,6 +127,8 @@ def isosurface_of(obj, isovalue, halvings=None):
         )
     try:
         lit = is_lit(obj, isovalue)
+    except StillReading:
+        raise
     except LeaflightError:
         lit = False
     dust = obj.leaflight_look.dust * _voxel_size(volume)

@@ -80,13 +80,17 @@ def partners(obj, scene):
 
 
 def set_isovalue(obj, isovalue):
-    """Shows an isovalue that a script has set, and moves the linked volumes."""
-    surface_object.update(obj, isovalue)
-    for scene in obj.users_scene:
-        for other in partners(obj, scene):
-            if not _is_animated(other):
-                _follow(other, obj, isovalue)
-        walls.update(scene)
+    """Shows an isovalue that a script has set, and moves the linked volumes.
+
+    Waits for their files.
+    """
+    with cache.waiting():
+        surface_object.update(obj, isovalue)
+        for scene in obj.users_scene:
+            for other in partners(obj, scene):
+                if not _is_animated(other):
+                    _follow(other, obj, isovalue)
+            walls.update(scene)
 
 
 def show_frame(obj):

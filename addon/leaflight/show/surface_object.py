@@ -15,6 +15,7 @@ from leaflight import LeaflightError
 
 from .. import session
 from ..store import bake_files
+from ..store.reading import StillReading
 from . import display, isosurface, lamps, preview, surface_material
 from .fill import colour, fill
 
@@ -93,6 +94,7 @@ def new(context, name):
 def update(obj, isovalue, moving=False):
     """Shows an isosurface unless the mesh already holds it. A failure goes to `problems`.
 
+    While its bake or volume is being read, the mesh stays; the end of the reading calls again.
     moving: True if a coarse surface of about MOVING_TRIANGLES is enough for now. The full detail
     follows later (whole_detail.py).
     """
@@ -122,6 +124,8 @@ def update(obj, isovalue, moving=False):
         made = surface.made()
         # Raise the error of a bake that could not be read.
         isosurface.is_lit(obj, isovalue)
+    except StillReading:
+        return
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
         wanted = replace(wanted, failed=True)
@@ -268,13 +272,16 @@ def mark_shown(mesh, other):
 def shade(obj):
     """Gives an object the material for its state: baked radiance, or unlit.
 
-    A material that the user has chosen stays. A failure goes to `problems`.
+    A material that the user has chosen stays, and any while the bake is being read. A failure goes
+    to `problems`.
     """
     current = obj.data.materials[0] if obj.data.materials else None
     if not surface_material.may_replace(obj, current):
         return
     try:
         material = surface_material.material_of(obj, shown_isovalue(obj))
+    except StillReading:
+        return
     except LeaflightError as error:
         problems[obj.name_full] = str(error)
         return

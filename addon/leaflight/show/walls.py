@@ -14,6 +14,7 @@ import numpy as np
 from leaflight import LeaflightError
 
 from ..store import cache
+from ..store.reading import StillReading
 from . import display, fill, lamps, preview, shader, surface_object
 from .isosurface import RADIANCE, RADIANCE_BACK
 
@@ -43,12 +44,17 @@ def forget_names(scene):
 
 
 def refresh(scene):
-    """Shows the lit walls or the original objects, as the user has chosen."""
+    """Shows the lit walls or the original objects, as the user has chosen.
+
+    Their bake may still be read: complete() follows.
+    """
     _clear(scene)
     leader = _leader(scene)
     if leader is not None and scene.leaflight.show_walls:
         try:
             _build(scene, leader)
+        except StillReading:
+            return
         except LeaflightError as error:
             _clear(scene)
             surface_object.problems[leader.name_full] = str(error)
@@ -122,6 +128,8 @@ def update(scene):
     of_pass, label = _pass_with_walls(leader), _label(leader)
     try:
         bake, index = _bake_of(leader)
+    except StillReading:
+        return
     except LeaflightError as error:
         surface_object.problems[leader.name_full] = str(error)
         return

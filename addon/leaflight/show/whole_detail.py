@@ -13,6 +13,7 @@ import bpy
 
 from .. import session
 from ..operators import failures, jobs
+from ..store.reading import StillReading
 from . import isosurface, surface_object
 
 # Seconds from the last move to the start of the work, and between two polls.
@@ -121,6 +122,8 @@ def _tick():
             continue
         try:
             goes_on = job.step(obj)
+        except StillReading:
+            goes_on = True
         except Exception as error:
             surface_object.problems[obj.name_full] = failures.sentence_of(error)
             goes_on = False

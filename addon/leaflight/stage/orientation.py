@@ -14,7 +14,7 @@ from ..operators import checks, jobs
 from ..operators.checks import active_volume
 from ..show import isosurfaces, isovalues
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
-from ..store import source_files
+from ..store import cache, source_files
 from . import stage
 from .facing import (
     AXES,
@@ -146,10 +146,11 @@ def orient(obj, up, front):
     bpy.context.view_layer.update()
     before = obj.matrix_world.copy()
     others = _turning_with(obj)
+    with cache.waiting():
+        low, high = isosurfaces.world_box(obj)
     for volume in (obj, *others):
         volume.leaflight_orientation.front_axis = [*AXES.values()].index(front)
         volume.leaflight_orientation.is_unknown = False
-    low, high = isosurfaces.world_box(obj)
     turn = Matrix([np.cross(up, front).tolist(), scaled(front, -1), up])
     obj.matrix_world = turn.to_4x4() @ Matrix.Diagonal((*before.to_scale(), 1.0))
     bpy.context.view_layer.update()

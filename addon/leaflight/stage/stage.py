@@ -14,6 +14,7 @@ from ..operators import checks, failures
 from ..operators.checks import active_volume
 from ..show import display, isovalues, shader, surface_object, walls
 from ..store import frame_bakes
+from ..store.reading import StillReading
 from ..translations import iface_
 from . import camera, facing, hidden, presets, scene_export, scene_objects, viewport
 
@@ -90,6 +91,9 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         try:
             description, _, warnings = scene_export.export_scene(context, isosurface)
             scene_export.check_light(description)
+        except StillReading:
+            # The bake reports its problems itself.
+            warnings = []
         except LeaflightError as error:
             warnings = [f"Before the bake: {error}"]
         context.scene.leaflight_stage.warnings = "\n".join(warnings)

@@ -17,6 +17,7 @@ from .. import session
 from ..operators import jobs
 from ..show import lamps
 from ..store import bake_files, source_files
+from ..store.reading import StillReading
 from . import lights, scene_export
 
 _OTHER = "The bake was made for another scene: bake again to light this one"
@@ -58,7 +59,8 @@ def stands_elsewhere(obj):
 def change_since_bake(context, obj):
     """Returns a sentence if the scene or the volume's file differs from the bake, or "".
 
-    Returns a sentence, too, if the file of the bake cannot be found.
+    Returns a sentence, too, if the file of the bake cannot be found. While a volume of the scene is
+    being read, the last result counts: the end of the reading calls forget().
     """
     key = _key(obj)
     if key not in _changes:
@@ -115,6 +117,8 @@ def _change(context, obj):
     try:
         description, volumes, _ = scene_export.export_scene(context, obj)
         now = scene_export.fingerprint(volumes, description)
+    except StillReading:
+        return _shown.get(_key(obj), "")
     except LeaflightError as error:
         return f"The scene has changed since the bake: {error}"
     if obj.leaflight.bake_fingerprint == OTHER_SCENE:

@@ -5,36 +5,56 @@ Nothing here is saved with the scene or refers to a Blender object. Neither undo
 can therefore invalidate it. Missing entries are read again from their files.
 """
 
-from contextlib import suppress
+import threading
+from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import partial
 
 import bpy
-import leaflight
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.bake.load_bake import open_bake
 
 from .. import session
 from . import bake_files, reading, source_files
+from .reading import StillReading
+
+
+class _Readings(dict):
+    """The Readings in progress, by the key of their result in a cache."""
+
+    def clear(self):
+        for begun in self.values():
+            begun.cancel()
+        super().clear()
+
 
 _volumes = session.remembered()
 _bakes = session.remembered()
-# Readings by bake id, while a thread computes the light of the walls.
-_readings = session.remembered()
-# Functions that a timer calls with the Progress while the walls of a bake are lit, and with None
-# at the end.
+_readings = session.remembered(_Readings)
+# Thread-local: `now` is True within waiting().
+_waits = threading.local()
+# Functions that a timer calls while files are read. Their arguments are the Progress, None at the
+# end, and True if a step of a reading has ended since the last call.
 watching = []
 
 # Bytes of voxels above which unused volumes and bakes are freed. Playback loads many frames.
 _MOST = 2 << 30
 
-# Cache: path -> (state of the file, why it could not be read).
+# Cache: id of a bake or key of a volume -> (state of its file, why it could not be read).
 _damaged = session.remembered()
 
 
+@contextmanager
+def waiting(waits=True):
+    """Lets volume_of() and light_of() wait for files in this thread, in place of StillReading."""
+    before, _waits.now = getattr(_waits, "now", False), waits
+    try:
+        yield
+    finally:
+        _waits.now = before
+
+
 def volume_of(obj):
-    """Returns the volume that an object shows, in local coordinates. Raises LeaflightError.
+    """Returns the volume that an object shows, in local coordinates. Raises as light_of().
 
     The volume of the bake takes precedence over the source file, which may have changed.
     """
@@ -47,7 +67,7 @@ def volume_of(obj):
 
 
 def world_volume(obj):
-    """Returns volume_of() in world space."""
+    """Returns volume_of() in world space. Raises as light_of()."""
     # If the object has not moved since the bake, return exactly the baked volume.
     if _baked_key(obj) is not None and _flat(obj.matrix_world) == list(obj.leaflight.bake_matrix):
         return light_of(obj).volumes[obj.leaflight.bake_index]
@@ -55,7 +75,7 @@ def world_volume(obj):
 
 
 def volume_to_bake(obj):
-    """Returns the volume in world space for a new bake. Raises LeaflightError.
+    """Returns the volume in world space for a new bake. Raises as light_of().
 
     The file is read again if it has changed since the last bake.
     """
@@ -74,50 +94,30 @@ def placed(volume, index_to_world):
 def keep_volume(obj, volume):
     """Caches the volume that was read for an object without a bake."""
     settings = obj.leaflight
-    _volumes[source_files.key_of(settings)] = _in_object(settings, volume)
+    _volumes[source_files.key_of(settings)] = _moved(volume, source_files.from_file(settings))
 
 
 def bake_of(obj):
     """Returns the bake that lights an object, with lit walls. Raises LeaflightError.
 
-    Waits for the light of the walls. Returns None before the first bake.
+    Waits for its file and the light of the walls. Returns None before the first bake.
     """
-    bake = light_of(obj)
-    if lacks_walls(obj):
-        _finish(obj.leaflight.bake_id)
+    with waiting():
+        light_of(obj)
+        _keep(obj.leaflight.bake_id)
         return light_of(obj)
-    return bake
 
 
 def light_of(obj):
     """Returns the bake that lights an object, perhaps without the light of its walls.
 
-    In a window, a thread computes the light of the walls, which takes up to a minute. Returns None
-    before the first bake. Raises LeaflightError.
+    In a window, a thread reads its file and then lights the walls, which takes up to a minute.
+    Returns None before the first bake. Raises LeaflightError, and StillReading before the file is
+    read.
     """
     identifier = obj.leaflight.bake_id
-    if not identifier:
-        return None
-    if identifier in _readings:
-        return _readings[identifier].bake
-    if identifier not in _bakes:
-        _make_room()
-        _open(identifier, bake_files.locate(obj), waits=obj.leaflight.frames > 1)
-        return light_of(obj)
-    return _bakes[identifier]
-
-
-def _open(identifier, path, waits):
-    """Reads a bake into the cache. waits: True if it returns only after the walls are lit."""
-    if waits or bpy.app.background:
-        _bakes[identifier] = _load(path, leaflight.load_bake)
-        return
-    bake, walls = _load(path, open_bake)
-    if walls is None:
-        _bakes[identifier] = bake
-        return
-    _readings[identifier] = begun = reading.Reading(path, bake, walls)
-    bpy.app.timers.register(partial(_await, identifier, begun), persistent=True)
+    is_read = _reading_of_bake(obj) is None
+    return _bakes.get(identifier) if is_read else _first(obj, identifier)
 
 
 def whole_of(obj):
@@ -126,54 +126,108 @@ def whole_of(obj):
     The function may run in any thread and waits until the Progress is canceled. Both raise
     LeaflightError.
     """
-    bake, begun = light_of(obj), _readings.get(obj.leaflight.bake_id)
+    begun, bake = _reading_of_bake(obj), _bakes.get(obj.leaflight.bake_id)
     return begun.result if begun is not None else lambda _progress: bake
 
 
+def progress_of(obj):
+    """Returns the Progress of the reading of an object's bake or volume, or None."""
+    if not _readings:
+        return None
+    settings = obj.leaflight
+    keys = settings.bake_id, source_files.key_of(settings)
+    return next((_readings[key].progress for key in keys if key in _readings), None)
+
+
 def lacks_walls(obj):
-    """True if the walls of the bake that lights an object are not yet lit."""
-    return obj.leaflight.bake_id in _readings
+    """True if the bake that lights an object is still read, or its walls are not yet lit."""
+    begun = _readings.get(obj.leaflight.bake_id)
+    return begun is not None and begun.is_alive()
 
 
-def stop_readings():
-    for begun in _readings.values():
-        begun.cancel()
-    _readings.clear()
-
-
-def _await(identifier, begun):
-    """Polls a reading from a timer, and returns the seconds until the next call."""
-    is_wanted = _readings.get(identifier) is begun
-    goes_on = is_wanted and begun.is_alive()
-    if not is_wanted:
-        begun.cancel()
-    elif not goes_on:
-        with suppress(LeaflightError):
-            _finish(identifier)
-    for call in watching:
-        call(begun.progress if goes_on else None)
-    return 0.1 if goes_on else None
-
-
-def _finish(identifier):
-    # Keep the reading until it ends. A render may wait for it in another thread than _await().
-    begun = _readings.get(identifier)
-    if begun is None:
-        return
-    try:
-        _bakes[identifier] = begun.result()
-    except LeaflightError as problem:
-        _damaged[begun.path] = bake_files.state_of(begun.path), str(problem)
-        raise
-    finally:
-        _readings.pop(identifier, None)
-
-
-def grid_of(obj):
-    """Returns the radiance grid of an object's bake, None before the first.
+def _reading_of_bake(obj):
+    """Returns the Reading of an object's bake. Returns None before the first, and once it is read.
 
     Raises LeaflightError.
     """
+    identifier = obj.leaflight.bake_id
+    if not identifier or identifier in _bakes:
+        return None
+    if identifier not in _readings:
+        path = bake_files.locate(obj)
+        _begin(obj, identifier, path, reading.steps_of_bake(path))
+    return _readings.get(identifier)
+
+
+def _begin(obj, key, path, steps):
+    """Reads a file: in a thread, or at once for playback and without a window.
+
+    A damaged file is read again only after it has changed. steps: see Reading. Raises
+    LeaflightError.
+    """
+    state = bake_files.state_of(path)
+    known, error = _damaged.get(key, (None, None))
+    if error is not None and known == state:
+        raise LeaflightError(error)
+    _make_room()
+    _readings[key] = reading.Reading(path, state, steps)
+    if bpy.app.background or obj.leaflight.frames > 1:
+        try:
+            _keep(key)
+        finally:
+            _readings.pop(key, None)
+    elif not bpy.app.timers.is_registered(_watch):
+        bpy.app.timers.register(_watch, first_interval=0.0, persistent=True)
+
+
+def _first(obj, key):
+    """Returns the first result of the Reading of a key. Raises LeaflightError, StillReading."""
+    begun = _readings[key]
+    if begun.found is None and not getattr(_waits, "now", False):
+        raise StillReading(
+            f'"{obj.name}": {begun.path} is still being read: wait until the status bar shows no '
+            "progress."
+        )
+    begun.wait_for_first()
+    if begun.found is None:
+        _keep(key)
+    return begun.found
+
+
+def _keep(key):
+    """Waits for the last result of the Reading of a key, and caches it. Raises LeaflightError."""
+    begun = _readings.get(key)
+    if begun is None:
+        return
+    # The id of a bake is a text, the key of a volume is not.
+    cache = _bakes if isinstance(key, str) else _volumes
+    try:
+        cache.setdefault(key, begun.result())
+    except LeaflightError as problem:
+        _damaged[key] = begun.state, str(problem)
+        raise
+
+
+def _watch():
+    """Polls the readings from a timer, and returns the seconds until the next call."""
+    has_news = False
+    # Blender must not change what it renders. A render has waited for the files that it needs.
+    if not bpy.app.is_job_running("RENDER"):
+        ended = [key for key, begun in _readings.items() if not begun.is_alive()]
+        has_news = any([begun.has_news() for begun in _readings.values()])
+        for key in ended:
+            with suppress(LeaflightError):
+                _keep(key)
+            _readings.pop(key)
+    first = next(iter(_readings.values()), None)
+    for call in watching:
+        call(None if first is None else first.progress, has_news)
+    # A call may have begun another reading.
+    return 0.1 if _readings else None
+
+
+def grid_of(obj):
+    """Returns the radiance grid of an object's bake, or None. Raises as light_of()."""
     bake = light_of(obj)
     return bake.grids[obj.leaflight.bake_index] if bake is not None else None
 
@@ -203,19 +257,6 @@ def _make_room():
         forget_unused()
 
 
-def _load(path, read):
-    """Reads a bake. A damaged file is read again only after it has changed."""
-    state = bake_files.state_of(path)
-    known, error = _damaged.get(path, (None, None))
-    if known is None or known != state:
-        try:
-            return read(path)
-        except LeaflightError as problem:
-            error = str(problem)
-            _damaged[path] = state, error
-    raise LeaflightError(error)
-
-
 def _source_volume(obj):
     settings = obj.leaflight
     if not settings.source:
@@ -224,26 +265,39 @@ def _source_volume(obj):
             "bake, keep Capped as it was baked, or import the volume."
         )
     key = source_files.key_of(settings)
-    if key not in _volumes:
-        _make_room()
-        volume = source_files.read(settings)
-        _volumes[key] = _in_object(settings, volume.capped() if settings.capped else volume)
-    return _volumes[key]
+    if key not in _volumes and key not in _readings:
+        _begin(obj, key, source_files.path_of(settings), _steps_of_volume(settings))
+    return _volumes[key] if key in _volumes else _first(obj, key)
 
 
-def _in_object(settings, volume):
-    """Returns a volume of a file in the coordinates of its object."""
-    return replace(volume, index_to_world=source_files.from_file(settings) @ volume.index_to_world)
+def _steps_of_volume(settings):
+    """Returns the steps of a Reading of the volume in a file, in the object's coordinates."""
+    path, choices = source_files.path_of(settings), source_files.choices_of(settings)
+    from_file, is_capped = source_files.from_file(settings), settings.capped
+
+    def steps(progress):
+        progress.begin("Reading the volume")
+        volume = source_files.read_volume(path, progress, **choices)
+        yield _moved(volume.capped() if is_capped else volume, from_file)
+
+    return steps
+
+
+def _moved(volume, matrix):
+    return replace(volume, index_to_world=matrix @ volume.index_to_world)
 
 
 def _baked_key(obj):
     """Returns a key of the volume in an object's bake.
 
-    Returns None if the object has no readable bake or shows its volume otherwise than baked.
+    Returns None if the object has no readable bake or shows its volume otherwise than baked. Raises
+    StillReading.
     """
     settings = obj.leaflight
     try:
         bake = light_of(obj)
+    except StillReading:
+        raise
     except LeaflightError:
         return None
     if bake is None or bake.scene.isosurfaces[settings.bake_index].capped != settings.capped:

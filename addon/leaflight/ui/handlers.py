@@ -40,7 +40,9 @@ def _follow(scene, depsgraph, by_hand):
 @persistent
 def _after_frame(scene, depsgraph):
     staleness.follow_lamps(scene, depsgraph)
-    _follow(scene, depsgraph, whole_detail.may_follow(depsgraph) and _plays())
+    by_hand = whole_detail.may_follow(depsgraph) and _plays()
+    with cache.waiting(not by_hand):
+        _follow(scene, depsgraph, by_hand)
 
 
 def _plays():
@@ -188,24 +190,39 @@ def _after_undo(scene, _depsgraph):
     live.changed(scene)
 
 
-def _light_walls(progress):
-    """Shows the progress of the light of a bake's walls, and at the end (None) that light.
+def _show_reading(progress, has_news):
+    """Shows the progress of files that are being read, None at the end, and what was read.
 
     Work in progress has priority in the status bar.
     """
-    is_lit = progress is None
     if jobs.running() is None:
-        text = None if is_lit else f"{100.0 * progress.fraction:3.0f} % {progress.stage}"
+        text = progress and jobs.status_of(progress.fraction, progress.stage)
         jobs.show_status(text and f"Leaflight  {text}")
-    if is_lit:
-        for scene in bpy.data.scenes:
-            walls.complete(scene)
+    jobs.redraw_panels()
+    if has_news:
+        _show_what_was_read()
+
+
+def _show_what_was_read():
+    """Completes the isosurfaces, walls and checks that had to do without a file."""
+    for window in bpy.context.window_manager.windows:
+        # Other scenes follow once they are shown.
+        _follow(window.scene, window.view_layer.depsgraph, whole_detail.may_follow())
+    for scene in bpy.data.scenes:
+        for obj in isovalues.isosurfaces(scene):
+            if obj.library is None:
+                surface_object.shade(obj)
+        walls.complete(scene)
+    staleness.forget()
+    live.changed(bpy.context.scene)
 
 
 @persistent
 def _before_render(scene, *_):
-    walls.finish(scene)
-    whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
+    with cache.waiting():
+        isovalues.update_before_evaluation(scene)
+        walls.finish(scene)
+        whole_detail.make_now([obj for obj in isovalues.isosurfaces(scene) if not obj.hide_render])
 
 
 @persistent
@@ -270,14 +287,13 @@ _HANDLERS = (
 def register():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
-    cache.watching.append(_light_walls)
+    cache.watching.append(_show_reading)
 
 
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
-    cache.watching.remove(_light_walls)
-    cache.stop_readings()
+    cache.watching.remove(_show_reading)
     jobs.abandon()
     stopped.save_offered()
     session.forget()

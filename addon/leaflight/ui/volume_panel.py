@@ -11,7 +11,7 @@ from ..importing import import_volume, open_example, smooth_volume
 from ..operators import jobs
 from ..operators.checks import active_volume
 from ..show import display, distribution, isovalues, look, surface_material, surface_object
-from ..store import frame_bakes
+from ..store import cache, frame_bakes
 from ..translations import iface_
 from . import clip_outline
 from .sidebar import SidebarPanel, sentence, split
@@ -34,6 +34,10 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
         if any(other != obj for other in isovalues.volumes(context.scene)):
             self._draw_partners(context, obj)
+        progress = cache.progress_of(obj)
+        if progress is not None:
+            text = jobs.status_of(progress.fraction, progress.stage)
+            layout.label(text=text, icon="TIME", translate=False)
         problem = surface_object.problems.get(obj.name_full)
         if problem:
             sentence(context, layout, problem, icon="ERROR")

@@ -37,6 +37,8 @@ class Progress {
 
   // Sets the expected work. Its unit is about one ray.
   void expect(double total) { total_ = total > 0 ? total : 1; }
+  // Adds to the expected work, which stays unknown if it is infinite.
+  void expect_more(double work) { total_ = total_ + work; }
   void begin(const std::string& stage) {
     const std::lock_guard<std::mutex> lock(mutex_);
     stage_ = stage;

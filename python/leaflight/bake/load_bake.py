@@ -20,7 +20,8 @@ from .statistics import statistics_from_record
 
 def load_bake(path: str | os.PathLike[str]) -> Bake:
     """Reads a file that Bake.save wrote. Raises LeaflightError for any other file."""
-    return with_walls(*open_bake(path), _core.Progress())
+    progress = _core.Progress()
+    return with_walls(*open_bake(path, progress), progress)
 
 
 def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Progress) -> Bake:
@@ -31,10 +32,12 @@ def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Pro
     return replace(bake, walls=walls)
 
 
-def open_bake(path: str | os.PathLike[str]) -> tuple[Bake, _core.WallRadiance | None]:
+def open_bake(
+    path: str | os.PathLike[str], progress: _core.Progress
+) -> tuple[Bake, _core.WallRadiance | None]:
     """Returns a bake without its walls, and the walls for with_walls().
 
-    The direct light of walls may take a minute.
+    The direct light of walls may take a minute. Raises LeaflightError, Cancelled.
     """
     identifier = read_bake_id(path)
     if not _core.has_seal(path):
@@ -89,7 +92,7 @@ def open_bake(path: str | os.PathLike[str]) -> tuple[Bake, _core.WallRadiance | 
                 number,
                 record.map_resolution,
                 grid.has_back and len(grids) == 1,
-                _core.Progress(),
+                progress,
             )
     return bake, walls
 

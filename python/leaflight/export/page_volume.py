@@ -74,7 +74,6 @@ def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress
         # Coarser values have other isosurfaces and therefore other shadows.
         dims = volume.field().dims
         progress.begin("Direct light")
-        progress.expect(float(math.prod(dims) * len(direct.light_points)))
         fields = [each.field() for each in bake.volumes]
         fields[number] = volume.field()
         scene = core_scene(bake.scene, fields, bake.isovalues)

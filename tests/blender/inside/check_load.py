@@ -12,7 +12,7 @@ import pytest
 from blends import assert_lit, brighten, open_blend, save, volume_object
 from leaflight_addon.show import surface_object
 from leaflight_addon.stage import staleness
-from leaflight_addon.store import atlases, bake_files, cache
+from leaflight_addon.store import atlases, bake_files, cache, reading
 from tools import error_of
 
 
@@ -94,13 +94,13 @@ def check_a_damaged_bake_is_read_but_once(saved, monkeypatch):
     path.write_bytes(path.read_bytes()[:3000])
     obj = open_blend(blend)
     reads = []
-    load = leaflight.load_bake
+    open_bake = reading.open_bake
 
-    def counted(path):
+    def counted(path, progress):
         reads.append(path)
-        return load(path)
+        return open_bake(path, progress)
 
-    monkeypatch.setattr(leaflight, "load_bake", counted)
+    monkeypatch.setattr(reading, "open_bake", counted)
     for _ in range(3):
         obj.leaflight.isovalue = 68.0
         bpy.context.view_layer.update()

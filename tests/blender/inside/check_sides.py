@@ -6,7 +6,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from leaflight import blender
 from leaflight_addon.store import atlases, bake_files, cache
+from leaflight_addon.ui import volume_panel
+from passes import drawn
 from tools import close, colours_of, look_down, mesh_arrays, render_exr, texels_at
 
 
@@ -84,3 +87,36 @@ def check_one_side_again(two_sided):
     assert "radiance_back" not in two_sided.data.attributes
     kinds = {node.type for node in two_sided.leaflight.baked_material.node_tree.nodes}
     assert "BSDF_DIFFUSE" in kinds
+
+
+def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
+    """The negative lobe of a molecule is low inside."""
+    x = np.linspace(-1.0, 1.0, 24)
+    lobes = (
+        np.exp(-8.0 * ((x - at) ** 2 + x[:, None] ** 2 + x[:, None, None] ** 2))
+        for at in (-0.4, 0.4)
+    )
+    np.save(tmp_path / "molecule.npy", next(lobes) - next(lobes))
+    obj = blender.import_volume(tmp_path / "molecule.npy")
+    settings = obj.leaflight
+    settings.bake_folder, settings.error, settings.resolution = str(tmp_path), 50.0, 8
+    settings.use_resolution, settings.low, settings.high = True, -0.4, 0.4
+    # The import has turned it on.
+    settings.both_sides = False
+    blender.stage(obj)
+    settings.light_walls = False
+    blender.show(obj, -0.2)
+    assert not _has_note()
+    blender.bake(obj)
+    assert _has_note()
+    blender.show(obj, 0.2)
+    assert not _has_note()
+    blender.show(obj, -0.2)
+    settings.both_sides = True
+    blender.bake(obj)
+    assert not _has_note()
+
+
+def _has_note():
+    texts = " ".join(drawn(volume_panel.LEAFLIGHT_PT_volume))
+    return "seen from its back, which is not baked: turn on Both Sides" in texts

@@ -111,6 +111,7 @@ class Layout:
 def drawn(panel):
     found = []
     context = SimpleNamespace(
+        area=None,
         object=bpy.context.object,
         scene=bpy.context.scene,
         preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0)),

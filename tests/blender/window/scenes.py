@@ -16,6 +16,7 @@ import seen
 from leaflight import blender
 from leaflight_addon.bake import bake
 from leaflight_addon.show import isovalues
+from leaflight_addon.store import cache
 
 # Percent that a bake of so small a volume reaches with its first passes; that none reaches.
 _EASY, _UNREACHED = 20.0, 0.01
@@ -62,7 +63,11 @@ class Scenes:
 
 
 def _open(folder):
+    """Opens a scene, and waits for its files."""
     bpy.ops.wm.open_mainfile(filepath=str(folder / "scene.blend"))
+    with cache.waiting():
+        for obj in seen.volumes():
+            cache.volume_of(obj)
 
 
 def _nothing(_scenes):

@@ -125,7 +125,8 @@ def beside_walls():
     shown["walls"] += [len(seen.displays("wall"))]
     yield from stepwise.until(lambda: page_size() != shown["size"])
     shown["size"] = [shown["size"], page_size()]
-    return {**shown, "waited": waited, "status": [status[:1], status[-1:]]}
+    lighting = [text for text in status if text and text.endswith("Lighting walls")]
+    return {**shown, "waited": waited, "status": [lighting[:1], status[-1:]]}
 
 
 def add_box():
@@ -210,7 +211,7 @@ def open_without_walls():
     begun, with_walls = [], reading.with_walls
     reading.with_walls = lambda *read: begun.append(True) or with_walls(*read)
     yield from reopen()
-    return cache.light_of(seen.volume()) is None or bool(begun)
+    return cache.bake_of(seen.volume()) is None or bool(begun)
 
 
 def settle():

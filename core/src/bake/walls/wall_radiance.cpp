@@ -87,6 +87,7 @@ void attach(WallRadiance<D>& radiance, const Scene<D>& scene, Progress& progress
         "The radiance of the walls does not belong to the meshes of its scene; bake again.");
   }
   const SceneTracer<D> tracer(scene);
+  progress.expect_more(work_of_ways(tracer, radiance.meshes));
   radiance.direct = std::make_shared<const MeshDirectLight<D>>(tracer, radiance.meshes, progress);
 }
 
