@@ -29,7 +29,7 @@ _SETTINGS = (
 )
 
 # Full name of an object -> (its settings at the estimate, the error of the pilot, the Pilot).
-_pilots = session.remembered()
+_pilots = session.cache()
 
 
 def estimate_of(obj, error=None):

@@ -30,7 +30,7 @@ _FORMATS = (
 )
 
 # Cache: (id of a bake, coarser) -> the _SizeJob for a page with its BackgroundWork.
-_sizes = session.remembered()
+_sizes = session.cache()
 
 
 class ExportJob(jobs.Job):

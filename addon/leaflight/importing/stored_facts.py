@@ -30,7 +30,7 @@ _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 _NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
 
 # Cache of the last file: (path, state of the file, choices) -> result of read_facts().
-_last = session.remembered()
+_last = session.cache()
 
 
 def read_facts(path, choices):

@@ -22,7 +22,7 @@ _ISOSURFACE = "isosurface"
 _MARK = "leaflight_isosurfaces"
 
 # Names of the volumes and displays of this file that were seen last.
-_noted = session.remembered(set)
+_noted = session.cache(set)
 
 
 def mark(obj, kind):

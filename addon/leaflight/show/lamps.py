@@ -19,9 +19,9 @@ _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")
 
 # Id of a bake -> ((name of a lamp, factors (r, g, b)), ...) of the changed lamps.
-_factors = session.remembered()
+_factors = session.cache()
 # Id of a bake -> (factors as above, the relit bake).
-_relit = session.remembered()
+_relit = session.cache()
 
 
 def record(bake, lights):

@@ -90,7 +90,7 @@ def bounds_of(box):
 
 
 # Cache: (address of a volume, isovalue) -> share of the isosurface that shows its back.
-_shares = session.remembered()
+_shares = session.cache()
 
 
 def note_on_backs(volume):

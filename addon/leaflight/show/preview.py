@@ -14,7 +14,7 @@ from .. import session
 from ..store import cache
 
 # Full name of an object -> its Preview.
-_shown = session.remembered()
+_shown = session.cache()
 
 
 @dataclass(frozen=True, eq=False)

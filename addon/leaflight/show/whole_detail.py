@@ -21,7 +21,7 @@ PAUSE = 0.08
 POLL = 0.03
 
 # Name of an object in this file -> its _Job.
-_jobs = session.remembered()
+_jobs = session.cache()
 
 # True if no work may start, because the present surfaces will not stay.
 _is_held = False

@@ -32,14 +32,14 @@ OTHER_SCENE = "another scene"
 PAUSE = 0.5
 
 # Cache, until the next change: (full name of an object, its bake) -> result of change_since_bake().
-_changes = session.remembered()
+_changes = session.cache()
 # Full name of an object -> its world matrix at the last check.
-_places = session.remembered()
+_places = session.cache()
 
 # Results as panels show them, perhaps from before the last change. Names of the objects whose
 # panels are drawn.
-_shown = session.remembered()
-_wanted = session.remembered(set)
+_shown = session.cache()
+_wanted = session.cache(set)
 _changed_at = 0.0
 
 

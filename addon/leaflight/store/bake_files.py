@@ -44,7 +44,7 @@ _GIVEN_UP = 7 * 24 * 3600
 _SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
 # Cache: path -> (state of the file, its id or the LeaflightError on reading it).
-_ids = session.remembered()
+_ids = session.cache()
 
 
 def user_folder():

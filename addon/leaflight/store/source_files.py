@@ -40,9 +40,9 @@ _NONE = {"frame": -1, "channel": -1, "downsample": 1, "smooth": 0, "smooth_norma
 SMOOTHING = CHOICES[-2:]
 
 # Cache: key_of() -> hash of the values, so that each file is read only once for it.
-_hashes = session.remembered()
+_hashes = session.cache()
 # Cache: key_of() -> True if the coordinates are a patient's.
-_patients = session.remembered()
+_patients = session.cache()
 
 
 def path_of(settings):
