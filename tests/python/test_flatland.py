@@ -176,7 +176,7 @@ GOOD = {
         (["meshes", 0, "vertices"], [[0, 0, 0], [1, 0, 0]], r'mesh "wall".*\[x, y\]'),
         (["meshes", 0, "segments"], [[0, 2]], 'mesh "wall".*segments.*0..1'),
         (["meshes", 0, "segments"], [], 'mesh "wall".*empty'),
-        (["meshes", 0, "faces"], [[0, 1]], 'mesh "wall".*unknown key "faces"'),
+        (["meshes", 0, "faces"], [[0, 1]], 'mesh "wall".*key "faces" is unknown'),
         (["lights", 0, "edge"], [0, 0], 'light "lamp".*edge'),
         (["lights", 0, "edge"], [0, 1, 0], 'light "lamp".*two numbers'),
         (["lights", 0, "radiance"], [0, 0, -1], 'light "lamp".*not negative'),
@@ -224,5 +224,5 @@ def test_passes_and_an_interruption(tmp_path):
 
 @pytest.mark.parametrize("name", ["both_sides", "walls"])
 def test_light_that_it_does_not_hold_is_refused(name):
-    with pytest.raises(LeaflightError, match=f"without {name}: leave it out"):
+    with pytest.raises(LeaflightError, match=f"not {name}: leave it out"):
         bake_flatland(bump_box_2d(20), **{name: True})
