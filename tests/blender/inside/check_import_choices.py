@@ -209,7 +209,7 @@ def check_an_absent_package_is_reported_in_words_of_blender(tmp_path, monkeypatc
     monkeypatch.setitem(sys.modules, "nibabel", None)
     monkeypatch.delitem(sys.modules, "leaflight.io.readers.minc", raising=False)
     sentence = error_of(bpy.ops.leaflight.import_volume, filepath=str(path))
-    assert "nibabel" in sentence and "start Blender again" in sentence
+    assert "nibabel" in sentence and "restart Blender" in sentence
     assert ("apt install python3-nibabel" in sentence) == (sys.prefix == "/usr")
 
 
