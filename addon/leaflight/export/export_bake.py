@@ -257,8 +257,7 @@ def _absent(suffix):
     of_debian = {"vtk": "python3-vtk9", "meshio": "python3-meshio"}.get(package)
     return (
         f"writing {suffix} needs the Python package {package}, which Blender's Python lacks: run "
-        f"{source_files.install_command(package, of_debian)} in a terminal, and start Blender "
-        "again."
+        f"{source_files.install_command(package, of_debian)} in a terminal, and restart Blender."
     )
 
 
