@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A few damaged files of every kind, the same in every run; validation/fuzz tries many more."""
+"""A few damaged files of every kind, the same in every run; validation/run fuzz tries many more."""
 
 import json
 import os
