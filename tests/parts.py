@@ -112,7 +112,9 @@ LONG_PARTS = (
         "macos",
         "scripts/setup --macos && build/tools-venv/bin/python -m pytest tests/macos {select}",
     ),
-    Part("fuzz", "validation/run fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
+    Part(
+        "fuzz", "validation/run fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"
+    ),
     Part("faults", "validation/run faults --seed 1 {select}", "--tries 20"),
     Part("races", "validation/run races {select}"),
     Part("every-scene", "validation/run every_scene --time 5 --nodes 16 {select}"),

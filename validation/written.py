@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Documents of measurements and their files: Markdown, CSV, PNG."""
+"""Documents of measurements, and their pictures."""
 
 import argparse
-import csv
-import io
 from pathlib import Path
 
 import numpy as np
@@ -24,9 +22,8 @@ def parse_arguments(description, has_data=True):
 
 
 def prepare(folder, name):
-    """Makes the folder and those for images and figures; checks that it can hold the named file."""
-    for part in ("images", "csv"):
-        (folder / part).mkdir(parents=True, exist_ok=True)
+    """Makes the folder and that for images; checks that it can hold the named file."""
+    (folder / "images").mkdir(parents=True, exist_ok=True)
     check_writable(folder / name, ".md")
 
 
@@ -38,22 +35,3 @@ def write(folder, files):
             continue
         with replaced(folder / name) as temporary:
             temporary.write_bytes(content if isinstance(content, bytes) else content.encode())
-
-
-def csv_text(rows):
-    """Returns a table of rows, dicts, with three cells for each Estimate: value, low and high."""
-    rows = [dict(_cells(row)) for row in rows]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue()
-
-
-def _cells(row):
-    for name, value in row.items():
-        if hasattr(value, "low"):
-            yield from ((name, value.value), (f"{name}, low", value.low))
-            yield f"{name}, high", value.high
-        else:
-            yield name, value

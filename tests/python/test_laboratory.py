@@ -18,6 +18,7 @@ from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
 RUN = ROOT / "validation" / "run"
+RAYS = ROOT / "build" / "release" / "core" / "bench" / "rays_against_embree"
 GOOD_FILE = ROOT / "tests" / "fuzz" / "inputs" / "save_fails_10um_in_metres.nrrd"
 FOLDERS = runpy.run_path(str(RUN))["PROGRAMS"]
 # Each program or part of one, arguments for little work, and the start of a line that it prints.
@@ -56,6 +57,8 @@ def test_it_runs(arguments, line):
         pytest.skip("there is no VTK: install the Debian package python3-vtk9")
     if "workers" in arguments and find_spec("distributed") is None:
         pytest.skip("there is no Dask: install the Debian package python3-distributed")
+    if "rays" in arguments and not RAYS.exists():
+        pytest.skip("it is not built: cmake --build --preset bench")
     done = run(*arguments.split())
     assert done.returncode == 0, done.stderr
     assert any(one.startswith(line) for one in done.stdout.splitlines()), done.stdout

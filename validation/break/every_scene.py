@@ -3,12 +3,16 @@
 
     validation/run every_scene [NAME ...] [--error PERCENT] [--time SECONDS] [--nodes N]
 
-prints a table and exits with 1 if a scene breaks one of these rules:
+Prints a table and exits with 1 if a scene breaks one of these rules.
 
-- A bake reaches its error, or a sentence says that it did not; so does one that its time ends.
+- A bake reaches its error, or a sentence says that it did not. So does one that its time ends.
+
 - on_pass is given a bake with light after each pass but the last.
+
 - A bake that SIGKILL ended goes on from its checkpoint, to the bits of an uninterrupted one.
-- One and two threads give the same bits, as do two workers, or the workers are refused.
+
+- One and two threads give the same bits. So do two workers, or they are refused.
+
 - Each setting has its effect, is refused, or is named in a warning before the first pass.
 """
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Kills, fills disks, takes memory and input away, and looks whether anything was lost.
 
-A try survives when the file that was there before is untouched or a whole new one has its place,
-nothing else is left behind after the next run, and a process that was not killed ended by itself,
-with success or one sentence. It is lost when the file is neither; all else is unclean.
+A try is lost unless the earlier file is untouched or a whole new one has its place. It is unclean
+if the next run leaves something else behind. It is also unclean if a process that was not killed
+ends without success and without one sentence. All other tries survive.
 """
 
 import argparse

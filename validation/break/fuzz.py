@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Damages files of every kind that Leaflight reads, and looks whether the program stands it.
 
-Half of the time files are damaged at random, by a seed that is printed, so that a run can be
-repeated; the other half by Atheris (libFuzzer), where pip can install it into build/venv-fuzz. The
-targets core-... are of the C++ core alone: libFuzzer, with sanitizers, for which there must be
-Clang (Debian's package clang). What breaks the program is kept in build/fuzz/failures.
+Half of the time files are damaged at random. The seed is printed, so that a run can be repeated.
+The other half is Atheris (libFuzzer), where pip can install it into build/venv-fuzz. The targets
+core-... are of the C++ core alone: libFuzzer with sanitizers. They need Clang (Debian's package
+clang). Files that break the program are stored in build/fuzz/failures.
 """
 
 import argparse

@@ -3,8 +3,8 @@
 
     validation/run mutations [NAME ...]
 
-builds each mutant in build/mutations and runs the core's tests there until the first that fails:
-the one that caught it last, those of the short suite, then those that `scripts/test --all` adds.
+Builds each mutant in build/mutations and runs the core's tests there until the first that fails.
+The test that caught it last comes first, then the short suite, then what `--all` adds.
 Prints a row of a table for each; exits with 1 if one survives.
 """
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads files in memory that holds one pattern, then another, and names those that differ.
 
-What differs was never written by the reader (tests/python/poisoned.py). An archive .tar.gz is
+The reader never wrote the values that differ (tests/python/poisoned.py). An archive .tar.gz is
 unpacked, and the files and folders in it are read. cases.json beside the files may give options of
-read_volume: [{"file": ..., "inner": within an archive, "options": {...}}, ...].
+read_volume.
+
+    [{"file": ..., "inner": within an archive, "options": {...}}, ...]
 """
 
 import argparse

@@ -8,7 +8,7 @@ from leaflight.bake.settings import DEFAULT_ERROR
 from leaflight.io.markdown import table
 from leaflight.measure.cycles import find_blender
 from volume_recipes import absent_text
-from written import csv_text, parse_arguments, prepare, write
+from written import parse_arguments, prepare, write
 
 from .judged_bakes import (
     EXCEEDED,
@@ -57,12 +57,7 @@ def main():
         "",
         *cycles_text(judged, absent, effort),
     ]
-    files = {
-        "csv/cycles_bakes.csv": csv_text(bake_rows(judged)),
-        "csv/cycles_isosurfaces.csv": csv_text(cycles_rows(judged)),
-        "cycles.md": "\n".join(lines) + "\n",
-    }
-    write(options.out, files)
+    write(options.out, {"cycles.md": "\n".join(lines) + "\n"})
     print("\n".join(lines))
     return int(any(row.verdict == EXCEEDED for row in judged))
 

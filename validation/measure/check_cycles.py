@@ -37,7 +37,7 @@ FLOOR = Place(mesh="floor")
 
 @dataclass(frozen=True)
 class Case:
-    """What is baked and where it is measured. sources: None takes those of the scene."""
+    """A bake and the places where it is measured. sources: None takes those of the scene."""
 
     name: str
     scene: str

@@ -3,8 +3,8 @@
 
     validation/run normals_against_cycles VOLUME ISOVALUE [ISOVALUE ...] [--points N] [--spp N]
 
-No bake takes part. Prints for each isosurface a row for each range of the angle between the smooth
-normal and the triangle's: the RMS difference of the colours in percent, and its share of all
+No bake takes part. Each isosurface has a row for each range of the angle between the smooth normal
+and the triangle's. A row holds the RMS difference of the colors in percent, and its share of all
 squared differences (docs/validation.md).
 """
 

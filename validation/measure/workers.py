@@ -3,7 +3,7 @@
 
     validation/run workers [--dims 100] [--link MBIT]
 
-Each worker has one thread. --link: as root, each is in a network of its own, joined to others by
+Each worker has one thread. --link: as root, each is in a separate network, joined to others by
 a link of so many megabits a second (iproute2).
 """
 

@@ -3,7 +3,7 @@
 
 Bakes that differ in their seed alone are independent draws of one estimate. The deviation of each
 from the mean of the others, over the error it reports, is the z that shows whether that error is
-true. What all seeds share, the bias, does not show.
+true. The bias, which all seeds share, does not show.
 """
 
 from dataclasses import dataclass

@@ -153,12 +153,12 @@ def table_3_1(effort):
         f"{effort.flat_texels} x {effort.flat_texels} texels, all isovalues. The error is that of "
         "the texture's pixels.",
         f"The reference is made of {effort.flat_reference_samples:,} regular samples with "
-        f"{effort.flat_reference_rays} rays each, like the thesis's, in Shepard's filter of 1 "
-        "texel, which takes little but the nearest sample; mean colour "
+        f"{effort.flat_reference_rays} rays each, like the thesis's. Shepard's filter of 1 texel "
+        "takes little but the nearest sample. The mean color is "
         f'{np.clip(truth * exposure, 0, 1).mean():.2f}. The column "averaged reference" has the '
         "same samples averaged over each texel. The two references differ by "
-        f"{rms_percent(averaged, truth, exposure):.2f} %, which is the noise of the first and what "
-        "light changes within a texel; nothing is subtracted.",
+        f"{rms_percent(averaged, truth, exposure):.2f} %, from the noise of the first and the "
+        "changes of light within a texel. Nothing is subtracted.",
         "Shepard's filter, as far-reaching as in figures 3.17 to 3.19 of the thesis: 16 texels, "
         "but 566 and 400 to fill the gaps of letters and level sets.",
     ]

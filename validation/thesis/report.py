@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from leaflight.io.markdown import table
 from volume_recipes import absent_text
-from written import csv_text, parse_arguments, prepare, write
+from written import parse_arguments, prepare, write
 
 from . import plots
 from .curves import (
@@ -62,14 +62,10 @@ def main():
     files = {
         "images/curves.png": plots.error_against_seconds(curves),
         "images/convergence.png": plots.convergence(curves, analysis.errors),
-        "csv/curves.csv": csv_text(curve_rows(curves)),
-        "csv/slopes.csv": csv_text(slope_rows(curves, analysis)),
-        "csv/data_sets.csv": csv_text(data_rows(rows)),
         "report.md": "\n".join(lines) + "\n",
     }
     if analysis.break_even:
         files["images/break_even.png"] = plots.break_even(analysis.break_even, THESIS_BREAK_EVEN)
-        files["csv/break_even.csv"] = csv_text(analysis.break_even)
     write(options.out, files)
     print("\n".join(lines))
 

@@ -5,7 +5,7 @@ import io
 import os
 
 import numpy as np
-from written import csv_text, parse_arguments, prepare, write
+from written import parse_arguments, prepare, write
 
 from .experiments import QUICK, Effort, table_3_1, table_4_2, table_4_9
 from .pictures import side_by_side
@@ -15,12 +15,12 @@ COLUMNS = ("strategy", "samples", "rays", "filter", "ours", "printed", "seconds"
 # Pixels, about, of each picture among those side by side.
 BESIDE = 300
 TABLES_SAY = (
-    "Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run; "
-    "seconds are those of each bake by the clock. Uniform, stratified, regular and importance "
-    "samples must not exceed the error that the thesis prints for uniform ones, whatever their "
-    "filter; nor must samples in each texel, which the thesis does not have. Strategies that leave "
-    "gaps must err at least three times as much as our uniform samples. Percent are of a displayed "
-    "colour of 1, so that they grow with a scene's brightness; the thesis's is not known."
+    "Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run. "
+    "Seconds are those of each bake by the clock. Uniform, stratified, regular and importance "
+    "samples must not exceed the error that the thesis prints for uniform ones. Nor must samples "
+    "in each texel, which the thesis does not have. Strategies that leave gaps must err at least "
+    "three times as much as our uniform samples. Percent are of a displayed color of 1, so that "
+    "they grow with a scene's brightness. The thesis does not state its brightness."
 )
 
 
@@ -60,11 +60,8 @@ def _cells(row):
 
 
 def _files(table):
-    """Returns pictures and figures by their names."""
-    rows = [
-        {**_cells(row), "passed": row.passed, "seed": row.trial.repetition} for row in table.rows
-    ]
-    files = {f"csv/{table.name}.csv": csv_text(rows)}
+    """Returns pictures by their names."""
+    files = {}
     for kind, pictures in table.pictures.items():
         reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
         row = side_by_side(list(pictures.values()), reduction)

@@ -107,7 +107,7 @@ def bakes_section(options):
         "- *Cycles s* is the time in which Cycles bakes the vertices of this one isosurface to the "
         "same error, without the reference's noise. The mesh is marching cubes at the nodes. "
         "*Break-even* is bake s over Cycles s. For more isosurfaces the bake is faster.",
-        "- Cycles is measured at the samples below, against many more of its own samples. Values "
+        "- Cycles is measured at the samples below, against many more. Values "
         "between them are interpolated, and none is extrapolated. Blender's start, the setup of "
         "the scene and errors between the vertices do not count.",
         "- Seconds are wall-clock medians. Bake and Cycles take turns, "

@@ -73,7 +73,7 @@ def in_turns(items, work, often):
 
 
 def bake_bump_box(nodes, threads):
-    """Returns seconds, rays, texels and peak of a bake in a process of its own.
+    """Returns seconds, rays, texels and peak of a bake in another process.
 
     A copy of this process would begin with its memory, and with locks that others hold.
     """
