@@ -147,7 +147,7 @@ def test_views_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_tiles(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, TotalPixelMatrixColumns=12)
-    with pytest.raises(LeaflightError, match="tiles"):
+    with pytest.raises(LeaflightError, match="tiles of"):
         read_volume(path)
     write_slice(tmp_path / "mosaic", values[0], 0, ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"])
     with pytest.raises(LeaflightError, match="mosaic.*dcm2niix"):
