@@ -114,7 +114,7 @@ def test_a_sheared_volume_is_refused_as_vti_and_placed_by_amira(box_bake, tmp_pa
     matrix = box_bake.volume.index_to_world.copy()
     matrix[0, 1] = 0.01
     sheared = replace(box_bake, volumes=[replace(box_bake.volume, index_to_world=matrix)])
-    with pytest.raises(LeaflightError, match="sheared"):
+    with pytest.raises(LeaflightError, match="is sheared"):
         leaflight.export(sheared, tmp_path / "box.vti")
     leaflight.export(sheared, tmp_path / "box.am")
     text = (tmp_path / "box.am").read_bytes()[:600].decode("latin1")

@@ -21,6 +21,7 @@ from leaflight_addon.compare import render_comparison
 from leaflight_addon.operators import jobs
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
@@ -37,11 +38,9 @@ def main():
     bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
     )
-    bpy.context.preferences.view.show_splash = False
     # 5.2 crashes when a script presses the button of a browser in a separate window.
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    hand.clear_scene()
     raw = FOLDER / "bumps.raw"
     leaflight._core.bump_box(24).astype("<f4").tofile(raw)
     obj = blender.import_volume(raw, dims=(24, 24, 24), value_type="float32")
@@ -57,22 +56,21 @@ def main():
 
 
 def drive(obj):
-    window = bpy.context.window_manager.windows[0]
-    yield from compare(window, obj)
-    yield from cancel(window, obj)
-    yield from export(window)
-    yield from cancel_import(window)
+    yield from compare(obj)
+    yield from cancel(obj)
+    yield from export()
+    yield from cancel_import()
 
 
-def compare(window, obj):
+def compare(obj):
     images = FOLDER / "images"
     yield from viewport_rests()
-    with viewport(window):
+    with hand.in_view():
         bpy.ops.leaflight.render_comparison(
             "INVOKE_DEFAULT", samples=64, baked_samples=96, share=50.0, folder=str(images)
         )
     yield from viewport_rests()
-    press(window, "RET")
+    yield from hand.key("RET")
     asked = time.perf_counter()
     yield from stepwise.until(lambda: jobs.running() is not None)
     start, last, gaps = time.perf_counter(), None, []
@@ -94,16 +92,16 @@ def compare(window, obj):
     }
 
 
-def cancel(window, obj):
+def cancel(obj):
     obj.leaflight.comparison = ""
     images = FOLDER / "cancelled"
-    with viewport(window):
+    with hand.in_view():
         bpy.ops.leaflight.render_comparison(
             "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
         )
     yield from stepwise.until(lambda: "Baked" in jobs.running().status())
     start = time.perf_counter()
-    press(window, "ESC")
+    yield from hand.key("ESC")
     yield from stepwise.until(lambda: jobs.running() is None)
     found["cancel"] = {
         "seconds": time.perf_counter() - start,
@@ -112,16 +110,16 @@ def cancel(window, obj):
     }
 
 
-def export(window):
+def export():
     path = FOLDER / "box.glb"
-    with viewport(window):
+    with hand.in_view():
         bpy.ops.leaflight.export("INVOKE_DEFAULT", filepath=str(path))
     yield from choose_file()
     yield from stepwise.until(path.exists)
     found["export"] = {"bytes": path.stat().st_size}
 
 
-def cancel_import(window):
+def cancel_import():
     """Cancels the import of half a gigabyte of zeros by Esc, after a part of it was read."""
     readinto = watched._Watched.readinto
 
@@ -140,16 +138,16 @@ def cancel_import(window):
     path.write_bytes(gzip.compress(header.binaryblock + bytes(4)) + 64 * block)
     before = len(bpy.data.objects), len(bpy.data.meshes)
     # As in Blender's factory scene, where imports come first.
-    view_area(window).spaces.active.shading.type = "SOLID"
+    hand.view().spaces.active.shading.type = "SOLID"
     yield from viewport_rests()
-    with viewport(window):
+    with hand.in_view():
         bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
     yield from choose_file()
     yield from stepwise.until(lambda: jobs.running() is not None)
     work = jobs.running()
     yield from stepwise.until(lambda: work.progress.fraction > 0.05)
     start, status = time.perf_counter(), work.status()
-    press(window, "ESC")
+    yield from hand.key("ESC")
     yield from stepwise.until(lambda: jobs.running() is None)
     found["import"] = {
         "seconds": time.perf_counter() - start,
@@ -162,41 +160,18 @@ def cancel_import(window):
 def choose_file():
     """Presses the button of the file browser."""
 
-    def browser():
-        """Once it knows for what it was opened."""
-        for area in bpy.context.window_manager.windows[0].screen.areas:
-            if area.type == "FILE_BROWSER" and area.spaces.active.active_operator is not None:
-                return area
-
-    yield from stepwise.until(browser)
+    yield from stepwise.until(hand.browser_is_open)
     yield from stepwise.wait(2.0)
-    window, area = bpy.context.window_manager.windows[0], browser()
-    with bpy.context.temp_override(window=window, area=area):
+    (browser,) = hand.areas("FILE_BROWSER")
+    with bpy.context.temp_override(window=hand.window(), area=browser):
         bpy.ops.file.execute()
-
-
-def press(window, key):
-    area = view_area(window)
-    x, y = area.x + area.width // 2, area.y + area.height // 2
-    window.event_simulate(type=key, value="PRESS", x=x, y=y)
-    window.event_simulate(type=key, value="RELEASE", x=x, y=y)
 
 
 def viewport_rests():
     """Waits until the viewport is drawn: its shaders take seconds, whatever else is at work."""
     drawn.clear()
-    view_area(bpy.context.window_manager.windows[0]).tag_redraw()
+    hand.view().tag_redraw()
     yield from stepwise.until(lambda: drawn and time.perf_counter() > drawn[-1] + 2.0)
-
-
-def viewport(window):
-    area = view_area(window)
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    return bpy.context.temp_override(window=window, area=area, region=region)
-
-
-def view_area(window):
-    return next(area for area in window.screen.areas if area.type == "VIEW_3D")
 
 
 main()
