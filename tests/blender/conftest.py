@@ -35,7 +35,7 @@ def legacy_zip():
 def blender(tmp_path_factory):
     blender = Blender(tmp_path_factory.mktemp("blender"))
     package = blender.package()
-    blender.install(package)
+    print(blender.install(package))
     blender.about["package"] = package.name
     known = hashlib.sha256()
     for path in (package, *sorted((HERE / "inside").glob("*.py"))):

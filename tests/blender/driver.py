@@ -60,10 +60,12 @@ class Blender:
         self.extends = self.about["version"] >= [4, 2]
 
     def install(self, package):
-        print(self.run("--python", HERE / "install.py", "--", package))
+        """Returns what was installed, a line each."""
+        installed = self.run("--python", HERE / "install.py", "--", package)
         if self.about["module"]:
             # It starts without the preferences that have just been saved (program.py).
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
+        return installed
 
     def package(self):
         """Returns the package for this Blender, which scripts/package makes."""

@@ -64,7 +64,7 @@ def test_a_bake_ends_with_its_volume_and_its_sentence_with_undo(found):
 def test_an_unreadable_file_is_one_sentence(shown):
     found, said = shown
     assert found["no volume"]["free"]
-    assert "text.nrrd" in said and "Traceback" not in said
+    assert "text.nrrd: " in said and "Traceback" not in said
 
 
 def test_the_clip_box_is_seen_without_overlays(found):
