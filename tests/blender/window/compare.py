@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python compare_and_export.py -- FOLDER: a comparison and an
-export by dialog and file browser, as a user makes them, and a comparison that Esc ends.
+"""blender --enable-event-simulate --python compare.py -- FOLDER: a comparison by its
+dialog, as a user makes it; a comparison and an import that Esc ends.
 
 Prints a line WINDOW and a JSON object.
 """
@@ -58,7 +58,6 @@ def main():
 def drive(obj):
     yield from compare(obj)
     yield from cancel(obj)
-    yield from export()
     yield from cancel_import()
 
 
@@ -108,15 +107,6 @@ def cancel(obj):
         "sentence": obj.leaflight.comparison,
         "files": len(list(images.iterdir())),
     }
-
-
-def export():
-    path = FOLDER / "box.glb"
-    with hand.in_view():
-        bpy.ops.leaflight.export("INVOKE_DEFAULT", filepath=str(path))
-    yield from choose_file()
-    yield from stepwise.until(path.exists)
-    found["export"] = {"bytes": path.stat().st_size}
 
 
 def cancel_import():
