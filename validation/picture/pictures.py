@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes pictures of the documentation: docs/images.
 
-    validation/run pictures guide             lit_walls.png, comparison.png, several_isosurfaces.png
-    validation/run pictures first_brain       first_brain_*.png: the window after each click
-    validation/run pictures live FILE         live.png: a lamp dragged over a baked volume
-    validation/run pictures stills [DIR]      README.md's: brain, skull, slices, sweep; vessels with
-                                              aneurism.nrrd in DIR
-    validation/run pictures against_cycles [DIR]
-                                              against_cycles.webp, and FLIP of each volume in DIR
-    validation/run pictures scans [NAME]      docs/gallery.md's: scans that no test uses
-    validation/run pictures web_page          web_page*.webp: the page of Colin27 in Chromium
+    validation/run pictures NAME [FILE, DIR or NAME]
 
-All but the last are made through the add-on in Blender. The first three take minutes, the others
-half an hour.
+guide makes lit_walls.png, comparison.png and several_isosurfaces.png. first_brain makes
+first_brain_*.png, the window after each click. live makes live.png: a lamp is dragged over the
+baked volume FILE. stills makes README.md's pictures. They have vessels if DIR holds aneurism.nrrd.
+against_cycles makes against_cycles.webp, and prints FLIP of Colin27 and of the volumes in DIR.
+scans makes docs/gallery.md's pictures, of one scan with its NAME. web_page makes web_page*.webp,
+the page of Colin27 in Chromium. All but the last are made through the add-on in Blender. The first
+three take minutes, the others half an hour.
 """
 
 import argparse
