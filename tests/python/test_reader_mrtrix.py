@@ -86,17 +86,17 @@ def test_damaged(tmp_path, values):
     data = values.astype("<i2").tobytes()
     path = tmp_path / "x.mif"
     for start, sentence in (
-        (header(kind="CFloat32LE"), "not that of a real number"),
-        (header(kind="Float8"), "not that of a real number"),
-        (header(layout="+0,+1,+1"), "its layout is not 3 different numbers"),
-        (header(layout="+0,+1"), "its layout is not 3 different numbers"),
+        (header(kind="CFloat32LE"), "real number"),
+        (header(kind="Float8"), "real number"),
+        (header(layout="+0,+1,+1"), "layout"),
+        (header(layout="+0,+1"), "layout"),
         (header(file="../x.dat 0"), "outside its own folder"),
-        (header(file="x.dat 0"), "no data file 'x.dat' beside it"),
-        (header(file=""), "does not say where the values are"),
-        (header(dims=(60, 50, 40)), "claims 60 x 50 x 40 values"),
+        (header(file="x.dat 0"), "'x.dat'"),
+        (header(file=""), "where the values"),
+        (header(dims=(60, 50, 40)), "60 x 50 x 40"),
         (header(dims=(6, 5)), "needs three dimensions"),
         (header().replace(b"vox: 1.5,2,3", b"vox: 0,2,3"), "nowhere in space"),
-        (b"mrtrix tracks\n", "not a readable MRtrix header"),
+        (b"mrtrix tracks\n", "MRtrix header"),
     ):
         path.write_bytes(start.ljust(500) + data)
         with pytest.raises(LeaflightError, match=f"x.mif: .*{sentence}"):
