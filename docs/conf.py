@@ -19,15 +19,15 @@ extensions = [
     "plain_docstrings",
 ]
 exclude_patterns = ["*.py", "__pycache__"]
-# Furo has a search, a dark style and a table of contents for each page.
+# Theme with a search, a dark style and a table of contents for each page.
 html_theme = "furo"
 html_title = f"Leaflight {release}"
 html_show_copyright = False
-# Links such as guide.md#install.
+# Depth of headings that links such as guide.md#install can reach.
 myst_heading_anchors = 4
-# Modules that are imported only where they are used.
+# Optional modules, which autodoc does not need.
 autodoc_mock_imports = ["bpy", "pxr", "vtkmodules"]
 autodoc_member_order = "bysource"
-# Docstrings say what parameters are.
+# Docstrings describe the types of parameters.
 autodoc_typehints = "none"
 napoleon_google_docstring = False

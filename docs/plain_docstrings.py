@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sphinx extension: docstrings in plain text, with their parameters as a table.
 
-A line `name: text` or `name, name: text` describes parameters; lines below it that are indented
-belong to it. Docstrings with sections of NumPy's style are napoleon's.
+A line `name: text` or `name, name: text` describes parameters. Indented lines after it continue it.
+napoleon converts docstrings with sections in NumPy's style.
 """
 
 import inspect
@@ -21,7 +21,7 @@ _TABLE = (
 
 
 def setup(app):
-    # Before napoleon, whose listener has the priority 500.
+    # Run before napoleon, whose listener has the priority 500.
     app.connect("autodoc-process-docstring", _process, priority=400)
     return {"parallel_read_safe": True}
 
@@ -33,19 +33,19 @@ def _process(_app, _what, _name, obj, _options, lines):
 
 
 def _parameters(obj):
-    """{name: its type as text} of what a docstring may describe."""
+    """Returns {name: type as text} of the parameters that a docstring may describe."""
     try:
         parameters = inspect.signature(obj).parameters.values()
     except (TypeError, ValueError):
         return {}
     types = {one.name: _type(one.annotation) for one in parameters}
     for one in parameters:
-        # A TypedDict of options.
+        # Add the options of a TypedDict.
         options = re.fullmatch(r"Unpack\[(\w+)\]", str(one.annotation))
         if options:
             function = inspect.unwrap(obj.__init__ if inspect.isclass(obj) else obj)
-            of = get_type_hints(function.__globals__[options[1]])
-            types |= {name: _type(hint) for name, hint in of.items()}
+            hints = get_type_hints(function.__globals__[options[1]])
+            types |= {name: _type(hint) for name, hint in hints.items()}
     return types
 
 
@@ -60,9 +60,9 @@ def _type(annotation):
 
 
 def rewritten(lines, parameters):
-    """The lines of a docstring as reStructuredText.
+    """Returns the lines of a docstring as reStructuredText.
 
-    parameters: {name: its type as text, or empty}, which the docstring may describe.
+    parameters: {name: type as text, or empty}, which the docstring may describe.
     """
     result, before = [], None
     for block in _blocks(lines, parameters):
@@ -82,7 +82,7 @@ def rewritten(lines, parameters):
 
 
 def _blocks(lines, parameters):
-    """Paragraphs, lists of lines, and descriptions of parameters, (names, text)."""
+    """Returns paragraphs, lists of lines, and descriptions of parameters, (names, text)."""
     blocks, paragraph = [], []
     for line in lines:
         names, text = _description(line, parameters)
@@ -109,7 +109,7 @@ def _description(line, parameters):
 
 
 def _split(block, parameters):
-    """A description as several where it goes on with other parameters: `a: text; b: text`."""
+    """Splits a description that continues with other parameters: `a: text; b: text`."""
     if isinstance(block, list):
         return [block]
     names, text = block
@@ -126,7 +126,7 @@ def _split(block, parameters):
 
 
 def _escaped(text):
-    """Without the markup that plain text does not mean; `code` stays code."""
+    """Escapes markup that plain text does not mean; `code` stays code."""
     parts = text.split("`")
     if len(parts) % 2 == 0:
         return re.sub(r"([*|`\\]|_\b)", r"\\\1", text)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A still of every scan in a folder.
+"""Renders a picture of every scan in a folder.
 
     blender --background --python examples/folder_to_stills.py -- scans/ --out stills/
 
-Needs the Leaflight add-on to be enabled. An unreadable scan is reported and left out; the exit
+Enable the Leaflight add-on first. Scans that cannot be read are reported and left out. The exit
 status is 1 then.
 """
 
@@ -33,11 +33,19 @@ def parsed(arguments):
     parser = argparse.ArgumentParser(prog="folder_to_stills.py")
     parser.add_argument("scans", help="folder of volumes")
     parser.add_argument("--out", default="stills", help="folder for the pictures (stills)")
-    parser.add_argument("--isovalue", type=float, help="of all of them (what suits each)")
-    parser.add_argument("--error", type=float, default=3.0, help="of the bakes, percent (3)")
-    parser.add_argument("--time", type=float, default=60, help="most seconds of a bake (60)")
-    parser.add_argument("--size", type=int, default=960, help="pixels a side (960)")
-    parser.add_argument("--samples", type=int, default=64, help="of Cycles, for the walls (64)")
+    parser.add_argument("--isovalue", type=float, help="isovalue of all scans (a default for each)")
+    parser.add_argument(
+        "--error", type=float, default=3.0, help="error of the bakes in percent (3)"
+    )
+    parser.add_argument(
+        "--time", type=float, default=60, help="time limit of a bake in seconds (60)"
+    )
+    parser.add_argument(
+        "--size", type=int, default=960, help="size of the pictures in pixels (960)"
+    )
+    parser.add_argument(
+        "--samples", type=int, default=64, help="samples of Cycles, for the walls (64)"
+    )
     return parser.parse_args(arguments)
 
 
@@ -49,7 +57,7 @@ def still(scan, out, options):
     if isovalue is None:
         isovalue = volume.leaflight.isovalue
     blender.stage(volume)
-    # One isosurface: a narrow isovalue range is baked faster.
+    # Bake a narrow isovalue range around one isosurface, which is faster.
     spread = 0.02 * (volume.leaflight.high - volume.leaflight.low)
     isovalue_range = (isovalue - spread, isovalue + spread)
     blender.bake(volume, isovalue_range, error=options.error, time_limit=options.time)

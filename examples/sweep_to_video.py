@@ -4,7 +4,7 @@
     blender --background --python examples/sweep_to_video.py -- head.nii.gz --out head.mp4 \
         --isovalues 20 120 --frames 120
 
-Needs the Leaflight add-on to be enabled. Each frame is an isovalue: none costs a bake of its own.
+Enable the Leaflight add-on first. Frames differ in their isovalue, and one bake lights them all.
 """
 
 import argparse
@@ -23,7 +23,7 @@ def main():
     low, high = options.isovalues or (volume.leaflight.low, volume.leaflight.high)
     blender.stage(volume)
     print("Baked into", blender.bake(volume, (low, high), error=options.error))
-    # The very ends of the isovalue range are the last specks of the volume.
+    # Isosurfaces at the ends of the isovalue range are only specks.
     isovalues = np.linspace(low, high, options.frames + 2)[1:-1]
     blender.animate(volume, isovalues)
     render(options.out, options.size, options.samples)
@@ -31,13 +31,19 @@ def main():
 
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="sweep_to_video.py")
-    parser.add_argument("volume", help="any file that Leaflight imports")
+    parser.add_argument("volume", help="file of a volume")
     parser.add_argument("--out", default="sweep.mp4", help="video to write (sweep.mp4)")
     parser.add_argument("--isovalues", type=float, nargs=2, metavar=("LO", "HI"))
-    parser.add_argument("--frames", type=int, default=96, help="isovalues, 24 a second (96)")
-    parser.add_argument("--error", type=float, default=1.5, help="of the bake, in percent (1.5)")
+    parser.add_argument(
+        "--frames", type=int, default=96, help="number of isovalues, 24 per second (96)"
+    )
+    parser.add_argument(
+        "--error", type=float, default=1.5, help="error of the bake in percent (1.5)"
+    )
     parser.add_argument("--size", type=int, nargs=2, default=(960, 960), metavar=("X", "Y"))
-    parser.add_argument("--samples", type=int, default=32, help="of Cycles, for the walls (32)")
+    parser.add_argument(
+        "--samples", type=int, default=32, help="samples of Cycles, for the walls (32)"
+    )
     return parser.parse_args(arguments)
 
 

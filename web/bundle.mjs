@@ -26,7 +26,7 @@ const textOf = (suffix) => built.outputFiles.find((file) => file.path.endsWith(s
 const [shell, panel] = await Promise.all(
   ['page.html', 'panel.html'].map((name) => readFile(join(here, 'src', name), 'utf8')),
 );
-// Functions, since a replacement text would read $ in the script as its own signs.
+// Pass functions, because a replacement text would interpret $ in the script.
 const page = shell
   .replace('/*leaflight:style*/', () => textOf('.css').trim())
   .replace('<!--leaflight:panel-->', () => panel.trim())

@@ -10,7 +10,7 @@ export default ts.config(
     extends: [...ts.configs.strictTypeChecked, ...ts.configs.stylisticTypeChecked],
     languageOptions: { parserOptions: { projectService: true } },
     rules: {
-      // Numbers in texts are what this page is about.
+      // Template literals of this page contain many numbers.
       '@typescript-eslint/restrict-template-expressions': ['error', { allowNumber: true }],
     },
   },

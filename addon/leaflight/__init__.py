@@ -33,12 +33,12 @@ def _refusal():
     if getattr(leaflight, "__file__", None) is None:
         sentence = "Blender removed the package leaflight; restart Blender to install it."
         raise ImportError(sentence, name=__name__)
-    own = ".".join(map(str, bl_info["version"]))
-    if leaflight.__version__ != own:
+    version = ".".join(map(str, bl_info["version"]))
+    if leaflight.__version__ != version:
         return (
-            f"This add-on is of Leaflight {own}, but the package leaflight "
-            f"{leaflight.__version__} is loaded from {leaflight.__path__[0]}; restart Blender, "
-            "or remove that package."
+            f"This add-on has version {version}, but version {leaflight.__version__} of the "
+            f"package leaflight is loaded from {leaflight.__path__[0]}; restart Blender, or remove "
+            "that package."
         )
     return None
 

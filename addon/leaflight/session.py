@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on's caches for the open file, which are cleared before another file is opened."""
 
-_remembered = []
+_caches = []
 
 
-def remembered(kind=dict):
-    """Returns a new dict or other container, which forget() clears. Modules call it at import."""
+def cache(kind=dict):
+    """Returns a new dict or other container, which clear() empties. Modules call it at import."""
     made = kind()
-    _remembered.append(made)
+    _caches.append(made)
     return made
 
 
-def forget():
-    for each in _remembered:
+def clear():
+    for each in _caches:
         each.clear()

@@ -22,8 +22,8 @@ namespace py = pybind11;
 using FloatArray = py::array_t<float, py::array::c_style>;
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-// The vector becomes the memory of a NumPy array of the given shape; nothing is copied. `Scalar` is
-// what the vector's elements are made of.
+// Returns a NumPy array of this shape that takes over the vector's memory, without a copy. `Scalar`
+// is the type within the vector's elements.
 template <class Scalar, class Element>
 py::array_t<Scalar> adopt(std::vector<Element>&& data, std::vector<py::ssize_t> shape) {
   static_assert(sizeof(Element) % sizeof(Scalar) == 0);
@@ -35,7 +35,7 @@ py::array_t<Scalar> adopt(std::vector<Element>&& data, std::vector<py::ssize_t> 
   return py::array_t<Scalar>(std::move(shape), first, archive);
 }
 
-// The same of voxels, whose array has their type.
+// Returns an array of voxels with their type, without a copy.
 inline py::array adopt(VoxelBuffer&& voxels, std::vector<py::ssize_t> shape) {
   return std::visit(
       [&](auto&& values) -> py::array {
@@ -53,7 +53,7 @@ inline py::ssize_t rows(const py::array& array, py::ssize_t columns, const char*
   return array.shape(0);
 }
 
-// A (D + 1) x (D + 1) matrix whose last row is not looked at.
+// Converts a (D + 1) x (D + 1) matrix. Ignores its last row.
 template <int D>
 Affine<D> to_affine(const DoubleArray& matrix) {
   if (matrix.ndim() != 2 || matrix.shape(0) != D + 1 || matrix.shape(1) != D + 1) {
@@ -80,7 +80,7 @@ py::array_t<double> from_affine(const Affine<D>& m) {
   return matrix;
 }
 
-// The gate for points: behind it none is NaN or farther than 1e18.
+// Throws an error for a point that is NaN or farther than 1e18 from the origin.
 template <class Point>
 void check_point(const Point& point) {
   if (!within_bounds(point)) {
@@ -100,7 +100,7 @@ std::vector<Vec<D>> to_points(const DoubleArray& array) {
   return points;
 }
 
-// What Python gives as a tuple of numbers.
+// A tuple of D numbers in Python.
 template <int D>
 using Tuple = std::array<double, static_cast<std::size_t>(D)>;
 
@@ -121,13 +121,13 @@ inline std::vector<Rgb> to_colors(const std::vector<Tuple<3>>& all) {
   return colors;
 }
 
-// Arrays of fields and grids have the last axis first: [z, y, x], [y, x].
+// Returns the shape of an array, last axis first: [z, y, x] or [y, x].
 template <std::size_t D>
 std::vector<py::ssize_t> array_shape(const std::array<int, D>& dims) {
   return {dims.rbegin(), dims.rend()};
 }
 
-// 1 at active texels, [z, y, x] or [y, x].
+// Returns a mask of active texels, uint8 [z, y, x] or [y, x].
 template <int D>
 py::array_t<std::uint8_t> active_mask(const TexelLattice<D>& lattice) {
   std::vector<std::uint8_t> active(lattice.texels(), 0);

@@ -113,7 +113,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
               try {
                 write_checkpoint(path, text, write);
               } catch (const Error& failure) {
-                // The bake goes on: a disk that is full now may have space by its end.
+                // Continue the bake, because a full disk may have space at its end.
                 const py::gil_scoped_acquire locked;
                 if (PyErr_WarnEx(PyExc_RuntimeWarning, failure.what(), 1) < 0) {
                   throw py::error_already_set();

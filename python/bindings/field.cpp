@@ -12,11 +12,11 @@
 namespace leaflight::python {
 namespace {
 
-// Of voxels of one type.
+// An array of voxels of one type.
 template <class Value>
 using VoxelArray = py::array_t<Value, py::array::c_style>;
 
-// The array lives as long as the field; it must be released with the interpreter's lock held.
+// Keeps an array alive as long as a field. Releasing it needs the interpreter's lock.
 template <class Value>
 std::shared_ptr<const void> kept(const VoxelArray<Value>& values) {
   return {new VoxelArray<Value>(values), [](const void* p) {

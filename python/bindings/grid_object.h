@@ -7,12 +7,12 @@
 
 namespace leaflight::python {
 
-// A grid as Python has it: as it was baked, or a view of it with other strengths of the lights.
+// A grid for Python: as it was baked, or a view of it with other strengths of the lights.
 template <int D>
 struct GridObject {
   std::shared_ptr<RadianceGrid<D>> baked;
-  std::shared_ptr<const Field<D>> field;         // that was lit; null: as it was baked
-  std::shared_ptr<const DirectLight<D>> direct;  // where there is a field
+  std::shared_ptr<const Field<D>> field;         // the lit field; null: as it was baked
+  std::shared_ptr<const DirectLight<D>> direct;  // null without a field
   Vec<3, float> indirect{1, 1, 1};
 
   explicit GridObject(RadianceGrid<D>&& grid)

@@ -6,12 +6,12 @@
 
 namespace leaflight::python {
 
-// A mesh to be filled: that of before, if Python has let go all its arrays, so that its memory need
-// not be asked for and cleared again at every change of the isovalue; else a new one. Call it with
-// the interpreter's lock.
+// Returns a mesh to fill. It is the previous mesh if Python has released all its arrays, so that
+// its memory need not be allocated and cleared at every change of the isovalue. Call it with the
+// interpreter's lock.
 std::shared_ptr<LitMesh> mesh_to_fill();
 
-// The list as rows of three; None if it is empty though the mesh is not. Nothing is copied.
+// Returns a list as rows of three, without a copy; None if it is empty but the mesh is not.
 template <class Scalar, class Row>
 py::object rows_of(const std::shared_ptr<LitMesh>& mesh, const std::vector<Row>& list) {
   static_assert(sizeof(Row) == 3 * sizeof(Scalar));
@@ -24,7 +24,7 @@ py::object rows_of(const std::shared_ptr<LitMesh>& mesh, const std::vector<Row>&
   return py::array_t<Scalar>(shape, reinterpret_cast<const Scalar*>(list.data()), archive);
 }
 
-// (vertices (n, 3), normals (n, 3) or None, triangles (m, 3)).
+// Returns (vertices (n, 3), normals (n, 3) or None, triangles (m, 3)).
 py::tuple mesh_arrays(const std::shared_ptr<LitMesh>& mesh);
 
 }  // namespace leaflight::python

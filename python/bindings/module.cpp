@@ -8,8 +8,8 @@ using namespace leaflight;
 
 namespace {
 
-// One bad_alloc for all: a sentence, not a traceback. Sentences hold names of files, and these need
-// not be UTF-8.
+// Translates exceptions. A bad_alloc becomes a sentence. Messages may hold file names that are not
+// UTF-8.
 void translate(std::exception_ptr thrown, const py::object& error_type) {
   try {
     std::rethrow_exception(thrown);

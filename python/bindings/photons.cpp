@@ -6,7 +6,7 @@
 namespace leaflight::python {
 namespace {
 
-// The photons as points, for a look at them (thesis 4.3.5).
+// Returns photons as points for display (thesis 4.3.5).
 template <int D>
 py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed,
                         Progress* progress) {
@@ -35,7 +35,7 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
                         adopt<std::uint8_t>(std::move(direct), {n}));
 }
 
-// Photons from lights to surfaces and out of the scene.
+// Counts photons from lights to surfaces and out of the scene.
 template <int D>
 py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed) {
   PhotonBalance balance;

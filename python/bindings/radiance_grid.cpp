@@ -30,7 +30,7 @@ const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back
   return back ? grid.radiance_back : grid.radiance;
 }
 
-// The radiance of one side's texels, or what of it is not direct light.
+// Returns the radiance of one side's texels, or the part of it that is not direct light.
 template <int D>
 std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
@@ -72,7 +72,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
               "radiance_error.");
 }
 
-// Whether no direct light of points is in the texels that lookups read.
+// True if lookups add direct light of points, so that texels hold none of it.
 template <int D>
 bool scales(const RadianceGrid<D>& grid) {
   return grid.direct && (!grid.has_back() || grid.direct->has_back());
@@ -108,7 +108,7 @@ py::array_t<float> lookup_of(const GridObject<D>& grid, const Field<D>& field, c
   return adopt<float>(std::move(radiance), {n, 3});
 }
 
-// The vertices of a mesh are read where they are, anything else as numbers of double precision.
+// Reads float32 points in place, such as those of a mesh, and others as double precision.
 template <int D>
 py::array_t<float> lookup_at(const GridObject<D>& grid, const Field<D>& field,
                              const py::object& points, bool back, bool indirect) {

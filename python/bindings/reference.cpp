@@ -42,7 +42,8 @@ py::tuple reference(const Scene<D>& scene, const DoubleArray& points, double c, 
                          progress);
 }
 
-// facets (n,), coordinates (n, 2): barycentric, of each facet's second and third vertex.
+// Traces points of a mesh: facets (n,), and barycentric coordinates (n, 2) of the second and third
+// vertex.
 template <int D>
 py::tuple reference_walls(const Scene<D>& scene, int mesh, const std::vector<int>& facets,
                           const DoubleArray& coordinates, double c, int samples, std::uint64_t seed,

@@ -45,7 +45,7 @@ ColorRamp to_ramp(const Stops& stops) {
   return ColorRamp(std::move(all));
 }
 
-// Copies rows of numbers into structs of the same layout.
+// Copies rows of numbers to structs of the same layout.
 template <class Element, class Scalar>
 std::vector<Element> to_elements(const Array<Scalar>& array, std::vector<py::ssize_t> row,
                                  const std::string& what) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Functions by which `import leaflight` checks the compiled module.
+// Functions with which `import leaflight` checks the compiled module.
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -35,7 +35,8 @@ Version loaded_embree() {
 
 Version tbb_version(int interface) { return {interface / 1000, interface % 1000 / 10}; }
 
-// OpenVDB, OpenEXR and Imath have their version in every symbol: the loader checks them.
+// OpenVDB, OpenEXR and Imath are left out. The loader checks them, because each of their symbols
+// contains the version.
 std::vector<Library> libraries() {
   return {
       {"oneTBB", tbb_version(TBB_INTERFACE_VERSION), tbb_version(TBB_runtime_interface_version())},
@@ -43,8 +44,7 @@ std::vector<Library> libraries() {
   };
 }
 
-// The surface that a ray hits beside the isosurface of c, and where: ("isosurface" | "walls" |
-// None, (x, y, z)).
+// Returns the first hit of a ray: ("isosurface" | "walls" | None, (x, y, z)).
 py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& direction,
                 double c) {
   const SceneTracer<3> tracer(scene);

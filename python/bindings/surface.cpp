@@ -35,7 +35,7 @@ const std::array<std::int32_t, 3>* triangles_of(const IndexArray& polygons) {
   return reinterpret_cast<const std::array<std::int32_t, 3>*>(polygons.data());
 }
 
-// float64 (n, 3): what a function makes of each world point and its number.
+// Applies a function to each world point and its number; returns float64 (n, 3).
 template <class Move>
 py::array_t<double> moved_points(const DoubleArray& array, const Move& move) {
   std::vector<Vec3> points = to_points<3>(array);

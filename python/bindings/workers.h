@@ -7,7 +7,7 @@
 
 namespace leaflight::python {
 
-// Calls the methods of a Python object, from a thread that does not hold the interpreter.
+// Workers that call the methods of a Python object, from a thread without the interpreter's lock.
 BlockWorkers workers_of(const pybind11::object& workers);
 
 }  // namespace leaflight::python

@@ -17,8 +17,8 @@ from .bake.baked import Bake, Surface
 from .bake.checkpoint import Checkpoint
 from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake
-from .bake.moved import moved
-from .bake.resume import resume
+from .bake.moved_scene import moved
+from .bake.refine import refine
 from .export.export import export, export_page
 from .export.notebook import picture, show
 from .io.readers import read_volume
@@ -62,7 +62,7 @@ __all__ = [
     "neuron",
     "nucleons",
     "read_volume",
-    "resume",
+    "refine",
     "still",
     "thesis",
 ]

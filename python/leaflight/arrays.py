@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The type of arrays in annotations; docstrings give shapes, units and the types of elements."""
+"""The type of arrays in annotations. Docstrings give shapes, units and types of elements."""
 
 from typing import Any
 

@@ -28,7 +28,7 @@ try:
     import bpy
 except ImportError:
     raise LeaflightError(
-        "leaflight.blender works inside Blender alone: run the script there, or use "
+        "leaflight.blender works only inside Blender: run the script there, or use "
         "leaflight.bake() here."
     ) from None
 
@@ -36,8 +36,9 @@ except ImportError:
 def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Object:
     """Imports a volume and returns its object, which shows a default isosurface.
 
-    path: a file of any format that File > Import takes; options: of the import operator, such as
-        size (of the longest side, in Blender units), dims and value_type (of a .raw), frame.
+    path: A file of any format of File > Import.
+    options: Options of the import operator, such as size (of the longest side, in Blender units),
+        dims and value_type (of a .raw), frame.
     """
     _call(bpy.ops.leaflight.import_volume, filepath=_absolute(path), **options)
     return bpy.context.object
@@ -46,8 +47,9 @@ def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Obj
 def stage(obj: bpy.types.Object, preset: str = "STUDIO", **options: Any) -> None:
     """Puts walls, lights and a camera around the volumes, and hides other objects.
 
-    preset: the identifier of a stage of the panel; options: of the operator, such as collection
-        (its name, for the preset MY_SCENE) and hide_others.
+    preset: Identifier of a stage of the panel.
+    options: Options of the operator, such as hide_others, and collection (name, for the preset
+        MY_SCENE).
     """
     with _active(obj):
         _call(bpy.ops.leaflight.stage, preset=preset, **options)
@@ -56,9 +58,9 @@ def stage(obj: bpy.types.Object, preset: str = "STUDIO", **options: Any) -> None
 def bake(obj: bpy.types.Object, isovalues: Sequence[float] | None = None, **settings: Any) -> Path:
     """Bakes the light of every isosurface in an isovalue range, for all volumes that render.
 
-    isovalues: (lowest, highest), in data units; None keeps the present range. settings: attributes
-        of obj.leaflight that the panel shows, such as error (percent), time_limit (seconds),
-        both_sides, light_walls, bake_folder. They keep these values.
+    isovalues: Range (lowest, highest) in data units. None keeps the current range.
+    settings: Attributes of obj.leaflight that the panel shows, such as error (percent), time_limit
+        (seconds), both_sides, light_walls, bake_folder. They keep these values.
     Returns the path of the bake.
     """
     with _active(obj):
@@ -83,7 +85,8 @@ def bake_frames(
 def show(obj: bpy.types.Object, isovalue: float) -> None:
     """Shows an isosurface, lit by the bake if there is one, and updates all linked volumes.
 
-    obj: a volume, or the object that add_isosurface() returned. isovalue: in data units.
+    obj: A volume, or an object of add_isosurface().
+    isovalue: Isovalue in data units.
     """
     obj.leaflight.isovalue = float(isovalue)
     bpy.context.view_layer.update()
@@ -95,12 +98,13 @@ def add_isosurface(
     opacity: float = 0.3,
     color: Sequence[float] | None = None,
 ) -> bpy.types.Object:
-    """Shows another isosurface of a volume beside its own, lit by the same bake; up to three.
+    """Shows another isosurface of a volume, lit by the same bake; up to three.
 
-    isovalue: in data units; opacity: 0..1, 1 hides everything behind it; color: its albedo (r, g,
-        b), None takes the volume's. Baked light is not changed.
-    Returns its object, a child of obj: show() and animate() move its isovalue, and
-    `leaflight_look.opacity` changes the opacity.
+    isovalue: Isovalue in data units.
+    opacity: Opacity in 0..1; 1 hides everything behind the isosurface.
+    color: Albedo (r, g, b). None is that of the volume. Baked light is not changed.
+    Returns its object, a child of obj. show() and animate() change its isovalue, and
+    `leaflight_look.opacity` its opacity.
     """
     before = set(obj.children)
     with _active(obj):
@@ -114,9 +118,9 @@ def add_isosurface(
 def clip(obj: bpy.types.Object, box: "bpy.types.Object | None", keep: str = "OUTSIDE") -> None:
     """Cuts the isosurfaces of a volume by a box that moves like any object.
 
-    box: an object with its bounding box, or an Empty with its cube; None cuts nothing.
-    keep: "OUTSIDE" removes the parts in the box, "INSIDE" keeps only these. Set
-        `leaflight_look.is_cut` of an isosurface to include it.
+    box: An object with its bounding box, or an Empty with its cube. None cuts nothing.
+    keep: "OUTSIDE" removes the parts in the box, "INSIDE" keeps only these.
+    Set `leaflight_look.is_cut` of an added isosurface to include it.
     """
     obj.leaflight_look.keep = keep
     obj.leaflight_look.box = box
@@ -125,11 +129,11 @@ def clip(obj: bpy.types.Object, box: "bpy.types.Object | None", keep: str = "OUT
 def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int = 1) -> None:
     """Keyframes one isovalue per frame, for a sweep, and sets the frame range of the scene.
 
-    isovalues: in data units, one for each frame from first_frame on.
+    isovalues: Isovalues in data units, one for each frame from first_frame on.
     """
     settings, isovalues = obj.leaflight, [float(isovalue) for isovalue in isovalues]
     if not isovalues:
-        raise LeaflightError("There is no isovalue to animate: give one for each frame.")
+        raise LeaflightError("The list of isovalues is empty: give one for each frame.")
     for frame, isovalue in enumerate(isovalues, start=first_frame):
         # Set the stored value directly: showing each isosurface would take long.
         settings["isovalue"] = isovalue
@@ -142,12 +146,14 @@ def animate(obj: bpy.types.Object, isovalues: Iterable[float], first_frame: int 
 def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> None:
     """Keyframes the frames of a volume that changes over time, one per frame of the scene.
 
-    first_frame: frame of the scene that shows the first one; None is the scene's first. The range
-    of frames of the scene is unchanged.
+    first_frame: Frame of the scene that shows the first one. None is the scene's first frame.
+    The frame range of the scene is unchanged.
     """
     settings, scene = obj.leaflight, bpy.context.scene
     if settings.frames < 2:
-        raise LeaflightError(f'The file of "{obj.name}" holds one frame: there is none to animate.')
+        raise LeaflightError(
+            f'The file of "{obj.name}" holds only one frame: animate a file with several frames.'
+        )
     if first_frame is None:
         first_frame = scene.frame_start
     for frame in range(settings.frames):
@@ -171,10 +177,11 @@ def compare(
 ) -> dict[str, Any]:
     """Renders the view from the bake, by Cycles and by local shading, and measures differences.
 
-    folder: for the pictures, the .csv and the .json; samples, baked_samples: per pixel, of the
-        stills of Cycles and of the bake; share: of the scene's resolution, 0..1.
-    Returns the figures, a dict: isosurface_rms_percent, isosurface_noise_percent, baked_seconds,
-    ...
+    folder: Folder for the pictures, the .csv and the .json.
+    samples: Samples per pixel of Cycles.
+    baked_samples: Samples per pixel of the picture from the bake.
+    share: Share of the scene's resolution, 0..1.
+    Returns a dict of figures: isosurface_rms_percent, isosurface_noise_percent, baked_seconds, ...
     """
     folder = Path(_absolute(folder))
     before = _written(folder)
@@ -196,8 +203,8 @@ def export(
 ) -> None:
     """Writes the bake of an object in another program's format, by leaflight.export().
 
-    path: its suffix is the format (docs/export.md). isovalues: of the isosurfaces of a sequence, in
-        data units; None is the one that is shown.
+    path: File whose suffix chooses the format (docs/export.md).
+    isovalues: Isovalues of a sequence, in data units. None is the shown one.
     """
     chosen = {}
     if isovalues is not None:
@@ -215,7 +222,7 @@ def _set(
         settings = {**settings, "low": float(isovalues[0]), "high": float(isovalues[1])}
     for name, value in settings.items():
         if name not in obj.leaflight.bl_rna.properties:
-            raise LeaflightError(f'"{obj.name}" has no setting "{name}" of a bake; check its name.')
+            raise LeaflightError(f'"{obj.name}" has no bake setting "{name}": check its name.')
         setattr(obj.leaflight, name, value)
 
 
@@ -224,7 +231,9 @@ def _active(obj: "bpy.types.Object | None") -> Iterator[None]:
     """Makes an object the active one, on which operators work, within a `with` block."""
     if obj is None or not obj.leaflight.is_volume:
         name = "None" if obj is None else f'"{obj.name}"'
-        raise LeaflightError(f"{name} is no Leaflight volume: give what import_volume() returned.")
+        raise LeaflightError(
+            f"{name} is not a Leaflight volume: give the result of import_volume()."
+        )
     layer = bpy.context.view_layer
     before = layer.objects.active
     layer.objects.active = obj
@@ -241,7 +250,7 @@ def _call(operator: Any, **options: Any) -> None:
         result = operator("EXEC_DEFAULT", **options)
     except RuntimeError as error:
         sentence = str(error).strip().removeprefix("Error: ")
-        # Blender puts the operator's name in front of the reason why it is disabled.
+        # Remove the operator's name, which Blender puts before the reason why it is disabled.
         raise LeaflightError(sentence.rpartition("poll() failed, ")[2]) from None
     if "FINISHED" not in result:
         raise LeaflightError(f"{operator.idname_py()} was cancelled.")

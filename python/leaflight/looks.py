@@ -7,11 +7,14 @@ Color = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Look:
+class Preset:
     """A preset of an isosurface's material.
 
-    name, text: label and description; color: linear albedo; gloss: 0 to 1, the weight of a clear
-    coat, and its roughness; background: a linear color or None.
+    name, text: Label and description.
+    color: Linear albedo.
+    gloss: Weight of a clear coat, 0 to 1.
+    roughness: Roughness of the coat.
+    background: A linear color or None.
     """
 
     name: str
@@ -23,32 +26,32 @@ class Look:
 
 
 LOOKS = {
-    "PLASTER": Look("Plaster", "Plain light gray, matte", (0.8, 0.8, 0.8)),
-    "BONE": Look(
+    "PLASTER": Preset("Plaster", "Plain light gray, matte", (0.8, 0.8, 0.8)),
+    "BONE": Preset(
         "Bone",
         "Warm white with a soft sheen, before dark blue",
         (0.82, 0.73, 0.56),
         *(0.5, 0.35, (0.10, 0.13, 0.18)),
     ),
-    "SKIN": Look(
+    "SKIN": Preset(
         "Skin",
         "Rosy, with wide highlights, before blue gray",
         (0.76, 0.46, 0.34),
         *(0.6, 0.45, (0.22, 0.26, 0.31)),
     ),
-    "IVORY": Look(
+    "IVORY": Preset(
         "Ivory",
         "Creamy and polished, before dark red",
         (0.88, 0.81, 0.66),
         *(1.0, 0.15, (0.18, 0.06, 0.05)),
     ),
-    "CLAY": Look(
+    "CLAY": Preset(
         "Clay",
         "Fired clay, matte, before warm gray",
         (0.58, 0.27, 0.16),
         *(0.15, 0.6, (0.42, 0.38, 0.34)),
     ),
-    "COPPER": Look(
+    "COPPER": Preset(
         "Copper",
         "Lacquered copper, before dark gray green",
         (0.72, 0.31, 0.17),

@@ -43,10 +43,10 @@ class _Display(Protocol):
 
 
 def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
-    """Decorates a function with a Progress parameter `progress`, so that it takes these, too.
+    """Decorates a function with a Progress parameter `progress`, to accept other values, too.
 
-    None: a bar on stderr, in a terminal or a notebook; False: no bar; a function: called with the
-    fraction and the stage, ten times a second, in the thread of the caller.
+    None shows a bar on stderr, in a terminal or a notebook. False shows no bar. A function is
+    called with the fraction and the stage, ten times a second, in the thread of the caller.
     """
 
     def decorate(function: Callable[P, T]) -> WithProgress[P, T]:
@@ -57,8 +57,8 @@ def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
             if isinstance(progress, Progress):
                 return call(*arguments, progress=progress, **options)
 
-            def work(own: Progress) -> T:
-                return call(*arguments, progress=own, **options)
+            def work(inner: Progress) -> T:
+                return call(*arguments, progress=inner, **options)
 
             if callable(progress):
                 return _run(work, label, _Calls(progress), KeyboardInterrupt)
@@ -82,13 +82,14 @@ def run_with_progress(
 ) -> T:
     """Returns work(progress), for a command line: see _run().
 
-    A terminal gets a bar, any other stream one line per tenth of the work. writes: the work ends by
-    writing its result. After it returns,
-    Ctrl-C is ignored, because only the summary is left to print. cancelled: the message of
-    Cancelled.
+    A terminal gets a bar, any other stream one line per tenth of the work.
+
+    writes: True if the work ends by writing its result. Ctrl-C is then ignored, because only the
+        summary is left to print.
+    cancelled: Message of Cancelled.
     """
     stream = stream or sys.stderr
-    # None where stderr was closed from the beginning.
+    # stderr is None if it was closed when the program started.
     display = _Bar(label, stream, stream is not None and stream.isatty())
     return _run(work, label, display, lambda: Cancelled(cancelled), writes)
 
@@ -117,7 +118,8 @@ def _run(
 
     thread = threading.Thread(target=run, name=label)
     before = signal.getsignal(signal.SIGINT)
-    # None: a program that embeds Python, such as Blender, has a handler that cannot be restored.
+    # Python cannot restore the handler of a program that embeds it, such as Blender. It is None
+    # then.
     if before == signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
         before = None
     if before is not None:
@@ -151,7 +153,7 @@ def _run(
 
 
 def _display(label: str) -> _Display:
-    """Returns the bar of a terminal or a notebook: tqdm's if it is installed, else ours."""
+    """Returns the bar of a terminal or a notebook: that of tqdm if it is installed, else _Bar."""
     ipython = sys.modules.get("IPython")
     is_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
     if not (is_notebook or (sys.stderr is not None and sys.stderr.isatty())):
@@ -175,7 +177,7 @@ class _Nothing:
 
 
 class _Calls(_Nothing):
-    """The display that calls the caller's function."""
+    """A display that calls the caller's function."""
 
     def __init__(self, function: Callable[[float, str], object]) -> None:
         self._function = function
@@ -203,7 +205,7 @@ class _Tqdm:
 
 
 class _Bar:
-    """A bar of text. redraws: redraws one line; else prints a line per tenth of the work."""
+    """A bar of text. redraws: True redraws one line; False prints a line per tenth of the work."""
 
     def __init__(self, label: str, stream: TextIO | None, redraws: bool) -> None:
         self.label, self.stream, self.redraws = label, stream, redraws

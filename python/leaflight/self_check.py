@@ -39,8 +39,8 @@ def check() -> None:
     except core.LeaflightError as error:
         # Raised for an array that arrives with another layout.
         raise ImportError(
-            f"Leaflight's compiled module fails its own test ({error}) with NumPy "
-            f"{numpy.__version__}; install a Leaflight that was built for it."
+            f"Leaflight's compiled module fails its self-test ({error}) with NumPy "
+            f"{numpy.__version__}; install a Leaflight built for this NumPy."
         ) from None
 
 
@@ -57,8 +57,8 @@ def check_memory(limit: int | None, threads: int | None) -> None:
     least = LEAST_MEMORY + (threads or 1) * MEMORY_OF_A_THREAD
     if limit is not None and limit < least:
         raise ImportError(
-            f"Leaflight needs {_mebibytes(least)} of memory to start, but a limit leaves this "
-            f"process {_mebibytes(limit)}; raise it (ulimit -v)."
+            f"Leaflight needs {_mebibytes(least)} of memory to start, but this process is limited "
+            f"to {_mebibytes(limit)}; raise the limit (ulimit -v)."
         )
 
 
@@ -104,8 +104,8 @@ def check_processor(features: Mapping[str, bool]) -> None:
     missing = [name for name in PROCESSOR_FEATURES if not features.get(name, True)]
     if missing:
         raise ImportError(
-            f"Leaflight needs a processor with {' and '.join(missing)}, as nearly all since 2009 "
-            "have; use it on a newer machine."
+            f"This processor lacks {' and '.join(missing)}, which nearly all since 2009 have; use "
+            "Leaflight on a newer machine."
         )
 
 
@@ -116,7 +116,7 @@ def _core() -> ModuleType:
         here = ".".join(map(str, sys.version_info[:2]))
         raise ImportError(
             f"This installation of Leaflight has no compiled module for Python {here}; install "
-            "the package that was made for this version of Python."
+            "the package for this version of Python."
         ) from None
     except ImportError as error:
         raise ImportError(
@@ -132,7 +132,7 @@ def check_libraries(
         if loaded[0] != built[0] or loaded < built:
             raise ImportError(
                 f"Leaflight was built with {name} {built[0]}.{built[1]}, but {name} "
-                f"{loaded[0]}.{loaded[1]} is loaded; install Leaflight again, or build it anew."
+                f"{loaded[0]}.{loaded[1]} is loaded; install or build Leaflight again."
             )
 
 
@@ -151,8 +151,8 @@ def check_arrays(numpy: ModuleType, core: ModuleType) -> None:
     )
     if not unchanged:
         raise ImportError(
-            f"Leaflight's compiled module reads the arrays of NumPy {numpy.__version__} wrongly; "
-            "install a Leaflight that was built for it."
+            f"Leaflight's compiled module misreads arrays of NumPy {numpy.__version__}; install a "
+            "Leaflight built for this NumPy."
         )
 
 
@@ -171,8 +171,8 @@ def check_rays(numpy: ModuleType, core: ModuleType) -> None:
         hit, point = core.trace(scene, origin, (0.0, 0.0, 1.0), 1.25)
         if hit != kind or not numpy.allclose(point, (*origin[:2], z), rtol=0, atol=1e-5):
             raise ImportError(
-                "Leaflight's compiled module traces rays wrongly on this machine; install "
-                "Leaflight again, or build it anew."
+                "Leaflight's compiled module traces rays wrongly on this machine; install or "
+                "build Leaflight again."
             )
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The program `leaflight`.
 
-Outside the package, so that what the package says when it refuses to load comes as one line, not as
-a traceback; and so that help and mistakes in the options need not wait until it is loaded.
+It is outside the package, because loading that takes time. So --help and errors in options appear
+at once. If the package cannot be loaded, the error is one line.
 """
 
 import signal
@@ -24,7 +24,7 @@ def main(
 ) -> int:
     """Runs one command; returns the exit status.
 
-    parser, command: of a program beside `leaflight`, see leaflight.cli.run.
+    parser, command: Parser and function of another program than `leaflight`, see leaflight.cli.run.
     """
     try:
         options = parser().parse_args(arguments)
@@ -32,7 +32,7 @@ def main(
     except KeyboardInterrupt:
         return 130
     except (UsageError, ImportError, MemoryError) as refusal:
-        why = str(refusal) or "there is not enough memory to begin with."
+        why = str(refusal) or "There is not enough memory to start: close other programs."
         if sys.stderr is not None:
             print(f"leaflight: {why}", file=sys.stderr)
         return 2
@@ -44,6 +44,6 @@ def program(
 ) -> NoReturn:
     """Runs the command of the program's arguments and ends it with its exit status."""
     status = main(None, parser, command)
-    # The work is done and reported: Ctrl-C while Python ends changes nothing.
+    # Ignore Ctrl-C during exit, because the work is done and reported.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)

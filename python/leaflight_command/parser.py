@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options of the command line.
 
-Imports nothing of the package, because loading it would take most of the time of --help.
+It does not import the package, because loading that would take most of the time of --help.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from .shared_options import (
     workers_options,
 )
 
-# Names of the package.
+# Names in the package.
 GENERATED = (
     "bump_box",
     "nucleons:0",
@@ -37,7 +37,7 @@ _VOLUME = "a file, a folder of slices, or a generated volume"
 
 
 class _Version(argparse.Action):
-    """Prints the version of the package that is installed."""
+    """Prints the version of the installed package."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from leaflight import __version__
@@ -47,13 +47,11 @@ class _Version(argparse.Action):
 
 
 def make_parser() -> Parser:
-    """The parser of the whole command line; the name of the command is the option `command`."""
+    """Returns the parser of the whole command line. Its option `command` names the command."""
     parser = Parser(
         prog="leaflight", description="Global illumination for every isosurface of a volume."
     )
-    parser.add_argument(
-        "--version", action=_Version, nargs=0, help="show the version of Leaflight and exit"
-    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     subparsers = parser.add_subparsers(
         title="commands", required=True, dest="command", metavar="COMMAND"
     )
@@ -65,7 +63,9 @@ def make_parser() -> Parser:
 
 
 def _add_info(subparsers: "argparse._SubParsersAction[Parser]") -> None:
-    parser = subparsers.add_parser("info", parents=[layout_options()], help="what a volume holds")
+    parser = subparsers.add_parser(
+        "info", parents=[layout_options()], help="show the contents of a volume"
+    )
     parser.add_argument(
         "volume",
         metavar="VOLUME",
@@ -85,52 +85,55 @@ def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     target.add_argument(
         "--resume",
         metavar="X.vdb",
-        help="go on with the interrupted bake to this file",
+        help="resume the interrupted bake to this file",
     )
     target.add_argument(
         "--estimate",
         action="store_true",
-        help="print the seconds and the memory that it would take",
+        help="print the expected time and memory instead of baking",
     )
     limit_options(parser)
     parser.add_argument(
         "--continue",
         dest="previous",
         metavar="BAKE.vdb",
-        help="go on with a finished bake, in place of a VOLUME",
+        help="continue a finished bake, instead of a VOLUME",
     )
-    # By itself it does where the back is what is seen.
+    # The default is true if the back is visible.
     parser.add_argument(
         "--both-sides",
         action="store_true",
         default=None,
-        help="light the backs, too (or --no-both-sides)",
+        help="light the backs, too (off: --no-both-sides)",
     )
     parser.add_argument(
         "--no-both-sides", dest="both_sides", action="store_false", help=argparse.SUPPRESS
     )
     for option, text in (
-        ("--walls", "keep the light on the walls, too"),
-        ("--verbose", "print the passes that were left out, and why"),
+        ("--walls", "bake the light of the walls, too"),
+        ("--verbose", "print the passes that were skipped, and why"),
     ):
         parser.add_argument(option, action="store_true", help=text)
     resolution_options(parser)
     machines = parser.group(MACHINES)
     memory_options(machines)
-    workers_options(machines, "trace light in so many processes here, by Dask; the same bake")
+    workers_options(machines, "number of processes on this machine (Dask); the result is the same")
 
 
 def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> None:
-    batch = subparsers.add_parser("batch", help="many bakes, resumed where they stopped")
+    batch = subparsers.add_parser(
+        "batch", help="run many bakes; resumes them after an interruption"
+    )
     batch.add_argument(
-        "list", metavar="LIST.txt", help="a file with the arguments of one bake on each line"
+        "list", metavar="LIST.txt", help="file with the arguments of one bake per line"
     )
     render = subparsers.add_parser(
-        "render", help="the frames of a .blend by workers, resumed where they stopped"
+        "render",
+        help="render the frames of a .blend by workers; resumes them after an interruption",
     )
-    render.add_argument("blend", metavar="X.blend", help="what moves is keyframed in it")
+    render.add_argument("blend", metavar="X.blend", help="file with keyframes")
     render.add_argument(
-        "--out", required=True, metavar="OUT", help="a folder for the frames (.png), or an .mp4"
+        "--out", required=True, metavar="OUT", help="folder for the frames (.png), or an .mp4"
     )
     render.add_argument(
         "--frames",
@@ -140,33 +143,35 @@ def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> N
         help="(those of the .blend)",
     )
     render.add_argument(
-        "--blender", default="blender", metavar="PROGRAM", help="Blender's program (blender)"
+        "--blender", default="blender", metavar="PROGRAM", help="path of Blender (blender)"
     )
     for one in (batch, render):
-        workers_options(one, "so many at a time on this machine (1)")
+        workers_options(one, "number of Blenders on this machine (1)")
 
 
 def _add_surface(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
-        "surface", parents=[isosurface_options()], help="one lit isosurface as a mesh"
+        "surface", parents=[isosurface_options()], help="write one lit isosurface as a mesh"
     )
     parser.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
 
 
 def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
-    parser = subparsers.add_parser("still", help="a picture of a lit isosurface, without Blender")
+    parser = subparsers.add_parser(
+        "still", help="render a picture of a lit isosurface, without Blender"
+    )
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     parser.add_argument(
         "--isovalue",
         type=float,
         metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (one)",
     )
     parser.add_argument(
         "--out",
         required=True,
         metavar="X.png",
-        help="file to write: .png, exposed and transparent where nothing is, or .exr, radiance",
+        help="file to write: .png (exposed, transparent background) or .exr (radiance)",
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
@@ -174,46 +179,55 @@ def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         type=float,
         nargs=2,
         metavar=("AROUND", "UP"),
-        help="degrees around the volumes, 0 from -y, and above the horizon (a patient's front, or "
-        "the largest silhouette, from slightly above)",
+        help=(
+            "azimuth from -y and elevation in degrees (a patient's front, or the largest "
+            "silhouette from slightly above)"
+        ),
     )
-    where.add_argument("--camera", metavar="FILE", help="JSON: position, target, up, angle")
+    where.add_argument(
+        "--camera", metavar="FILE", help="JSON file with position, target, up and angle"
+    )
     parser.add_argument(
-        "--zoom", type=float, metavar="Z", help="how much larger than framed the isosurface is (1)"
+        "--zoom",
+        type=float,
+        metavar="Z",
+        help="factor on the size of the isosurface in the picture (1)",
     )
     parser.add_argument(
         "--size", type=int, nargs=2, default=(1280, 720), metavar=("W", "H"), help="pixels"
     )
     parser.add_argument(
-        "--samples", type=int, default=2, metavar="N", help="rays along a pixel's side (2)"
+        "--samples", type=int, default=2, metavar="N", help="rays per side of a pixel (2)"
     )
     parser.add_argument("--no-walls", action="store_true", help="leave the walls out")
     parser.add_argument(
         "--local",
         action="store_true",
-        help="the lamps upon the surface alone, without shadows, to compare with",
+        help="shade by lamps without shadows or indirect light, for comparison",
     )
 
 
 def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "export",
-        help="a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
+        help="write a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
     )
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     parser.add_argument(
         "--out",
         required=True,
         metavar="X.EXT",
-        help="file to write: .html shows all isosurfaces in a browser, .vti and .am hold all, .vtp "
-        "and .ply one, .glb, .usda, .usdc and .usd one or a sequence",
+        help=(
+            "file to write; all isosurfaces: .html (browser), .vti, .am; one: .vtp, .ply; one or "
+            "a sequence: .glb, .usda, .usdc, .usd"
+        ),
     )
     parser.add_argument(
         "--isovalue",
         type=number,
         nargs="+",
         metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (one)",
     )
     side_options(parser)
     parser.add_argument(
@@ -226,7 +240,7 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser.add_argument(
         "--embed",
         action="store_true",
-        help=".html: a folder for an iframe on a web server in place of one file",
+        help=".html: write a folder for an iframe on a web server",
     )
 
 
@@ -234,35 +248,39 @@ def _add_photons(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "photons",
         parents=[layout_options(), lit_options(_VOLUME), scene_options()],
-        help="photons on isosurfaces as points",
+        help="write photons on isosurfaces as points",
     )
     parser.add_argument("--out", required=True, metavar="POINTS.ply", help="file to write")
     parser.add_argument(
-        "--photons", type=integer, default=100_000, metavar="N", help="that lights send (100000)"
+        "--photons",
+        type=integer,
+        default=100_000,
+        metavar="N",
+        help="number of emitted photons (100000)",
     )
-    parser.add_argument("--seed", type=integer, default=0, metavar="N", help="as of a bake (0)")
+    parser.add_argument("--seed", type=integer, default=0, metavar="N", help="random seed (0)")
 
 
 def _add_compare(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "compare",
         parents=[isosurface_options(), threads_options()],
-        help="the error of a bake against path tracing",
+        help="measure the error of a bake by path tracing",
     )
     parser.add_argument("--points", type=integer, default=3000, metavar="N", help="points (3000)")
     parser.add_argument(
-        "--spp", type=integer, default=1024, metavar="N", help="paths a point (1024)"
+        "--spp", type=integer, default=1024, metavar="N", help="paths per point (1024)"
     )
     parser.add_argument(
         "--reference",
         choices=REFERENCES,
         default=REFERENCES[0],
-        help="path: the core's own path tracer; cycles: Blender's (path)",
+        help="path: Leaflight's path tracer; cycles: Blender's Cycles (path)",
     )
     parser.add_argument(
         "--mesh",
         metavar="NAME",
-        help="compare on this mesh of the walls; --back: seen against its normals",
+        help="compare this mesh of the walls; --back is the side against its normals",
     )
 
 
@@ -270,12 +288,15 @@ def _add_flatland(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "flatland",
         parents=[scene_options(), threads_options()],
-        help="light every isoline of an image in the plane",
+        help="light every isoline of an image within the plane",
     )
     parser.add_argument("image", metavar="IMAGE", help="PNG, JPEG, TIFF or EXR, or bump_box")
-    parser.add_argument("--dims", type=integer, metavar="N", help="bump_box: nodes a side (200)")
+    parser.add_argument("--dims", type=integer, metavar="N", help="bump_box: nodes per side (200)")
     parser.add_argument(
-        "--out", required=True, metavar="X.exr", help="texture to write, and a picture X.png"
+        "--out",
+        required=True,
+        metavar="X.exr",
+        help="texture to write; also writes a picture X.png",
     )
     parser.add_argument(
         "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (one)"

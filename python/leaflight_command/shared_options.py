@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that several commands have, and the parser that they are of.
+"""Options that several commands share, and the class of their parsers.
 
-Imports nothing of the package, as parser.py.
+Like parser.py, it does not import the package.
 """
 
 import argparse
@@ -9,37 +9,37 @@ from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
 
-# Names of the package.
+# Names in the package.
 ENDIANS = ("little", "big")
-# Title of a group of options.
+# Title of the group of options for raw files.
 MACHINES = "machines"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
 
 class UsageError(Exception):
-    """Of options that cannot be parsed: one sentence."""
+    """Options cannot be parsed; one sentence."""
 
 
 class Parser(argparse.ArgumentParser):
-    """Raises UsageError where argparse would print its usage and exit.
+    """A parser that raises UsageError. argparse would print its usage and exit.
 
-    --help leaves out the groups of options that have a title, which --help-all prints, too.
+    --help omits groups of options with a title; --help-all prints them.
     """
 
     def __init__(self, **options: Any) -> None:
-        # Abbreviations would change meaning whenever an option is added.
+        # An abbreviation would change its meaning if an option is added.
         super().__init__(allow_abbrev=False, **options)
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see '{self.prog} --help'.")
 
     def group(self, title: str) -> argparse._ArgumentGroup:
-        """The group of options of that title."""
+        """Returns the group of options with this title."""
         found = [group for group in self._titled() if group.title == title]
         return found[0] if found else self.add_argument_group(title)
 
     def finish(self) -> None:
-        """Adds --json, and --help-all where there are such groups."""
+        """Adds --json, and --help-all if there are groups with a title."""
         self.add_argument(
             "--json", action="store_true", help="print one JSON object as the last line"
         )
@@ -55,11 +55,11 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def format_all(self) -> str:
-        """The help with all options."""
+        """Returns the help with all options."""
         return super().format_help()
 
     def _titled(self) -> list[argparse._ArgumentGroup]:
-        # The first two are argparse's own: positional arguments and options. Commands stay.
+        # Keep argparse's own groups (positional arguments, options), and commands.
         return [group for group in self._action_groups[2:] if group is not self._subparsers]
 
 
@@ -71,15 +71,15 @@ class _HelpAll(argparse.Action):
 
 
 def layout_options() -> Parser:
-    """How the values of a volume lie in its file."""
-    whole = Parser(add_help=False)
-    parser = whole.add_argument_group("files")
+    """Returns the options for the layout of values in a volume's file."""
+    options = Parser(add_help=False)
+    parser = options.add_argument_group("files")
     parser.add_argument(
         "--dims",
         type=integer,
         nargs="+",
         metavar="N",
-        help=".raw: nx ny nz; generated volumes: nodes a side; points: nodes of the longest side",
+        help=".raw: nx ny nz; generated volume: nodes per side; points: nodes of the longest side",
     )
     parser.add_argument(
         "--type", choices=TYPES, help=".raw, or any file with --dims: type of the values"
@@ -89,7 +89,7 @@ def layout_options() -> Parser:
         "--skip",
         type=integer,
         metavar="N",
-        help=".raw: bytes before the values; -1: these are the end of the file (0)",
+        help=".raw: bytes before the values; -1 if the values end the file (0)",
     )
     parser.add_argument(
         "--spacing",
@@ -103,50 +103,58 @@ def layout_options() -> Parser:
     )
     parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
     parser.add_argument(
-        "--channel", type=integer, metavar="K", help="several values a voxel: which to read, from 0"
+        "--channel", type=integer, metavar="K", help="several values per voxel: channel, from 0"
     )
     parser.add_argument(
-        "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 the finest"
+        "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 is the finest"
     )
     parser.add_argument(
-        "--dataset", metavar="NAME", help="several volumes in one file or folder: which to read"
+        "--dataset", metavar="NAME", help="several volumes: name of the one to read"
     )
     parser.add_argument(
         "--downsample",
         type=integer,
         choices=(1, 2, 4, 8),
         metavar="N",
-        help="keep the mean of N voxels along each axis: 2, 4 or 8 (1)",
+        help="average N voxels along each axis: 2, 4 or 8 (1)",
     )
     parser.add_argument(
         "--smooth",
         type=number,
         metavar="S",
-        help="smooth by a Gaussian of S voxels, against noise and terraces of 8-bit values (0)",
+        help="smooth values by a Gaussian of S voxels, against noise and terraces (0)",
     )
     parser.add_argument(
         "--smooth-normals",
         type=number,
         metavar="S",
-        help="smooth the normals alone, so that isosurfaces stay where they are (0)",
+        help="smooth only the normals; isosurfaces do not change (0)",
     )
-    return whole
+    return options
 
 
 def threads_options() -> Parser:
     parser = Parser(add_help=False)
     machine = parser.add_argument_group(MACHINES)
     machine.add_argument(
-        "--seed", type=integer, default=0, metavar="N", help="same seed, same result (0)"
+        "--seed",
+        type=integer,
+        default=0,
+        metavar="N",
+        help="random seed; equal seeds give equal results (0)",
     )
     machine.add_argument(
-        "--threads", type=integer, default=0, metavar="N", help="threads (0: every core)"
+        "--threads",
+        type=integer,
+        default=0,
+        metavar="N",
+        help="number of threads; 0 uses every core (0)",
     )
     return parser
 
 
 def lit_options(volume: str) -> Parser:
-    """Volumes in space that are to be lit."""
+    """Returns the options for volumes to be lit."""
     parser = Parser(add_help=False)
     parser.add_argument(
         "volumes", metavar="VOLUME", nargs="*", help=volume + " (those of the scene file)"
@@ -158,7 +166,7 @@ def lit_options(volume: str) -> Parser:
 
 
 def scene_options() -> Parser:
-    """In which light, and within which isovalues."""
+    """Returns the options for the light and the isovalue range."""
     parser = Parser(add_help=False)
     parser.add_argument("--scene", metavar="FILE", help="scene file (a box around the data)")
     parser.add_argument(
@@ -166,19 +174,19 @@ def scene_options() -> Parser:
         type=number,
         nargs=2,
         metavar=("LO", "HI"),
-        help="range to bake (from the data); of several volumes 0..1",
+        help="isovalue range to bake (from the data); 0..1 for several volumes",
     )
     return parser
 
 
 def workers_options(parser: argparse._ActionsContainer, here: str) -> None:
-    """Adds the options of worker processes; here: the help of --workers."""
+    """Adds the options of worker processes. here: Help of --workers."""
     either = parser.add_mutually_exclusive_group()
     either.add_argument("--workers", type=integer, metavar="N", help=here)
     either.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="or by the workers of this Dask scheduler, such as tcp://10.0.0.1:8786",
+        help="address of a Dask scheduler with workers, such as tcp://10.0.0.1:8786",
     )
 
 
@@ -187,8 +195,10 @@ def memory_options(parser: argparse._ActionsContainer) -> None:
         "--memory",
         type=memory,
         metavar="SIZE",
-        help="most memory, such as 4GiB: larger volumes lie in a file beside the output, and "
-        "texels become coarser where their light has no room",
+        help=(
+            "memory limit, such as 4GiB; larger volumes are stored in a file beside the output, "
+            "and texels become coarser to fit"
+        ),
     )
 
 
@@ -197,25 +207,23 @@ def resolution_options(parser: argparse._ActionsContainer) -> None:
         "--resolution",
         type=integer,
         metavar="N",
-        help="texels on the longest axis (as the data need)",
+        help="texels along the longest axis (from the data)",
     )
 
 
 def limit_options(parser: argparse._ActionsContainer) -> None:
-    """When a bake ends."""
+    """Adds the options that end a bake."""
     parser.add_argument(
         "--error",
         type=number,
         metavar="PCT",
-        help="go on until the error is this, in percent (1.5)",
+        help="target error in percent (1.5)",
     )
-    parser.add_argument(
-        "--time", type=number, metavar="S", help="or until so many seconds are over (no limit)"
-    )
+    parser.add_argument("--time", type=number, metavar="S", help="time limit in seconds (none)")
 
 
 def isosurface_options() -> Parser:
-    """One isosurface of a bake."""
+    """Returns the options for one isosurface of a bake."""
     parser = Parser(add_help=False)
     parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
     parser.add_argument(
@@ -223,7 +231,7 @@ def isosurface_options() -> Parser:
         type=number,
         required=True,
         metavar="C",
-        help="in data units; of several volumes 0..1, from the lowest to the highest of each",
+        help="isovalue in data units; 0..1 of the range for several volumes",
     )
     side_options(parser)
     return parser
@@ -236,6 +244,6 @@ def side_options(parser: argparse._ActionsContainer) -> None:
         type=integer,
         default=0,
         metavar="K",
-        help="which of several volumes, from 0 (0)",
+        help="number of the volume, from 0 (0)",
     )
     parser.add_argument("--back", action="store_true", help="the back")

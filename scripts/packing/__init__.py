@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How scripts/package makes the packages; needs what scripts/setup leaves in build/venv."""
+"""Makes the packages for scripts/package. It needs build/venv from scripts/setup."""

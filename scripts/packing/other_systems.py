@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wheels for systems that this machine does not run: those for Linux with another module."""
+"""Makes wheels for systems that cannot run here: the wheel for Linux with another module."""
 
 import shutil
 
 from . import wheels
 from .tools import OUT, ROOT, run
 
-# Debian's packages of what is within every module, which have the licences.
+# Debian packages with the licenses of libraries in every module.
 LICENSES = (
     *("libtbb-dev", "libimath-dev", "libopenexr-dev", "liblz4-1", "libblosc-dev", "libopenvdb-dev"),
     *("libembree-dev", "libboost-dev", "libnanoflann-dev"),
@@ -19,7 +19,7 @@ def configure(folder, toolchain, headers, suffix, *more):
     options = (
         *("CMAKE_BUILD_TYPE=Release", f"CMAKE_TOOLCHAIN_FILE={toolchain}"),
         f"Python_INCLUDE_DIR={headers}",
-        # pybind11 has no interpreter of that system to ask.
+        # pybind11 cannot run an interpreter of that system.
         *(f"PYTHON_MODULE_EXTENSION={suffix}", "PYTHON_MODULE_DEBUG_POSTFIX=", "PYTHON_IS_DEBUG=0"),
         *more,
     )
@@ -33,10 +33,11 @@ def module(folder, suffix):
 
 
 def wheel(built, module, tag, system, licenses):
-    """Makes it of any that wheels.built() returns and of a module; returns its path.
+    """Makes a wheel from one that wheels.built() returns and a module; returns its path.
 
-    tag: of Python ("cp311"); system: its tag of a platform; licenses: paths of more of them, by
-    name.
+    tag: Tag of Python, such as "cp311".
+    system: Tag of the platform.
+    licenses: Paths of further licenses, by name.
     """
     folder = wheels.unpack(built, wheels.WORK / f"{tag}-{system}")
     (of_linux,) = folder.glob("leaflight/_core*.so")
@@ -54,5 +55,5 @@ def wheel(built, module, tag, system, licenses):
 
 
 def debian_licenses(*more):
-    """Paths by name, of LICENSES and more packages."""
+    """Returns {name: path} of the licenses of LICENSES and further packages."""
     return {name: f"/usr/share/doc/{name}/copyright" for name in (*LICENSES, *more)}

@@ -22,7 +22,7 @@ PLATFORMS = {
     "macos-arm64": ("macosx_11_0_arm64",),
     "macos-x64": ("macosx_11_0_x86_64",),
 }
-# Packages that PyPI lacks for a platform or a Python. Without FLIP the program says so.
+# Packages that PyPI lacks for a platform or a Python. Without FLIP the program reports an error.
 WITHOUT = {"macos-x64": ("flip-evaluator",), "cp314": ("flip-evaluator",)}
 # The folders (python/leaflight/io/reader_process.py): for one Python, and for all.
 ONE, ALL = "leaflight_readers", "leaflight_codecs"
@@ -68,7 +68,7 @@ def _fetched(listing, tags, platform):
 
 
 def _of_process(tags, platform):
-    """One wheel for each Python, and one for all of them, so that nothing is in two."""
+    """Returns one wheel for each Python, and one for all; no file is in two wheels."""
     found = _fetched(PROCESS, tags, platform)
     folder = wheels.WORK / "reader-process-packed" / platform
     stamp = folder / "stamp"
@@ -77,8 +77,8 @@ def _of_process(tags, platform):
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         for tag in tags:
-            own = [path for path in found if path.name.split("-")[3] == tag]
-            _packed(ONE, f"{tag}-{tag}-{PLATFORMS[platform][0]}", own, folder)
+            tagged = [path for path in found if path.name.split("-")[3] == tag]
+            _packed(ONE, f"{tag}-{tag}-{PLATFORMS[platform][0]}", tagged, folder)
         others = [path for path in found if path.name.split("-")[3] not in tags]
         _packed(ALL, f"py3-none-{PLATFORMS[platform][0]}", others, folder)
         stamp.write_text(wanted)
@@ -86,7 +86,7 @@ def _of_process(tags, platform):
 
 
 def _packed(name, tag, contents, out):
-    """A wheel with the unpacked contents of others in a folder of this name."""
+    """Returns a wheel with the unpacked contents of others in a folder of this name."""
     folder = out / f"{name}-{version()}"
     for path in contents:
         with zipfile.ZipFile(path) as archive:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders, and the programs that are run."""
+"""Folders, and a function that runs programs."""
 
 import hashlib
 import os
@@ -14,7 +14,7 @@ REQUIREMENTS = ROOT / "scripts" / "build-tools.txt"
 
 
 class PackageError(Exception):
-    """One sentence: what is wrong, and what to do."""
+    """One sentence with the cause and the remedy."""
 
 
 def version():
@@ -23,10 +23,10 @@ def version():
 
 
 def run(*command, **options):
-    """Runs a program with the tools of build/venv in its path; shows its output when it fails."""
+    """Runs a program with the tools of build/venv in its path; shows its output if it fails."""
     environment = {**os.environ, "PATH": f"{VENV / 'bin'}:{os.environ['PATH']}"}
     environment["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
-    # The same files make the same archive, whenever it is made.
+    # Fix the time stamps, so that the same files give the same archive.
     environment.setdefault("SOURCE_DATE_EPOCH", "1577836800")
     done = subprocess.run(
         list(map(str, command)),
@@ -43,7 +43,10 @@ def run(*command, **options):
 
 
 def environment(python):
-    """The Python of a virtual environment that has the build tools; build/venv for the system's."""
+    """Returns the Python of a virtual environment with the build tools.
+
+    It is build/venv for the system's Python.
+    """
     if Path(python).resolve() == Path("/usr/bin/python3").resolve():
         if not (VENV / "build-tools.txt").exists():
             raise PackageError("The build tools are not installed; run scripts/setup first.")

@@ -10,17 +10,17 @@ from .private_libraries import make_private
 from .tools import OUT, ROOT, VENV, PackageError, digest, environment, run
 
 WORK = OUT / "work"
-# The recipe is part of what a finished wheel depends on.
+# A finished wheel also depends on these scripts.
 _RECIPE = sorted(Path(__file__).parent.glob("*.py"))
 
 
 def built(python):
-    """Builds the wheel for an interpreter, as it runs on this machine alone; returns its path."""
+    """Builds the wheel for an interpreter, for this machine only; returns its path."""
     python = environment(python)
     tag = _tag(python)
     raw_folder = WORK / tag
     shutil.rmtree(raw_folder, ignore_errors=True)
-    # The release preset's own build for the system's Python: the same objects, nothing built twice.
+    # Use the build of the release preset for the system's Python, so that nothing is built twice.
     of_system = python.parent.parent == VENV
     options = (
         f"build-dir={'build/release' if of_system else f'build/{tag}'}",

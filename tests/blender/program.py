@@ -15,7 +15,7 @@ _SWITCHES = {"-b", "--background", "-noaudio", "--factory-startup"}
 
 
 def main(arguments):
-    # The module would read its own arguments as those of the program.
+    # Set the arguments of the program first, because bpy parses sys.argv.
     sys.argv = ["blender", *arguments]
     given = iter(arguments[: arguments.index("--")] if "--" in arguments else arguments)
     import bpy

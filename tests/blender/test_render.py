@@ -83,7 +83,7 @@ def test_sentences(blender, animated, tmp_path):
     for arguments, sentence in (
         ((tmp_path / "none.blend", "--out", tmp_path), "no such file"),
         ((animated, "--out", tmp_path, "--blender", "/no/blender"), "cannot be started"),
-        ((animated, "--out", tmp_path, "--frames", 5, 2), "are none"),
+        ((animated, "--out", tmp_path, "--frames", 5, 2), "is empty"),
         ((animated, "--out", broken), "cannot make this folder"),
     ):
         done = render(blender, *arguments)

@@ -86,7 +86,7 @@ def test_opening_another_file_ends_the_reading(found):
 
 def test_what_cannot_be_read_is_read_but_once(found):
     """The bake, and then the volume, whose isosurface is shown unlit."""
-    for row, why in zip(found["damaged"], ("The file is damaged.", "a bug of Leaflight ended")):
+    for row, why in zip(found["damaged"], ("The file is damaged.", "a bug in Leaflight ended")):
         (problem,) = row["problems"]
         assert why in problem and row["reads"] == ["thread", "thread"]
         assert row["isovalue"] == DRAGGED and not row["lit"]

@@ -264,7 +264,7 @@ TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   EXPECT_EQ(direct.radiance(scene.volumes[0].field, {8, 8, 8}, true), Rgb(0));
 }
 
-// The points of a light, each as if it stood alone, are about as bright as the light.
+// Checks that the light points of a light together are about as bright as the light.
 template <class Kind>
 void expect_whole(const Kind& light) {
   Scene<3> scene = test::scene_of(bumps<3>(9), Rgb(0.5f), {0.2, 0.9});

@@ -82,7 +82,7 @@ TEST(GreatestValue, IsThatOfFineSamples) {
   expect_samples_beneath(test::noise<3>(20, 4, 0), 100);
 }
 
-// Rays find the isosurfaces up to it, and those only: from outside, where nothing is higher.
+// A ray from outside hits exactly the isosurfaces up to the greatest value on it.
 TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
   const Field<3> field = test::sampled<3>(40, [](const Vec3& x) {
     const double edge = std::min({x.x, x.y, x.z, 1 - x.x, 1 - x.y, 1 - x.z});

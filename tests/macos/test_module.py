@@ -55,8 +55,11 @@ def test_it_shares_no_function_of_cpp_with_other_libraries(binary):
 
 
 def test_python_has_every_symbol_that_no_library_of_the_system_has(wheel, binary):
-    """The linker lets such symbols through: on macOS Python's are found as the module is loaded.
-    It was given the symbols of macOS 11, so those of later ones would be among them."""
+    """Checks that all symbols without a library are those of Python.
+
+    On macOS they are found when the module is loaded, so the linker accepts any. It knows only the
+    symbols of macOS 11; symbols of later versions would be among them.
+    """
     path = python.folder(wheel.python) / f"libpython{wheel.python}.dylib"
     processors = lief.MachO.parse(str(path))
     exported = {symbol.name for symbol in processors.at(0).exported_symbols}

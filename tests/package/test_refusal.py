@@ -30,7 +30,12 @@ print("preferences:", type(preferences).__name__)
             "OLDEST_NUMPY = (9, 0)",
             "Leaflight needs NumPy 9.0 or newer",
         ),
-        ("version.py", r'"\d.*"', '"99.0"', "but the package leaflight 99.0 is loaded from"),
+        (
+            "version.py",
+            r'"\d.*"',
+            '"99.0"',
+            "but version 99.0 of the package leaflight is loaded from",
+        ),
     ],
 )
 def test_the_sentence_comes_instead_of_the_addon(

@@ -135,7 +135,7 @@ def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_ba
     # Without the seal at its end, which would not fit any more.
     path.write_bytes(data[:-24].replace(box_bake.id.encode(), b"0" * 32))
     assert read_bake_id(path) == "0" * 32
-    with pytest.raises(LeaflightError, match="metadata were changed"):
+    with pytest.raises(LeaflightError, match="metadata were edited"):
         load_bake(path)
 
 
@@ -153,7 +153,7 @@ def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path)
     fields = [volume.field() for volume in box_bake.volumes]
     metadata = {"statistics": json.dumps(box_bake.statistics.record())}
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
-    with pytest.raises(LeaflightError, match="an earlier Leaflight; bake"):
+    with pytest.raises(LeaflightError, match="an earlier version of Leaflight; bake"):
         load_bake(path)
     path.write_text("This is no bake.")
     with pytest.raises(LeaflightError, match="not an OpenVDB file"):

@@ -40,7 +40,7 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     path = listed(tmp_path, *lines)
     done = cli("batch", path, "--workers", "2")
     assert done.status == 0, done.err
-    assert "3 baked, 0 were there already" in done.out
+    assert "3 baked, 0 already complete" in done.out
     # Each is what `bake` makes by itself.
     alone = tmp_path / "alone.vdb"
     assert cli("bake", scan, "--frame", 1, "--error", 5, "--out", alone).status == 0
@@ -49,7 +49,7 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
         load_bake(alone).grid.dense("radiance"), other.grid.dense("radiance")
     )
     # Again, nothing is left to do; what is missing, damaged or asked for differently is baked.
-    assert "0 baked, 3 were there already" in cli("batch", path).out
+    assert "0 baked, 3 already complete" in cli("batch", path).out
     (tmp_path / "frame 0.vdb").unlink()
     whole = (tmp_path / "box.vdb").read_bytes()
     (tmp_path / "box.vdb").write_bytes(whole[:-100])
@@ -86,10 +86,10 @@ def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
         written = (tmp_path / "short.vdb").stat().st_mtime_ns
         program.send_signal(signal.SIGINT)
         _, err = program.communicate(timeout=HANG)
-    assert program.returncode == 130 and "goes on where it stopped" in err
+    assert program.returncode == 130 and "run the same command to continue" in err
     assert not (tmp_path / "long.vdb").exists()
     path = listed(tmp_path, *lines, f"bump_box --dims 10 --error 3 --out {tmp_path}/long.vdb")
-    assert "1 baked, 1 were there already" in cli("batch", path).out
+    assert "1 baked, 1 already complete" in cli("batch", path).out
     assert (tmp_path / "short.vdb").stat().st_mtime_ns == written
 
 

@@ -75,7 +75,7 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
     for first, second in counts:
         checkpoint = Checkpoint(tmp_path / f"{first}.checkpoint", {"of": first}, seconds=0.0)
         interrupted(arguments, checkpoint, first)
-        # Twice, and with another number of threads.
+        # Resume twice, the last time with another number of threads.
         again = replace(checkpoint, resume=True)
         interrupted(arguments, again, second)
         assert read_recipe(again.path) == {"of": first}
@@ -84,10 +84,10 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
 
 def test_a_continued_bake_is_resumed(tmp_path, bump_scene):
     kept = leaflight.bake(cone(16), bump_scene, isovalues=(30.0, 70.0), error=12.0)
-    whole = leaflight.resume(kept, error=0.3)
+    whole = leaflight.refine(kept, error=0.3)
     checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
-    first = leaflight.resume(kept, error=0.3, checkpoint=checkpoint)
-    again = leaflight.resume(kept, error=0.3, checkpoint=replace(checkpoint, resume=True))
+    first = leaflight.refine(kept, error=0.3, checkpoint=checkpoint)
+    again = leaflight.refine(kept, error=0.3, checkpoint=replace(checkpoint, resume=True))
     assert_same(first, whole)
     assert_same(again, whole)
 
@@ -98,14 +98,14 @@ def test_only_its_own_bake_goes_on(tmp_path, bump_scene):
     leaflight.bake(leaflight.bump_box(6), checkpoint=checkpoint, **arguments)
     again = replace(checkpoint, resume=True)
     for changed in ({"error": 11.0}, {"seed": 1}, {"isovalues": (30.0, 71.0)}):
-        with pytest.raises(LeaflightError, match="of another bake"):
+        with pytest.raises(LeaflightError, match="belongs to another bake"):
             leaflight.bake(leaflight.bump_box(6), checkpoint=again, **{**arguments, **changed})
-    with pytest.raises(LeaflightError, match="of another bake"):
+    with pytest.raises(LeaflightError, match="belongs to another bake"):
         leaflight.bake(leaflight.bump_box(7), checkpoint=again, **arguments)
     whole = checkpoint.path.read_bytes()
     for damaged in (whole[:-1], whole[:100], b"", whole[:200] + b"x" + whole[201:]):
         checkpoint.path.write_bytes(damaged)
-        with pytest.raises(LeaflightError, match="bake anew"):
+        with pytest.raises(LeaflightError, match="checkpoint"):
             leaflight.bake(leaflight.bump_box(6), checkpoint=again, **arguments)
 
 
@@ -157,6 +157,6 @@ def test_a_bake_that_failed_says_that_it_can_go_on(tmp_path, cli, monkeypatch):
         without_space.setattr(leaflight.Bake, "save", full)
         outcome = cli("bake", "bump_box", "--dims", "6", "--error", "5", "--out", out)
     assert outcome.status == 2
-    assert f"make some; after that, leaflight bake --resume {out} goes on.\n" in outcome.err
+    assert f"make some; afterwards, leaflight bake --resume {out} continues it.\n" in outcome.err
     assert cli("bake", "--resume", out).status == 0
     assert load_bake(out) and os.listdir(tmp_path) == ["x.vdb"]

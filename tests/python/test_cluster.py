@@ -95,8 +95,8 @@ def test_going_on_with_a_bake(volume, workers):
     part = leaflight.bake(
         volume, progress=progress, on_pass=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
-    alone = leaflight.resume(part, error=0.2)
-    check_same(leaflight.resume(part, error=0.2, workers=workers), alone)
+    alone = leaflight.refine(part, error=0.2)
+    check_same(leaflight.refine(part, error=0.2, workers=workers), alone)
     assert workers.traced > 0
 
 
@@ -148,7 +148,7 @@ def _of_another(init):
 def test_what_cannot_be_shared(volume, workers):
     with pytest.raises(LeaflightError, match="one volume"):
         leaflight.bake(leaflight.lapr(12), workers=workers)
-    with pytest.raises(LeaflightError, match="one worker at least"):
+    with pytest.raises(LeaflightError, match="number of workers"):
         Workers(0)
     with pytest.raises(LeaflightError, match="either"):
         Workers()
@@ -183,7 +183,7 @@ def test_the_command_line(cli, tmp_path):
 def test_memory_is_reported_beforehand(cli):
     assert worker_memory(task_of(leaflight.bump_box(40))) > 4 * 40**3
     done = cli("bake", "bump_box", "--dims", "20", "--error", "5", "--workers", "2", "--estimate")
-    assert done.status == 0 and "each worker would hold about" in done.out
+    assert done.status == 0 and "each worker needs about" in done.out
 
 
 @pytest.mark.machine

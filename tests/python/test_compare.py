@@ -78,7 +78,7 @@ def test_colours_saturate(box_bake):
 
 
 def test_exposed_points_are_those_seen_from_outside():
-    """A shell: its outer face is seen, its inner one, around a closed hollow, is not."""
+    """Checks a hollow shell: its outer face can be seen from outside, its inner face cannot."""
     x = np.linspace(-1, 1, 33)
     radius = np.sqrt(sum(axis**2 for axis in np.meshgrid(x, x, x)))
     values = np.exp(-(((radius - 0.6) / 0.1) ** 2)).astype(np.float32)

@@ -37,7 +37,7 @@ def test_nrrd_headers_that_no_one_closes(tmp_path):
         assert len(str(refusal.value)) < 500
     # No blank line: the values would be read as the header.
     path.write_bytes(NRRD.encode() + b"x" * 4000)
-    with pytest.raises(LeaflightError, match="no end"):
+    with pytest.raises(LeaflightError, match="does not end"):
         read_volume(path)
 
 
@@ -60,7 +60,7 @@ def test_nrrd_data_stay_in_their_folder(tmp_path, more):
     (folder / "link.raw").symlink_to("../secret.raw")
     path = folder / "x.nhdr"
     path.write_text(NRRD + more)
-    with pytest.raises(LeaflightError, match="outside its own folder|twice"):
+    with pytest.raises(LeaflightError, match="outside .* folder|twice"):
         read_volume(path)
     path.write_text(NRRD + "data file:=../secret.raw\ndata file: inside.raw\n")
     assert read_volume(path).values.tobytes() == DATA
@@ -237,9 +237,9 @@ def test_vdb_files_that_ended_it(script, tmp_path, name):
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        (["--seed", "4294967296"], "2^31"),
+        (["--seed", "4294967296"], "32 bits"),
         (["--seed", "9" * 5000], "whole number"),
-        (["--threads", "-9999999999"], "2^31"),
+        (["--threads", "-9999999999"], "32 bits"),
         (["--resolution", "1e3"], "whole number"),
         (["--error", "nan"], "finite"),
         (["--time", "inf"], "finite"),
@@ -310,7 +310,7 @@ def test_little_memory(root, tmp_path, limit):
     lines = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
     assert done.returncode == 2 and len(lines) == 1, done.stderr
     if limit < 1 << 20:
-        assert lines[0].endswith("raise it (ulimit -v).")
+        assert lines[0].endswith("raise the limit (ulimit -v).")
     else:
         assert "There is not enough memory" in lines[0]
     # A slow machine may have come to a checkpoint, and then says what it is good for.

@@ -77,7 +77,7 @@ open(sys.argv[2], "w").write(page._repr_html_())
 
 def test_a_bake_is_shown_as_its_page(box_file, tmp_path):
     if not TEMPLATE.exists():
-        pytest.skip("this installation was built without Node and has no web page")
+        pytest.skip("this installation was built without Node")
     browser, address, cell = (tmp_path / name for name in ("browser", "address", "cell.html"))
     browser.write_text(BROWSER)
     browser.chmod(0o755)

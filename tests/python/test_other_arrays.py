@@ -44,9 +44,9 @@ def test_volume_from_spacing_and_origin(values):
     assert Volume(values.tolist()).values.shape == (4, 5, 6)
     assert Volume(values[0], spacing=0.5).index_to_world.shape == (3, 3)
     for wrong in (0, -1, (1, 2), (1, 2, np.nan), "two"):
-        with pytest.raises(LeaflightError, match="spacing must be"):
+        with pytest.raises(LeaflightError, match="The spacing .* is invalid"):
             Volume(values, spacing=wrong)
-    with pytest.raises(LeaflightError, match="either index_to_world or spacing"):
+    with pytest.raises(LeaflightError, match="index_to_world and spacing or origin"):
         Volume(values, np.eye(4), spacing=1)
     with pytest.raises(LeaflightError, match="'parsec'.* m, cm, mm"):
         Volume(values, unit="parsec")
@@ -61,7 +61,7 @@ def test_nibabel(values, tmp_path):
     loaded = nibabel.load(tmp_path / "cell.nii.gz")
     check(as_volume(loaded), values, place, "cell", "µm")
     assert loaded.dataobj[INDEX] == as_volume(loaded).values[INDEX[::-1]]
-    with pytest.raises(LeaflightError, match="has its own spacing"):
+    with pytest.raises(LeaflightError, match="has its own voxel size"):
         leaflight.bake(image, spacing=2)
 
 

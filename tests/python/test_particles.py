@@ -86,7 +86,7 @@ def test_names():
 def test_bad_options(name):
     with pytest.raises(LeaflightError, match=f"{name[:4]}.*: .* 2 nodes"):
         open_volume(name, dims=[1])
-    with pytest.raises(LeaflightError, match=f"{name}: give one number"):
+    with pytest.raises(LeaflightError, match=f"{name}: the size is not one number"):
         open_volume(name, dims=[8, 8, 8])
-    with pytest.raises(LeaflightError, match=f"{name}: frame has no meaning"):
+    with pytest.raises(LeaflightError, match=f"{name}: the option frame does not apply"):
         open_volume(name, frame=1)

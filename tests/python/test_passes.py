@@ -100,7 +100,7 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
     assert loaded.id == baked.id and loaded.statistics == baked.statistics
     assert loaded.statistics.stopped and loaded.provenance.passes == 2
     assert loaded.provenance.error == UNREACHED and loaded.provenance.fixed is None
-    assert "was not reached: it was stopped or its time was over" in outcome(loaded)
+    assert "was not reached: it was stopped or reached its time limit" in outcome(loaded)
 
 
 def test_the_time_ends_a_bake(box):
@@ -108,7 +108,7 @@ def test_the_time_ends_a_bake(box):
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics.stopped and baked.statistics.passes == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
-    assert "is what the time has room for" in outcome(baked)
+    assert "the time has room for" in outcome(baked)
     unlimited, limited = box(error=0.3), box(error=0.3, time=HANG)
     assert not limited.statistics.stopped
     assert limited.statistics.passes == unlimited.statistics.passes > 1
@@ -138,7 +138,7 @@ def test_what_to_do_where_the_error_was_not_reached(box):
     """As passes ended by themselves, by what is most of the error."""
     baked = box(error=20.0)
     provenance = replace(baked.provenance, error=1.0)
-    for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "has: continue it")):
+    for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "continue the bake")):
         statistics = replace(
             baked.statistics, estimated_error_percent=5.0, estimated_noise_percent=noise
         )

@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import Cancelled, Progress, lapr, load_bake, resume
+from leaflight import Cancelled, Progress, lapr, load_bake, refine
 from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
 
@@ -102,7 +102,7 @@ def test_it_is_continued_from_its_file(two, tmp_path):
     np.testing.assert_allclose(
         loaded.radiance(points, 1), first.radiance(points, 1), rtol=2**-9, atol=1e-5
     )
-    more = [resume(one, error=2.0) for one in (first, loaded)]
+    more = [refine(one, error=2.0) for one in (first, loaded)]
     assert_same_light(*more)
     was, now = (one.statistics.estimated_error_percent for one in (first, more[0]))
     assert now < was and more[0].provenance.blocks > first.provenance.blocks

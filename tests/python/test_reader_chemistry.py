@@ -83,8 +83,8 @@ def test_damaged_maps(tmp_path, values):
         (whole.replace("6 5 4", "6 5"), "readable OpenDX map"),
         (whole.replace("counts 6 5 4", "counts 600 500 400").replace("120", "120000000"), "ends"),
         (whole.replace("double", "string"), "readable OpenDX map"),
-        (whole.replace("delta 3.0 0.0 0.0", "delta 0 0 0"), "nowhere"),
-        (whole.replace("data follows", 'data file "../x",0'), "outside its own folder"),
+        (whole.replace("delta 3.0 0.0 0.0", "delta 0 0 0"), "not invertible"),
+        (whole.replace("data follows", 'data file "../x",0'), "outside .* folder"),
         (whole.partition("object 2")[0], "readable OpenDX map"),
         ("", "readable OpenDX map"),
     ):
@@ -117,7 +117,7 @@ def test_densities_of_vasp(tmp_path, values, name):
     path.write_bytes(gzip.compress(text) if name.endswith("gz") else text)
     stored = probe(path)
     assert (stored.dims, stored.channels, stored.unit) == ((6, 5, 4), 2, "Å")
-    assert "1 that of spin up less spin down" in stored.notes[0]
+    assert "1 is spin up less spin down" in stored.notes[0]
     for channel, expected in enumerate((values, -values)):
         volume = read_volume(path, channel=channel)
         np.testing.assert_allclose(volume.values, expected, rtol=1e-6)

@@ -51,7 +51,7 @@ def test_damaged_cubes(tmp_path, values):
         (cube(values)[:-30], "ends before"),
         (cube(values).replace("6 0.5", "60000 0.5"), "ends before"),
         ("a\nb\nc\n", "readable"),
-        (cube(values).replace("0.5 0 0", "0 0 0"), "nowhere"),
+        (cube(values).replace("0.5 0 0", "0 0 0"), "not invertible"),
     ):
         path.write_text(broken)
         with pytest.raises(LeaflightError, match=f"x.cube: .*{sentence}"):

@@ -180,7 +180,7 @@ def test_a_slice_that_is_there_twice(folder, values):
     volume = read_volume(folder)
     np.testing.assert_array_equal(volume.values, 2 * values - 1000)
     assert volume.notes == (
-        "2 slices are there twice, with the same values; the copies are left out.",
+        "2 slices are stored twice with equal values; the copies are left out.",
     )
     write_slice(folder / "e", values[0] + 1, 100, InstanceNumber=50)
     with pytest.raises(LeaflightError, match="1 to 2 different slices"):
@@ -191,7 +191,7 @@ def test_a_series_that_is_there_twice(folder, values):
     for k, name in enumerate("cadb"):
         (folder / f"copy of {name}").write_bytes((folder / name).read_bytes())
     stored = probe(folder)
-    assert stored.frames == 1 and "4 slices are there twice" in stored.notes[0]
+    assert stored.frames == 1 and "4 slices are stored twice" in stored.notes[0]
 
 
 def test_times_with_blank_slices_are_no_copies(tmp_path, values):
@@ -241,7 +241,7 @@ def test_slices_without_a_place(tmp_path, values):
     folder = write_series(tmp_path / "scan", values, ImagePositionPatient=None)
     volume = read_volume(folder)
     assert not volume.patient and volume.notes == (
-        "The headers do not place the slices; they are taken by their numbers, 3 mm apart.",
+        "The headers have no positions of the slices; they are sorted by number, 3 mm apart.",
     )
     for k, location in enumerate([9, 4.5, 0, -4.5]):
         tags = {"ImagePositionPatient": None, "SliceLocation": location, "RescaleIntercept": 0}

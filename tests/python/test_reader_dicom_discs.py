@@ -34,7 +34,7 @@ def test_nested_folders(study, values):
     assert stored.datasets == ("3 Head CT", "4 Neck CT")
     assert stored.notes == (
         "1 color picture is left out.",
-        "Left out, since each is a single slice: 1 Scout CT.",
+        "These are left out, because each is a single slice: 1 Scout CT.",
     )
     for name in ("4 Neck CT", "4", "Neck", "4 Neck"):
         np.testing.assert_array_equal(read_volume(study, dataset=name).values, values + 1)
@@ -88,7 +88,7 @@ def test_a_disc_that_lacks_files(disc, values):
     slices[-1].unlink()
     volume = read_volume(disc)
     np.testing.assert_array_equal(volume.values, values[:3])
-    assert volume.notes == ("The DICOMDIR lists 1 more file, which is not there.",)
+    assert volume.notes == ("The DICOMDIR lists 1 more file, which is missing.",)
     for path in slices[:-1]:
         path.unlink()
     with pytest.raises(LeaflightError, match="4 files"):
@@ -104,7 +104,7 @@ def test_a_list_leads_nowhere_else(disc, values):
     (disc.parent / "inner").mkdir()
     path = disc.parent / "inner" / "DICOMDIR"
     path.write_bytes(data.replace(name, rb"..\disc\PT000000".ljust(len(name) - 3, b"0") + rb"\IM"))
-    with pytest.raises(LeaflightError, match="none of which is beside it"):
+    with pytest.raises(LeaflightError, match="and all are missing"):
         read_volume(path)
 
 
@@ -117,7 +117,9 @@ def test_files_beside_slices(tmp_path, values):
     (folder / "cut").write_bytes(cut)
     volume = read_volume(folder)
     np.testing.assert_array_equal(volume.values, values)
-    assert volume.notes == ("Left out, since they are damaged or hold no pixels: cut, broken.",)
+    assert volume.notes == (
+        "These are left out, because they are damaged or hold no pixels: cut, broken.",
+    )
     np.testing.assert_array_equal(read_volume(folder / "IM0001").values, values)
 
 

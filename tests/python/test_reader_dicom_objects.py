@@ -160,8 +160,8 @@ def test_pages_without_places(tmp_path, values):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert not volume.patient and volume.notes == (
-        "The header does not place the slices in the patient.",
-        "The header has no distance of the slices; 1 mm is taken.",
+        "The header has no position of the slices in the patient.",
+        "The header has no distance between slices; 1 mm is assumed.",
     )
 
 

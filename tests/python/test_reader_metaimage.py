@@ -187,7 +187,7 @@ def test_a_listed_file_outside_the_folder(tmp_path, values):
     text = write(tmp_path / "x.mha", values).read_bytes().split(b"LOCAL")[0] + b"LIST\n"
     for name in (b"../secret.raw", b"link.raw", b"/etc/hostname", b"C:/secret.raw"):
         (folder / "x.mhd").write_bytes(text + b"\n".join([name] * 4))
-        with pytest.raises(LeaflightError, match="outside its own folder"):
+        with pytest.raises(LeaflightError, match="outside .* folder"):
             read_volume(folder / "x.mhd")
 
 
@@ -280,8 +280,8 @@ def test_damaged(tmp_path, values):
     values = values.astype("<i2")
     path = tmp_path / "x.mhd"
     for data, sentence in (
-        ("../x.raw", "outside its own folder"),
-        ("/etc/passwd", "outside its own folder"),
+        ("../x.raw", "outside .* folder"),
+        ("/etc/passwd", "outside .* folder"),
         ("LIST", "names . data files"),
         ("x%03d.raw 1 3", "3 data files.* 6 x 5 x 4"),
         ("../x%d.raw 1 4 1", "outside its own folder"),
@@ -301,7 +301,7 @@ def test_damaged(tmp_path, values):
     header = write(tmp_path / "scan" / "z.mhd", values, data="link.raw")
     (tmp_path / "scan" / "link.raw").unlink(missing_ok=True)
     (tmp_path / "scan" / "link.raw").symlink_to("../x.raw")
-    with pytest.raises(LeaflightError, match="outside its own folder"):
+    with pytest.raises(LeaflightError, match="outside .* folder"):
         read_volume(header)
     digits = path.read_bytes().replace(b"DimSize = 6", b"DimSize = " + b"1" * 400)
     (tmp_path / "y.mhd").write_bytes(digits)

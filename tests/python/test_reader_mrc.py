@@ -153,7 +153,7 @@ def test_stacks_of_images(tmp_path, name):
     (tmp_path / "x.mrc").rename(tmp_path / name)
     volume = read_volume(tmp_path / name)
     np.testing.assert_array_equal(volume.values, SIGNED)
-    assert "z counts these" in volume.notes[0]
+    assert "z counts the images" in volume.notes[0]
 
 
 def test_a_packed_map_of_a_plain_name(tmp_path, values):

@@ -60,8 +60,8 @@ def test_degrees_are_no_lengths(tmp_path, values):
     # Pressure falls upwards, and the first latitude is the northernmost.
     assert np.diag(volume.index_to_world).tolist() == [1, -1, 1, 1] and volume.unit == ""
     assert volume.notes == (
-        "Its axes are measured in degrees, degrees, hPa, which cannot be compared; its voxels are "
-        "read as cubes of size 1. Give a voxel size for others.",
+        "The units of its axes, degrees, degrees, hPa, cannot be compared; voxels are read as "
+        "cubes of size 1, unless you give a voxel size.",
     )
     assert read_volume(path, spacing=(3, 2, 1)).spacing == (3, 2, 1)
 
@@ -85,7 +85,7 @@ def test_packed_and_missing_values(tmp_path, values):
     assert probe(path).dtype == np.float32
     volume = read_volume(path)
     np.testing.assert_allclose(volume.values, np.where(stored == -99, np.nan, 0.5 * stored + 100.0))
-    assert volume.notes == ("1 of its voxels are missing data: the file marks them by -99.",)
+    assert volume.notes == ("1 of the voxels are missing data, which the file marks by -99.",)
     path = classic(tmp_path / "x.nc", (values + 100).astype(np.int8), dimensions, _Unsigned="true")
     np.testing.assert_array_equal(read_volume(path).values, values + 100)
 
@@ -108,7 +108,7 @@ def test_version_4(tmp_path, values):
     volume = read_volume(path)
     np.testing.assert_array_equal(volume.values, values)
     assert (volume.spacing, volume.unit) == ((2, 2, 1), "nm")
-    assert volume.notes == ("The file does not give the size of its voxels along z; it is 1 here.",)
+    assert volume.notes == ("The file has no voxel size along z; it is assumed to be 1.",)
 
 
 def test_damaged(tmp_path, values):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NRRD: where values begin, over how many files they go, and what its axes are."""
+"""Tests NRRD headers: the start of the values, the number of data files, and the axes."""
 
 import bz2
 import gzip
@@ -108,7 +108,7 @@ def test_lists_that_do_not_fit(tmp_path, shorts):
         ("LIST 9\nx.bin", "names 1 data files"),
         ("x%d.bin 1 999999999 1", "names 999999999 data files"),
         ("x%d.bin 0 3 0", "steps of 0"),
-        ("LIST\n../x.bin\nx.bin\nx.bin\nx.bin", "outside its own folder"),
+        ("LIST\n../x.bin\nx.bin\nx.bin\nx.bin", "outside .* folder"),
     ):
         path.write_text(header() + f"data file: {field}\n")
         with pytest.raises(LeaflightError, match=sentence):

@@ -75,13 +75,13 @@ def test_values_come_piece_by_piece(call):
         process.answer()
         one = process.array(most=24)
         np.testing.assert_array_equal(one, values[0])
-        with pytest.raises(LeaflightError, match="did not live"):
+        with pytest.raises(LeaflightError, match="crashed or exceeded"):
             process.array(most=23)
     # No array is returned that is not filled, and none is filled beyond its end.
     for shape in ((3, 3, 4), (1, 3, 3)):
         with call("two_pieces") as process:
             process.answer()
-            with pytest.raises(LeaflightError, match="did not live"):
+            with pytest.raises(LeaflightError, match="crashed or exceeded"):
                 process.fill(np.zeros(shape, "<u2"))
 
 

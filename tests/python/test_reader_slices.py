@@ -80,7 +80,7 @@ def test_colors_of_16_bits_are_read_by_8(tmp_path):
         (tmp_path / f"{k}.png").write_bytes(b"\x89PNG\r\n\x1a\n" + data)
     volume = read_volume(tmp_path)
     np.testing.assert_array_equal(volume.values, GRAY)
-    assert volume.notes == ("Of the 16 bits of each color the upper 8 are read.",)
+    assert volume.notes == ("Only the upper 8 of the 16 bits of each color are read.",)
 
 
 def test_alpha_is_left_out(tmp_path):
@@ -210,7 +210,7 @@ def test_slices_without_numbers(tmp_path):
 def test_the_same_number_twice_is_refused(tmp_path):
     save_all(tmp_path)
     save(tmp_path / "slice_08.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="two of its files have the numbers of slice_"):
+    with pytest.raises(LeaflightError, match="two files have the same numbers as slice_"):
         read_volume(tmp_path)
 
 
@@ -271,7 +271,9 @@ def test_a_folder_of_two_kinds_is_refused(tmp_path):
         dicom(tmp_path / f"{k}.dcm")
         (tmp_path / f"{k}.png").write_bytes(b"?")
         (tmp_path / f"a{k}.png").write_bytes(b"?")
-    sentence = "holds 8 PNG, JPEG or BMP files and 4 DICOM files; keep the slices of one volume"
+    sentence = (
+        "holds 8 PNG, JPEG or BMP files and 4 DICOM files; keep only the slices of one volume"
+    )
     with pytest.raises(LeaflightError, match=sentence):
         read_volume(tmp_path)
 

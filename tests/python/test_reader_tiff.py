@@ -128,7 +128,7 @@ def test_a_plane_that_is_in_no_file_is_refused(tmp_path):
     with pytest.raises(LeaflightError, match="8 planes.* Z 3, C 1, T 0"):
         read_volume(path, channel=0)
     write(path, np.concatenate([pages, pages[:1]]), ome(""))
-    assert probe(path).notes == ("Pages that the OME metadata do not describe are left out: 1.",)
+    assert probe(path).notes == ("Pages without OME metadata are left out: 1.",)
     np.testing.assert_array_equal(read_volume(path, channel=1).values, PIXELS[1])
 
 
@@ -273,7 +273,7 @@ def test_an_unknown_depth_of_a_voxel_is_reported(tmp_path):
     tifffile.imwrite(path, PIXELS[0], ome=True, metadata=metadata)
     volume = read_volume(path)
     assert diagonal(volume) == [0.5, 0.5, 1] and volume.unit == "µm"
-    assert "how far apart its planes are; 1 µm is assumed." in volume.notes[0]
+    assert "no distance between planes; 1 µm is assumed." in volume.notes[0]
 
 
 def pages(path, *pictures):

@@ -51,7 +51,7 @@ def test_ome_zarr(tmp_path, values):
     path.rename(tmp_path / "plain")
     np.testing.assert_array_equal(read_volume(tmp_path / "plain", channel=0).values, values)
     (tmp_path / "plain" / ".zattrs").write_text("{}")
-    with pytest.raises(LeaflightError, match="no multiscale image"):
+    with pytest.raises(LeaflightError, match="no multiscale OME-Zarr image"):
         read_volume(tmp_path / "plain")
     one = read_volume(tmp_path / "plain" / "0", frame=1)
     np.testing.assert_array_equal(one.values, values + 1)
@@ -105,7 +105,7 @@ def test_a_translation_is_in_the_unit_of_its_axis(tmp_path, values):
     volume = read_volume(path)
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
     np.testing.assert_allclose(volume.spacing, [1, 1, 0.5])
-    assert volume.notes == ("Its transformation 'affine' is left out.",)
+    assert volume.notes == ("The transformation 'affine' is ignored.",)
 
 
 def test_axes_in_any_order(tmp_path, values):
@@ -129,13 +129,13 @@ def test_a_codec_that_is_not_at_hand(tmp_path, values):
     metadata = json.loads((path / "0" / ".zarray").read_text())
     metadata["compressor"] = {"id": "packed_by_nobody"}
     (path / "0" / ".zarray").write_text(json.dumps(metadata))
-    with pytest.raises(LeaflightError, match="packed by the codec packed_by_nobody, which"):
+    with pytest.raises(LeaflightError, match="compressed by the codec packed_by_nobody, which"):
         read_volume(path)
 
 
 @pytest.mark.parametrize("fill", [None, 0, 7])
 def test_absent_chunks_are_the_fill_value(tmp_path, fill):
-    """Also without one: then they are 0, and not memory that nobody filled."""
+    """Checks absent chunks with and without a fill value; without one they are 0."""
     path = tmp_path / "x.zarr"
     options = {"mode": "w", "chunks": (2, 4, 4), "dtype": "f4", "fill_value": fill, **ZARR_2}
     array = zarr.open(str(path), shape=(64, 8, 8), **options)

@@ -123,8 +123,8 @@ def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
     with pytest.raises(LeaflightError, match="not saved"):
         relit.save(tmp_path / "relit.vdb")
     assert not list(tmp_path.iterdir())
-    with pytest.raises(LeaflightError, match="resume its original"):
-        leaflight.resume(relit)
+    with pytest.raises(LeaflightError, match="continue its original"):
+        leaflight.refine(relit)
     of_one.save(tmp_path / "bake.vdb")
     loaded = leaflight.load_bake(tmp_path / "bake.vdb").relit({name: (2, 1, 0.5)})
     points = relit.surface(47.0).vertices

@@ -40,7 +40,7 @@ def refusal(check, *arguments):
 @pytest.mark.parametrize("limit, threads", [(500 << 20, 2), ((2 << 30) - 1, 64)])
 def test_too_little_memory(limit, threads):
     sentence = refusal(self_check.check_memory, limit, threads)
-    assert f"leaves this process {limit >> 20} MiB" in sentence
+    assert f"this process is limited to {limit >> 20} MiB" in sentence
 
 
 @pytest.mark.parametrize("limit, threads", [(None, 64), (2 << 30, 64), (2 << 30, None)])
@@ -68,7 +68,7 @@ def test_numpys_that_will_do(version):
 
 def test_an_old_processor():
     features = {"SSE42": True, "POPCNT": False}
-    assert "a processor with POPCNT," in refusal(self_check.check_processor, features)
+    assert "processor lacks POPCNT" in refusal(self_check.check_processor, features)
 
 
 def test_the_processor_here():
@@ -113,14 +113,14 @@ def _empty(values, matrix):
 
 @pytest.mark.parametrize("field", [_shifted, _transposed, _unmoved])
 def test_arrays_that_arrive_as_something_else(field):
-    assert f"NumPy {np.__version__} wrongly" in refusal(
+    assert f"misreads arrays of NumPy {np.__version__}" in refusal(
         self_check.check_arrays, np, Changed(Field=field)
     )
 
 
 def test_arrays_that_the_module_refuses(monkeypatch):
     monkeypatch.setattr(self_check, "_core", lambda: Changed(Field=_empty))
-    assert "fails its own test" in refusal(self_check.check)
+    assert "fails its self-test" in refusal(self_check.check)
 
 
 def _no_hit(*arguments):

@@ -65,7 +65,7 @@ def test_packed_contents(tmp_path, name):
 def test_packed_contents_that_must_be_unpacked(tmp_path, name):
     path = tmp_path / f"{name}.gz"
     path.write_bytes(gzip.compress(good(tmp_path / name)))
-    with pytest.raises(LeaflightError, match="unpack it first"):
+    with pytest.raises(LeaflightError, match="decompress it first"):
         read_volume(path)
 
 

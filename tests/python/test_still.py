@@ -149,7 +149,7 @@ def test_sentences(cli, box_bake, box_file, tmp_path):
     for text in ("[]", "{}", short, huge, '{"angle": 20}', "x"):
         path = tmp_path / "camera.json"
         path.write_text(text)
-        with pytest.raises(LeaflightError, match="is no camera"):
+        with pytest.raises(LeaflightError, match="is not a camera"):
             load_camera(path)
     mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")
     scene = replace(box_bake.scene, isosurfaces=[mirror])

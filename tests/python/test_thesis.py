@@ -130,7 +130,7 @@ def test_only_some_texels(bump_scene, fixed_work):
     assert 8 <= some.grid.texels <= 40 < whole.grid.texels
     assert some.provenance.fixed["only_at_sha256"]
     assert not whole.provenance.fixed["only_at_sha256"]
-    with pytest.raises(LeaflightError, match="holds no points"):
+    with pytest.raises(LeaflightError, match="only_at is empty"):
         thesis.bake(volume, bump_scene, only_at=points[:0], **settings)
     with pytest.raises(LeaflightError, match="all texels"):
         thesis.bake(volume, bump_scene, only_at=points, **fixed_work)

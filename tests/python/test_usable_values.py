@@ -52,7 +52,7 @@ def test_fill_values_are_missing_data(tmp_path, fill, low, high, kind):
     np.testing.assert_array_equal(np.isnan(volume.values), LAND)
     np.testing.assert_allclose(volume.values[~LAND], values[~LAND].astype(np.float32), rtol=1e-6)
     (note,) = volume.notes
-    assert note.startswith("25 % of the voxels hold ") and "count as missing data" in note
+    assert note.startswith("25 % of the voxels are ") and "read as missing data" in note
     lo, hi = volume.field().range
     assert low - 1 <= lo < hi <= high + 1
     # Nothing of them is in means.
@@ -183,7 +183,7 @@ def test_values_far_from_0_keep_their_differences(tmp_path, low, high, kind, off
     text = f" less {offset:.15g}"
     # Wherever the volume goes, its name and its source do, too.
     assert (volume.name == f"x{text}") == (offset != 0) == (f", {text[1:]}" in volume.source)
-    assert offset == 0 or f": {text[6:]} is taken off them" in volume.notes[0]
+    assert offset == 0 or f": {text[6:]} is subtracted from them" in volume.notes[0]
     for options in ({"downsample": 2}, {"smooth": 1.0}):
         part = read(tmp_path, values, **options)
         assert part.name == volume.name
@@ -220,10 +220,10 @@ def test_an_offset_is_kept_by_a_bake_and_told_by_info(cli, tmp_path):
     np.save(tmp_path / "p.npy", 101325.0 + 0.01 * BODY)
     info = cli("info", tmp_path / "p.npy")
     assert "p.npy, less 101325: 16 x 16 x 16 voxels" in info.out
-    assert "Its values 101325.00015..101325.00981 differ too little for single prec" in info.out
+    assert "The values 101325.00015..101325.00981 differ too little for single prec" in info.out
     bake = ("bake", tmp_path / "p.npy", "--error", 50, "--resolution", 8)
     done = cli(*bake, "--out", tmp_path / "p.vdb")
-    assert done.status == 0 and "101325 is taken off them and off isovalues." in done.err
+    assert done.status == 0 and "101325 is subtracted from them and from isovalues." in done.err
     loaded = leaflight.load_bake(tmp_path / "p.vdb")
     assert loaded.volume.name == "p less 101325"
 
@@ -246,7 +246,7 @@ def test_labels_are_proposed_to_be_smoothed(tmp_path):
     assert read(tmp_path, BODY).notes == ()
     assert read(tmp_path, (255 * BODY).astype(np.uint8)).notes == ()
     far = np.where(labels > 0, 10**12 + labels.astype(np.int64), 0)
-    assert "neighboring numbers may have become one" in read(tmp_path, far).notes[1]
+    assert "neighboring numbers may have become equal" in read(tmp_path, far).notes[1]
 
 
 def test_figures_tell_values_apart(cli, tmp_path):

@@ -263,7 +263,7 @@ def test_a_folder_to_embed(cli, box_file, tmp_path):
     assert json.loads(done.out.splitlines()[-1])["bytes"] > 10_000
     (folder / "letter.txt").write_text("dear")
     refused = cli("export", box_file, "--out", out, "--embed")
-    assert refused.status == 2 and "holds something else" in refused.err
+    assert refused.status == 2 and "holds other files" in refused.err
     assert (folder / "letter.txt").exists()
 
 
@@ -288,7 +288,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     monkeypatch.undo()
     monkeypatch.setattr(page_template, "TEMPLATE", tmp_path / "absent.html")
     refused("built without Node")
-    with pytest.raises(LeaflightError, match="only a web page"):
+    with pytest.raises(LeaflightError, match="only to a web page"):
         leaflight.export(box_bake, tmp_path / "x.ply", coarser=1)
     assert not out.exists()
 

@@ -168,12 +168,12 @@ def test_bad_headers(tmp_path):
     ome = json.loads((path / "zarr.json").read_text())["attributes"]["ome"]
     ome["multiscales"][0]["datasets"][0]["path"] = "../y.zarr"
     _change(path / "zarr.json", attributes={"ome": ome})
-    with pytest.raises(LeaflightError, match="'../y.zarr' outside of itself"):
+    with pytest.raises(LeaflightError, match="'../y.zarr' outside this folder"):
         probe(path)
     write_3(tmp_path / "y.zarr", VALUES, sharded(), chunks=(4, 6, 8))
     for kind in ("string", "complex64", "r24", {"name": "struct"}):
         _change(tmp_path / "y.zarr" / "zarr.json", data_type=kind)
-        with pytest.raises(LeaflightError, match="y.zarr: (the|its) values are .* convert"):
+        with pytest.raises(LeaflightError, match="y.zarr: the values (are|have) .* convert"):
             probe(tmp_path / "y.zarr")
     _change(tmp_path / "y.zarr" / "zarr.json", data_type="uint16", shape=[0, 6, 7])
     with pytest.raises(LeaflightError, match="0 x 6 x 7"):

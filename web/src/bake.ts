@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bake in the page, as python/leaflight/export/page_data.py wrote it.
+// The data of the page, which python/leaflight/export/page_data.py writes.
 
 import { arrived, DAMAGED, pause, readBody } from './body';
 import { Failure } from './failure';
@@ -8,13 +8,13 @@ import type { Framing } from './framing';
 export type Vector = [number, number, number];
 export type Stops = [number, Vector][];
 
-// Texels of a texture of bricks, from the first voxel to the last.
+// Texels of a texture of bricks, from the first to the last voxel.
 export interface BrickData {
   texels: Vector;
-  active: number; // block: a bit for each texel, the lowest one first
-  brick: Vector; // texels of a brick, with the layers that it shares
+  active: number; // block: a bit for each texel, lowest bit first
+  brick: Vector; // texels of a brick, including shared layers
   bricks: Vector;
-  table: number; // block: where each brick is in the texture
+  table: number; // block: position of each brick in the texture
   textureBricks: Vector;
 }
 
@@ -24,11 +24,11 @@ export interface LightData extends BrickData {
 }
 
 export interface DirectData extends BrickData {
-  front: number[]; // blocks: levels of two light points each
+  front: number[]; // blocks: levels of two light points per byte
   back: number[] | null;
   codeRange: [number, number]; // codes of the volume at visibility codes 1 and 253
-  points: number[][]; // as DirectLight.light_points of the core lists them
-  lights: number[]; // of each, the number of the lamp that it belongs to, or -1
+  points: number[][]; // as in DirectLight.light_points of the core
+  lights: number[]; // number of each one's lamp, or -1
   indexToFrame: number[]; // 4 x 4, by rows
 }
 
@@ -36,16 +36,16 @@ export interface VolumeData {
   name: string;
   dims: Vector; // voxels along x, y, z
   indexToWorld: number[]; // 4 x 4, by rows
-  isovalues: [number, number]; // in data units, at common isovalues 0 and 1
-  values: number; // block: codes, a value being offset + scale * code
+  isovalues: [number, number]; // isovalues in data units at common isovalues 0 and 1
+  values: number; // block: codes; a value is offset + scale * code
   bits: 8 | 16;
   masked: boolean;
-  smoothNormals: number; // standard deviation of a Gaussian in voxels, within so many layers
+  smoothNormals: number; // standard deviation in voxels; number of capping layers
   layers: number;
   offset: number;
   scale: number;
   light: LightData;
-  direct: DirectData | null; // beside which texels hold indirect light; null: they hold all
+  direct: DirectData | null; // null: texels hold all light, not only indirect light
   backIs: 'baked' | 'dark' | 'local';
   albedo: Stops;
   emission: Stops;
@@ -58,18 +58,18 @@ export interface WallData {
   emission: Vector;
   vertices: number; // blocks
   triangles: number;
-  light: WallLightData | null; // null: it is shaded by lamps alone
+  light: WallLightData | null; // null: shaded locally
 }
 
 export interface WallLightData {
-  between: number; // of each vertex, two coarser ones
-  // Radiance times the exposure of the front and the back. indirect: of the coarser vertices at
-  // each node; unshadowed: direct light by each lamp, and by all other emitters.
+  between: number; // two coarser vertices for each vertex
+  // Radiance times the exposure of the front and the back. indirect: light of the coarser vertices
+  // at each node. unshadowed: direct light by each lamp, and by all other emitters.
   indirect: (number | null)[];
   unshadowed: (number | null)[][];
-  // sets: the set of light points of each vertex. least, greatest: codes by point and vertex;
-  // isosurfaces between them block the light. weights: the light by point and vertex, negative on
-  // the back. Closed isosurfaces have no least code.
+  // sets: set of light points of each vertex. least, greatest: codes by point and vertex;
+  // isosurfaces between them block the light. Closed isosurfaces have no least code. weights: light
+  // by point and vertex, negative on the back.
   sets: number;
   least: number | null;
   greatest: number;
@@ -78,8 +78,8 @@ export interface WallLightData {
 
 export interface WallsData {
   nodes: number[]; // common isovalues of indirect light
-  tints: number[][][]; // of each set's light points
-  lights: number[]; // of these points, as DirectData has them
+  tints: number[][][]; // colors of each set's light points
+  lights: number[]; // lamps of these points, as in DirectData
   meshes: WallData[];
 }
 
@@ -87,8 +87,8 @@ export interface WallsData {
 export interface NamedLook {
   name: string;
   color: Vector; // albedo
-  gloss: number; // 0..1, the weight of a clear coat
-  roughness: number; // of the coat
+  gloss: number; // weight of a clear coat, 0..1
+  roughness: number; // roughness of the coat
   background: Vector | null;
 }
 
@@ -98,34 +98,34 @@ export interface Header {
   isovalueRange: [number, number]; // common isovalues
   isovalue: number;
   exposure: number;
-  stops: number; // of exposure beside it
+  stops: number; // further stops of exposure
   unbaked: number; // brightness of white backs that were not baked
   camera: Framing;
   bounds: [Vector, Vector];
   volumes: VolumeData[];
   walls: WallsData;
-  // Lamps whose strengths may be changed: linear colors, and by how much indirect light grows with
-  // each, beside that of all others (python/leaflight/bake/relit.py).
+  // Lamps with variable strengths: linear colors, and the growth of indirect light with each lamp,
+  // relative to the rest (python/leaflight/bake/relit.py).
   lights: { lamps: { name: string; color: Vector; share: Vector }[]; others: Vector };
-  lamps: number[][]; // of local shading: the number of its lamp, and a row of lamps.py
+  lamps: number[][]; // for local shading: number of the lamp, and a row of lamps.py
   ambient: Vector;
   headlight: boolean;
-  histogram: { counts: number[]; width: number }; // of a bin, as a share of the isovalue range
-  step: number; // between isovalues that are chosen
-  unit: string; // of lengths, '' where it is not known
-  unitLength: number; // how many of them a unit of the world measures
-  isPatient: boolean; // the world's axes are towards a patient's right, front and up
-  colorMaps: Record<string, string[]>; // the name, then sRGB colors as six hexadecimal digits
+  histogram: { counts: number[]; width: number }; // width of a bin as a share of the isovalue range
+  step: number; // step between isovalues of the controls
+  unit: string; // unit of lengths, '' if unknown
+  unitLength: number; // units of length per unit of the world
+  isPatient: boolean; // world axes point to a patient's right, front and up
+  colorMaps: Record<string, string[]>; // name, then sRGB colors as six hexadecimal digits
   looks: Record<string, NamedLook>;
   about: [string, string][];
-  blocks: [number, number, number][]; // first byte, bytes, bytes when inflated
+  blocks: [number, number, number][]; // first byte, bytes, inflated bytes
 }
 
 const FORMAT = 6;
 
-const READ_SHARE = 0.4; // of the work, to read the file
+const READ_SHARE = 0.4; // share of reading the file in the work
 
-// How much of the work is done, 0..1, and the step that goes on, as words.
+// Type of a progress report: the finished share of the work, 0..1, and the name of the step.
 export type Report = (share: number, step: string) => void;
 
 export class Bake {
@@ -140,7 +140,7 @@ export class Bake {
     this.all = header.blocks.reduce((sum, [, , whole]) => sum + whole, 0);
   }
 
-  // As soon as it has arrived.
+  // Returns the bake once its data are read.
   static async header(): Promise<Header> {
     const text = (await arrived('leaflight-header'))?.textContent;
     let header: Header;
@@ -163,7 +163,7 @@ export class Bake {
     return new Bake(header, body, report);
   }
 
-// The numbers of a block, `size` bytes each, in the order of this machine.
+// Returns the numbers of a block, `size` bytes each, in this machine's byte order.
   async block(number: number, size: 1 | 2 | 4): Promise<Uint8Array<ArrayBuffer>> {
     const [first, length, whole] = this.header.blocks[number];
     let planes: Uint8Array;
@@ -183,7 +183,7 @@ export class Bake {
   }
 }
 
-// Bytes of like significance were written side by side.
+// Bytes of equal significance are stored together.
 function fromPlanes(planes: Uint8Array, size: number): Uint8Array<ArrayBuffer> {
   const count = planes.length / size;
   const bytes = new Uint8Array(planes.length);
@@ -194,7 +194,7 @@ function fromPlanes(planes: Uint8Array, size: number): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-// The color of a ramp at an isovalue, in data units.
+// Returns the color of a ramp at an isovalue in data units.
 export function rampAt(stops: Stops, isovalue: number): Vector {
   const next = stops.findIndex(([at]) => at > isovalue);
   if (next === 0 || stops.length === 1) return stops[0][1];

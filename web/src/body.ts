@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The data of the page, read while the browser still opens it.
+// Reads the data of the page while the browser is still loading it.
 
 import { Failure } from './failure';
 
@@ -7,7 +7,7 @@ export const DAMAGED = 'The data in this page are damaged or not whole: fetch or
 
 const BODY = 'leaflight-body';
 
-// Lets the browser read and draw.
+// Lets the browser load and draw.
 export function pause(): Promise<void> {
   return new Promise((done) => setTimeout(done, 0));
 }
@@ -16,7 +16,7 @@ function isOpened(): boolean {
   return document.readyState !== 'loading';
 }
 
-// An element, once it has been read to its end or the page ends before.
+// Returns an element once it is loaded completely, or null if the page ends before.
 export async function arrived(id: string): Promise<HTMLElement | null> {
   for (;;) {
     const all = isOpened();
@@ -26,7 +26,7 @@ export async function arrived(id: string): Promise<HTMLElement | null> {
   }
 }
 
-// Reads so many bytes from the elements of the page, or from bake.bin beside it.
+// Reads bytes from the elements of the page, or from bake.bin beside it.
 export async function readBody(bytes: number, report: (share: number) => void): Promise<Uint8Array> {
   const body = new Uint8Array(bytes);
   let at = 0;
@@ -43,7 +43,7 @@ export async function readBody(bytes: number, report: (share: number) => void): 
   return body;
 }
 
-// Until it is known where the data are.
+// Wait until the source of the data is known.
 async function start(): Promise<void> {
   while (!isOpened() && !document.getElementById(BODY)) await pause();
 }
@@ -55,13 +55,13 @@ async function readElements(add: (part: Uint8Array) => void): Promise<void> {
     if (!part && all) return;
     if (part && (all || part.nextElementSibling)) {
       add(decoded(part.textContent));
-      part.remove(); // its memory
+      part.remove(); // frees its memory
     }
     await pause();
   }
 }
 
-// Not in all browsers yet.
+// Not all browsers have scheduler.yield().
 interface FromBase64 {
   fromBase64?: (text: string) => Uint8Array;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The active texels of a grid in a texture of bricks, which share layers of texels, without those
-// bricks that have none (python/leaflight/export/light_bricks.py).
+// The active texels of a grid in a texture of bricks. Neighbors share layers of texels, and bricks
+// without active texels are left out (python/leaflight/export/light_bricks.py).
 
 import * as three from 'three';
 
@@ -8,13 +8,13 @@ import type { Bake, BrickData, Vector } from './bake';
 import { integerTexture } from './volume_textures';
 
 export interface Bricks {
-  table: three.Data3DTexture; // where in the texture each brick is
-  // Active texels by their number, as many times as bricks hold them, and their places.
+  table: three.Data3DTexture; // position of each brick in the texture
+  // Numbers of active texels, repeated for each brick that holds them, and their positions.
   from: Uint32Array;
   to: Uint32Array;
 }
 
-// Texels along each axis of a texture; layers lie behind each other along z.
+// Texels along each axis of a texture. Layers are stacked along z.
 export function textureSize(data: BrickData, layers = 1): Vector {
   const [x, y, z] = data.brick.map((n, a) => n * data.textureBricks[a]);
   return [x, y, z * layers];
@@ -57,7 +57,7 @@ export async function bricksOf(bake: Bake, data: BrickData): Promise<Bricks> {
   };
 }
 
-// Returns for each active texel the number of active texels up to it, and 0 for the others.
+// Returns the number of active texels up to each active texel, and 0 for the others.
 function ranks(active: Uint8Array, [nx, ny, nz]: Vector): Uint32Array {
   const numbers = new Uint32Array(nx * ny * nz);
   let count = 0;

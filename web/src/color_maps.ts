@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Color maps: of the header, and gray.
+// Color maps: those of the header, and gray.
 
 import type { Header, Vector } from './bake';
 
@@ -10,7 +10,7 @@ export function namesOf({ colorMaps }: Header): [string, string][] {
   return Object.entries(colorMaps).map(([key, [name]]) => [key, name]);
 }
 
-// As they are displayed, 0..1; gray has neither black nor white, which are the light's.
+// Displayed colors, 0..1. Gray has neither black nor white, which lighting uses.
 export function colorsOf(key: string, { colorMaps }: Header): Vector[] {
   if (!(key in colorMaps)) {
     return Array.from({ length: COLORS }, (_, i) => {
@@ -22,7 +22,7 @@ export function colorsOf(key: string, { colorMaps }: Header): Vector[] {
   return colorMaps[key].slice(1).map((color) => [byte(color, 0), byte(color, 1), byte(color, 2)]);
 }
 
-// The linear color at a share, 0..1, of the isovalues.
+// Returns the linear color at a share, 0..1, of the isovalue range.
 export function linearAt(key: string, share: number, header: Header): Vector {
   const colors = colorsOf(key, header);
   const at = Math.min(1, Math.max(0, share)) * (COLORS - 1);
@@ -33,7 +33,7 @@ export function linearAt(key: string, share: number, header: Header): Vector {
   }) as Vector;
 }
 
-// A linear color, 0..1, as six hexadecimal digits of sRGB.
+// Returns a linear color, 0..1, as six hexadecimal digits of sRGB.
 export function digitsOf(color: Vector): string {
   const digits = color.map((share) => {
     const curve = share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055;

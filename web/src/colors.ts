@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Colors with a shared exponent, as python/leaflight/export/shared_exponent.py parts them.
+// Colors with a shared exponent, in the planes of python/leaflight/export/shared_exponent.py.
 
 import type { Vector } from './bake';
 
@@ -20,7 +20,7 @@ export function colorWords(planes: Uint8Array): Uint32Array<ArrayBuffer> {
   return words;
 }
 
-// Adds shares of such colors by channel, from the first one on.
+// Adds shares of such colors by channel, starting at the first one.
 export function addColors(
   colors: Float32Array,
   words: Uint32Array,

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The orientation cube: it turns with the view; a click on a face looks from there.
+// The orientation cube. It turns with the view; a click on a face turns the view to it.
 
 import * as three from 'three';
 
 import type { Vector } from './bake';
 import type { View } from './view';
 
-// Letters of a patient's sides: right, left, anterior, posterior, superior, inferior. Readers turn
-// a patient's coordinates towards right, front and up.
+// Letters of a patient's sides: right, left, anterior, posterior, superior, inferior. Readers
+// orient a patient's coordinates to right, front and up.
 const AXES: [Vector, string, string, string][] = [
   [[1, 0, 0], '+X', 'R', 'right'],
   [[-1, 0, 0], '-X', 'L', 'left'],
@@ -20,7 +20,7 @@ function element(id: string): HTMLElement {
   return document.getElementById(id) as unknown as HTMLElement;
 }
 
-const TILT = 1e-3; // a camera does not look along its upright axis
+const TILT = 1e-3; // keeps the camera off its upright axis
 
 export class Cube {
   private readonly box = element('cube');
@@ -47,7 +47,7 @@ export class Cube {
     const { camera } = this.view;
     const half = 0.5 * this.box.clientWidth;
     const toView = camera.matrixWorldInverse.clone().setPosition(0, 0, 0);
-    // CSS has y downwards.
+    // In CSS, y points down.
     const flip = new three.Matrix4().makeScale(1, -1, 1);
     for (const [axis, face] of this.faces) {
       const normal = new three.Vector3(...axis);
@@ -77,7 +77,7 @@ export class Cube {
   }
 }
 
-// A unit vector across another one, near an axis.
+// Returns a unit vector perpendicular to another one, near an axis.
 function sideways(axis: three.Vector3): three.Vector3 {
   const across = [1, 2, 0].find((k) => Math.abs(axis.getComponent(k)) < 0.6) ?? 0;
   return new three.Vector3().setComponent(across, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Errors as one sentence for the viewer of the page.
+// Errors as one sentence for the user of the page.
 
 export class Failure extends Error {}
 

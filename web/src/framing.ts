@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the camera stands at first (python/leaflight/stills/first_view.py).
+// The first position of the camera (python/leaflight/stills/first_view.py).
 
 import type { Vector } from './bake';
 
 export interface Framing {
   target: Vector;
-  back: Vector; // unit, from there to the viewer
+  back: Vector; // unit vector from the target to the viewer
   up: Vector;
-  half: Vector; // of the isosurface's box, to the right, up and towards the viewer
-  angle: number; // of view across the picture's shorter side, in degrees
-  filled: number; // share of the picture
+  half: Vector; // half extents to the right, up and towards the viewer
+  angle: number; // angle of view across the shorter side, in degrees
+  filled: number; // share of the picture that the isosurface fills
 }
 
 export function positionOf(framing: Framing, width: number, height: number): Vector {

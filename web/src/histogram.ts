@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many voxels have which value, in logarithms, with the isovalues; a drag chooses one.
+// The logarithmic histogram of the values, with the isovalues. A drag chooses one.
 
 import type { Header } from './bake';
 
@@ -29,7 +29,7 @@ export class Histogram {
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   }
 
-  // With lines at shares, 0..1, of the isovalue range.
+  // Draws lines at shares, 0..1, of the isovalue range.
   show(shares: number[]): void {
     this.shown = shares;
     const { canvas } = this;

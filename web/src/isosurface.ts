@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The isosurfaces of one volume: a box from which its rays are sent.
+// The isosurfaces of one volume: a box whose fragments trace rays.
 
 import * as three from 'three';
 
@@ -33,14 +33,14 @@ import { type Codes, given, integerTexture, quads, volumeTextures } from './volu
 
 const NO_DATA = 65535;
 
-// Directions in the world: through the lower left corner of the picture, and from pixel to pixel.
+// World directions: through the lower left corner of the picture, and from pixel to pixel.
 export interface Rays {
   corner: three.Vector3;
   right: three.Vector3;
   up: three.Vector3;
 }
 
-// Outputs of the shader, numbered as in isosurface.frag.glsl.
+// Outputs of the shader, as numbered in isosurface.frag.glsl.
 export enum Result {
   Picture,
   Fetches,
@@ -99,7 +99,7 @@ export class Isosurface {
     this.mesh.renderOrder = 1;
   }
 
-  // The isovalue, in data units, at a common isovalue.
+  // Returns the isovalue, in data units, at a common isovalue.
   isovalueAt(c: number): number {
     const [low, high] = this.data.isovalues;
     return low + c * (high - low);
@@ -109,7 +109,7 @@ export class Isosurface {
     const { uniforms } = this.mesh.material;
     const code = (c: number) => (this.isovalueAt(c) - this.data.offset) / this.data.scale;
     const { isosurfaces } = look;
-    // Uniforms have a place for each isosurface that there may be.
+    // Uniform arrays have a place for each possible isosurface.
     const shown = Array.from({ length: MOST_SHOWN }, (_, k) => isosurfaces[k] ?? isosurfaces[0]);
     const own = shown.map(({ isovalue }) => this.isovalueAt(isovalue));
     uniforms.count.value = isosurfaces.length;

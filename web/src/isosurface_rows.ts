@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The controls of the isosurfaces that are shown together: isovalue, colors and opacity of each.
+// The controls of the isosurfaces that are shown together: isovalue, colors, opacity.
 
 import type { Header } from './bake';
 import { onGrid, textOf } from './isovalues';
@@ -10,7 +10,7 @@ export class IsosurfaceRows {
   private readonly rows: HTMLElement[];
   private readonly add = document.getElementById('add') as HTMLButtonElement;
 
-  // changed: called when a control has changed the look.
+  // changed: called after a control has changed the look.
   constructor(
     private readonly header: Header,
     private readonly look: () => Look,
@@ -76,7 +76,7 @@ export class IsosurfaceRows {
   }
 }
 
-// Most are inputs; of the others only what all elements have is used by this name.
+// Most elements are inputs. Others are used only by members that all elements have.
 function control(row: HTMLElement, selector: string): HTMLInputElement {
   return row.querySelector<HTMLElement>(selector) as HTMLInputElement;
 }

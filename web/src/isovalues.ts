@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Isovalues as the controls have them: within the isovalue range, by the steps of the bake, as text.
+// Isovalues of the controls, as numbers and text: within the isovalue range, by its steps.
 
 export interface Steps {
   isovalueRange: [number, number]; // common isovalues
@@ -10,7 +10,7 @@ function clamped(isovalue: number, { isovalueRange: [low, high] }: Steps): numbe
   return Math.min(high, Math.max(low, isovalue));
 }
 
-// The nearest isovalue that the controls can choose.
+// Returns the nearest isovalue that the controls can choose.
 export function onGrid(isovalue: number, steps: Steps): number {
   const rounded = Math.round(isovalue / steps.step) * steps.step;
   return clamped(Number(rounded.toFixed(decimals(steps))), steps);

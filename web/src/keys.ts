@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The keys of the page.
+// Keyboard shortcuts of the page.
 
 import type { Header } from './bake';
 import type { Panel } from './panel';
@@ -7,7 +7,7 @@ import type { View } from './view';
 
 type Keys = Partial<Record<string, () => void>>;
 
-const STEPS = 200; // from one end of the isovalue range to the other
+const STEPS = 200; // steps over the isovalue range
 
 export function bindKeys(panel: Panel, view: View, header: Header): void {
   const press = (id: string) => () => {

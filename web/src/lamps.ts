@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The lamps at other strengths than those of the bake, and those of local shading
+// The lamps at strengths that differ from the bake, and the lamps of local shading
 // (python/leaflight/bake/relit.py).
 
 import * as three from 'three';
@@ -8,16 +8,16 @@ import type { Header, Vector } from './bake';
 import { digitsOf, linear } from './color_maps';
 import type { Lamp } from './look';
 
-const MOST_NUMBERS = 48; // of vectors: three for each of 16 lamps
+const MOST_NUMBERS = 48; // three vectors for each of 16 lamps
 const UNCHANGED: Vector = [1, 1, 1];
 
-// The lamps as they were baked.
+// Returns the lamps at the strengths of the bake.
 export function bakedLamps(header: Header): Lamp[] {
   return header.lights.lamps.map(() => ({ strength: 1, color: null }));
 }
 
-// Returns the factor of each lamp on its strength in the bake, by channel. A channel that was 0 in
-// the bake stays 0.
+// Returns the factor on the strength of each lamp in the bake, by channel. A channel that was 0
+// stays 0.
 export function factorsOf(lamps: Lamp[], header: Header): Vector[] {
   return lamps.map(({ strength, color }, k) => {
     if (color === null) return [strength, strength, strength];
@@ -27,7 +27,7 @@ export function factorsOf(lamps: Lamp[], header: Header): Vector[] {
   });
 }
 
-// Returns the factor of a lamp by its number, 1 for emitters that are no lamp.
+// Returns the factor of a lamp by its number, 1 for other emitters.
 export function factorAt(factors: Vector[], lamp: number): Vector {
   return factors[lamp] ?? UNCHANGED;
 }
@@ -48,7 +48,7 @@ export function lampUniforms(header: Header): Record<string, three.IUniform> {
   };
 }
 
-// As lamps.glsl has them.
+// Uniforms of lamps.glsl.
 export function lampVectors(header: Header, factors: Vector[]): three.Vector4[] {
   const lamps = header.lamps.flatMap(([lamp, ...row]) => {
     const [position, axis, intensity] = [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k));
@@ -59,7 +59,7 @@ export function lampVectors(header: Header, factors: Vector[]): three.Vector4[] 
   return lamps;
 }
 
-// A linear color as bright as it can be displayed: sRGB, six hexadecimal digits.
+// Returns the brightest displayable color of this hue as six hexadecimal digits of sRGB.
 export function hueOf(color: Vector): string {
   const most = Math.max(...color, 1e-30);
   return digitsOf(color.map((x) => Math.max(x, 0) / most) as Vector);

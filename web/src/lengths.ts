@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lengths in the world, as text.
 
-// The greatest of 1, 2 and 5 times a power of ten that is not above a length.
+// Returns the largest of 1, 2 and 5 times a power of ten that is not above a length.
 export function roundLength(most: number): number {
   const power = 10 ** Math.floor(Math.log10(most));
   const digit = [5, 2, 1].find((times) => times * power <= most * (1 + 1e-9)) ?? 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The state of the page as the part of its link behind #, and back.
+// Writes the state of the page into the fragment of its link, and reads it.
 
 import type { Header, Vector } from './bake';
 import { GRAY } from './color_maps';
@@ -19,7 +19,7 @@ export interface State {
 }
 
 const DIGITS = 6;
-export const STRONGEST = 4; // of a lamp, over the bake
+export const STRONGEST = 4; // factor on a lamp's strength in the bake
 
 export function toLink({ look, viewpoint }: State): string {
   const numbers = (...values: number[]) =>
@@ -98,7 +98,7 @@ function isAsBaked({ strength, color }: Lamp): boolean {
   return strength === 1 && color === null;
 }
 
-// Such as 0.5,ffd8a0 or, with the color of the bake, 0.5,
+// The text is 0.5,ffd8a0 or, with the color of the bake, 0.5,
 function lampText({ strength, color }: Lamp): string {
   return `${Number(strength.toPrecision(DIGITS))},${color ?? ''}`;
 }
@@ -132,7 +132,7 @@ function viewpointOf(numbers: number[]): Viewpoint {
   return { position, target, up };
 }
 
-// The camera looks somewhere, and not along its upright axis.
+// Returns true if the camera has a direction that is not its upright axis.
 function isViewpoint(numbers: number[]): boolean {
   const { position, target, up } = viewpointOf(numbers);
   const [x, y, z] = position.map((place, a) => place - target[a]);

@@ -7,38 +7,38 @@ import { GRAY } from './color_maps';
 import { onGrid } from './isovalues';
 import { bakedLamps } from './lamps';
 
-// From an end of an axis of the bounds, by its number: the lower and the upper one of x, y and z.
+// A clipping plane. side: number of an end of an axis of the bounds: lower and upper of x, y and z.
 export interface Clip {
   from: number;
-  share: number; // 0..1 of the axis, which is left out
+  share: number; // share of the axis that is cut away, 0..1
 }
 
 // One of the isosurfaces that are shown together.
 export interface Shown {
   isovalue: number; // a common isovalue
   opacity: number; // 0..1
-  colors: string | null; // key of a named look or of a color map, null for the albedo of the bake
+  colors: string | null; // key of a look or a color map; null: albedo of the bake
 }
 
 export const MOST_SHOWN = 8; // MOST of light.glsl
 
 export interface Look {
-  isosurfaces: Shown[]; // the first is that of the main slider, whose light the walls have
+  isosurfaces: Shown[]; // the first has the main slider and lights the walls
   isLocal: boolean;
   showsWalls: boolean;
   clip: Clip | null;
   slices: Slices;
-  sliceColors: string; // of slices and of what is cut open: a color map's key, or GRAY
-  stops: number; // of exposure, beside the bake's
+  sliceColors: string; // of slices and cuts: key of a color map, or GRAY
+  stops: number; // further stops of exposure
   lamps: Lamp[]; // those of header.lights
 }
 
 export interface Lamp {
-  strength: number; // over that of the bake
-  color: string | null; // sRGB, six hexadecimal digits; null for that of the bake
+  strength: number; // factor on the strength in the bake
+  color: string | null; // six hexadecimal digits of sRGB; null: color of the bake
 }
 
-// Planes across the axes of the bounds: the share, 0..1, at which each is, null for none.
+// Slices across the axes of the bounds: position of each as a share, 0..1; null for none.
 export type Slices = [number | null, number | null, number | null];
 
 export function firstLook(header: Header): Look {
@@ -54,7 +54,7 @@ export function firstLook(header: Header): Look {
   };
 }
 
-// With one more isosurface: translucent, in front of those that there are.
+// Adds an isosurface: translucent, in front of the others.
 export function withOneMore(isosurfaces: Shown[], header: Header): Shown[] {
   const [low] = header.isovalueRange;
   const lowest = Math.min(...isosurfaces.map(({ isovalue }) => isovalue));

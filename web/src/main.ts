@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reads the bake in the page and shows it, or says in a sentence why it cannot.
+// Reads the bake in the page and shows it, or an error.
 
 import { Bake, type Header } from './bake';
 import { textureSize } from './bricks';
@@ -12,9 +12,9 @@ import { fillPage, Panel } from './panel';
 import { View } from './view';
 import { Wall } from './walls';
 
-const FIRST_PICTURE_MS = 500; // at most
+const FIRST_PICTURE_MS = 500; // upper bound
 
-// The card is asked before the data are unpacked.
+// Query the graphics card before the data are unpacked.
 function openCard(canvas: HTMLCanvasElement, header: Header): WebGL2RenderingContext {
   const context = canvas.getContext('webgl2', { alpha: true, antialias: false });
   if (!context) {
@@ -55,11 +55,12 @@ async function open(): Promise<void> {
   await view.start();
   const panel = new Panel(header, view);
   endOpening();
-  // For whoever looks into it with the browser's tools: leaflight.view.countFetches().
+  // Expose the view to the browser's developer tools: leaflight.view.countFetches().
   Object.assign(window, { leaflight: { view, panel } });
 }
 
-// The browser draws the first picture before the card is asked; a hidden page draws nothing.
+// Let the browser draw the first picture before the graphics card is queried. A hidden page draws
+// nothing.
 function drawn(): Promise<void> {
   return new Promise((done) => {
     requestAnimationFrame(() => setTimeout(done, 0));

@@ -8,7 +8,7 @@ import { bricksOf, textureSize } from './bricks';
 import { factorAt } from './lamps';
 import { type Codes, extremes, integerTexture } from './volume_textures';
 
-const POINTS_A_TEXEL = 8; // four bits of each byte
+const POINTS_A_TEXEL = 8; // two per byte, four bytes
 
 function groupsOf(direct: DirectData): number {
   return Math.ceil(direct.points.length / POINTS_A_TEXEL);
@@ -63,7 +63,7 @@ export function mapUniforms(direct: DirectData): Record<string, unknown> {
   };
 }
 
-// Four texels for each light point.
+// A texture with four texels for each light point.
 function pointsTexture(points: number[][]): three.DataTexture {
   const rows = new Float32Array(points.flat());
   const texture = new three.DataTexture(rows, 4, points.length, three.RGBAFormat, three.FloatType);
@@ -71,7 +71,7 @@ function pointsTexture(points: number[][]): three.DataTexture {
   return texture;
 }
 
-// Makes the points of lamps brighter than in the bake.
+// Scales the light points of lamps relative to the bake.
 export function light(texture: three.DataTexture, direct: DirectData, factors: Vector[]): void {
   const rows = texture.image.data as Float32Array;
   direct.points.forEach((point, p) => {
@@ -82,7 +82,7 @@ export function light(texture: three.DataTexture, direct: DirectData, factors: V
   texture.needsUpdate = true;
 }
 
-// The least and the greatest visibility code about each texel.
+// A texture of the least and the greatest visibility code around each texel.
 function rangesTexture(
   { dims, masked }: VolumeData,
   { texels, codeRange: [low, high] }: DirectData,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The progress over the first picture while the page opens.
+// The progress bar over the first picture while the page loads.
 
 function element(id: string): HTMLElement | null {
   return document.getElementById(id);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The camera: turned, moved and rolled around a target by hand and keys.
+// The camera. Mouse, touch and keys turn, move and roll it around a target.
 
 import * as three from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -7,15 +7,15 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Vector } from './bake';
 import type { Viewpoint } from './link';
 
-const FARTHEST = 30; // in sizes of the object
+const FARTHEST = 30; // upper bound on the distance, in sizes of the object
 const NEAREST = 1e-3;
 
 export class Orbit {
   readonly camera = new three.PerspectiveCamera();
   private controls: OrbitControls;
 
-  // size: of the object, in the world; changed: called after each change; ahead: how far the camera
-  // may move forward.
+  // size: size of the object in the world. changed: called after each change. ahead: returns how
+  // far the camera may move forward.
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly size: number,
@@ -23,7 +23,7 @@ export class Orbit {
     private readonly ahead: () => number,
   ) {
     this.controls = this.newControls();
-    // Before the controls hear of it.
+    // Runs before the controls handle the event.
     for (const event of ['wheel', 'pointerdown', 'touchstart']) {
       canvas.addEventListener(event, () => { this.stopBefore(); }, { capture: true, passive: true }); // prettier-ignore
     }
@@ -41,7 +41,7 @@ export class Orbit {
     this.controls.dispose();
     this.camera.up.set(...up).normalize();
     this.camera.position.set(...position);
-    // The controls take their upright axis when they are made.
+    // The controls copy the upright axis in their constructor.
     this.controls = this.newControls();
     this.controls.target.set(...target);
     this.controls.update();
@@ -52,7 +52,7 @@ export class Orbit {
     return this.camera.position.distanceTo(this.controls.target);
   }
 
-  // By degrees around the upright axis and above the horizon, and how much nearer.
+  // Turns by degrees around the upright axis and above the horizon, and moves nearer by a factor.
   turn(around: number, up: number, nearer = 1): void {
     if (nearer !== 1) this.stopBefore();
     const upright = new three.Quaternion().setFromUnitVectors(
@@ -70,7 +70,7 @@ export class Orbit {
     this.changed();
   }
 
-  // Rolls the picture clockwise about the line of sight, and so changes the upright axis.
+  // Rolls the picture clockwise about the view direction, which changes the upright axis.
   roll(degrees: number): void {
     const { position, target, up } = this.viewpoint;
     const upright = new three.Vector3(...up);

@@ -6,8 +6,8 @@ import * as three from 'three';
 import { lengthText, roundLength } from './lengths';
 import type { View } from './view';
 
-const BAR_PIXELS = 140; // at most
-const CLICK_PIXELS = 4; // of movement, beyond which it was a drag
+const BAR_PIXELS = 140; // upper bound
+const CLICK_PIXELS = 4; // a longer movement is a drag
 
 function element(id: string): HTMLElement {
   return document.getElementById(id) as unknown as HTMLElement;
@@ -20,7 +20,7 @@ export class ScaleBar {
     private readonly unitLength: number,
   ) {}
 
-  // Is true at the depth about which the camera turns.
+  // The scale bar is exact at the depth of the target.
   show(): void {
     const { camera, canvas, orbit } = this.view;
     const across = 2 * Math.tan(three.MathUtils.degToRad(0.5 * camera.fov)) * orbit.distance;
@@ -50,7 +50,7 @@ export class Ruler {
     });
   }
 
-  // The distance between both places; null before they are chosen.
+  // Returns the distance between both points; null before they are chosen.
   get distance(): number | null {
     if (this.places.length < 2) return null;
     return this.unitLength * this.places[0].distanceTo(this.places[1]);

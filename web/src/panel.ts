@@ -16,20 +16,20 @@ import { Ruler, ScaleBar } from './overlay';
 import { Player } from './player';
 import type { View } from './view';
 
-const LARGE = 3840; // pixels across a picture in 4K
+const LARGE = 3840; // width of a 4K picture in pixels
 
-// Most are inputs; of the others only what all elements have is used by this name.
+// Most elements are inputs. Others are used only by members that all elements have.
 function element(id: string): HTMLInputElement {
   return document.getElementById(id) as HTMLInputElement;
 }
 
-// Fills the page from the header, before the bake is loaded; returns the canvas of the view.
+// Fills the page with the header's data before the bake is loaded. Returns the canvas of the view.
 export function fillPage(header: Header): HTMLCanvasElement {
   element('title').textContent = header.title;
   element('walls-row').hidden = header.walls.meshes.length === 0;
   const more = document.getElementById('more') as HTMLDetailsElement;
   more.open = matchMedia('(min-width: 48rem)').matches;
-  // Ends of the axes; a patient's second axis is towards the front.
+  // Names of the ends of the axes. A patient's second axis points to the front.
   const depth = header.isPatient ? ['back', 'front'] : ['front', 'back'];
   const ends = ['left', 'right', ...depth, 'below', 'above'];
   for (const [end, name] of ends.entries()) {
@@ -57,7 +57,7 @@ export function fillPage(header: Header): HTMLCanvasElement {
   return document.getElementById('view') as HTMLCanvasElement;
 }
 
-// A box that shows the slice across an axis, and its place.
+// Returns the checkbox and the slider of the slice across an axis.
 function sliceRow(name: string, axis: number): HTMLElement {
   const row = document.createElement('div');
   row.className = 'row';
@@ -67,7 +67,7 @@ function sliceRow(name: string, axis: number): HTMLElement {
   return row;
 }
 
-// The strength of a lamp over that of the bake, and its color.
+// Returns the controls of a lamp: strength relative to the bake, and color.
 function lampRow(name: string, lamp: number, color: string): HTMLElement {
   const row = document.createElement('div');
   row.className = 'row';
@@ -117,12 +117,12 @@ export class Panel {
     this.refresh();
   }
 
-  // The nearest that there is.
+  // Choose the nearest option.
   setIsovalue(isovalue: number): void {
     this.show(onGrid(isovalue, this.header));
   }
 
-  // The isovalue of the first isosurface, which the main controls change.
+  // The isovalue of the first isosurface, which the main slider changes.
   get isovalue(): number {
     return this.view.look.isosurfaces[0].isovalue;
   }
@@ -268,7 +268,7 @@ export class Panel {
     });
   }
 
-  // Updates the link with the displayed state, and the state when a link is entered.
+  // Updates the link after a change of the state, and the state after a link is entered.
   private bindLink(): void {
     const read = () => {
       const { look, viewpoint } = fromLink(location.hash, this.first, this.header);

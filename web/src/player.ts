@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Moves the isovalue back and forth through the isovalue range.
 
-const SECONDS = 10; // from one end to the other
+const SECONDS = 10; // seconds for one way
 
 export class Player {
   private frame = 0;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Values under a Gaussian, of which the normals of isosurfaces are the gradient, as
-// python/leaflight/volume/smoothing.py computes them.
+// Smoothed values, whose gradients are the normals of isosurfaces, as in
+// python/leaflight/volume/smoothing.py.
 
 import type { VolumeData } from './bake';
 import type { Codes } from './volume_textures';
 
-const REACH = 3; // standard deviations
+const REACH = 3; // cutoff radius in standard deviations
 const NO_DATA = 65535;
 
-// How many codes of smooth values are one of the volume.
+// Codes of smooth values per code of the volume.
 export function smoothPerCode(bits: 8 | 16): number {
   return bits === 8 ? 256 : 1;
 }
 
-// Codes of 16 bits; without data where the volume is, and as they were in the layers around it.
+// Returns codes of 16 bits. Missing data stay missing, and capping layers keep their values.
 export function smoothCodes(codes: Codes, data: VolumeData): Codes {
   const perCode = smoothPerCode(data.bits);
   const isKnown = (code: number) => !(data.masked && code === NO_DATA);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The canvas: draws a look from the camera.
+// Draws a look from the camera on the canvas.
 
 import * as three from 'three';
 
@@ -13,9 +13,9 @@ import { Orbit } from './orbit';
 import { Pace } from './pace';
 import type { Wall } from './walls';
 
-const REST_MS = 150; // without a change, after which the whole resolution is drawn
-const AHEAD = { width: 16, height: 9 }; // rays that look for what stops the camera
-const GAP = 0.05; // in sizes of the isosurface, that the camera keeps from it
+const REST_MS = 150; // without a change, before the full resolution is drawn
+const AHEAD = { width: 16, height: 9 }; // rays that look for obstacles of the camera
+const GAP = 0.05; // least distance of the camera, in sizes of the isosurface
 
 export class View {
   readonly orbit: Orbit;
@@ -24,7 +24,7 @@ export class View {
   private readonly pace = new Pace();
   private readonly sphere = new three.Sphere();
   private readonly listeners: ((atRest: boolean) => void)[] = [];
-  private frame = 0; // that is requested; 0: none
+  private frame = 0; // requested frame; 0: none
   private isStarted = false;
   private fullDetail: ReturnType<typeof setTimeout> | undefined;
 
@@ -43,7 +43,7 @@ export class View {
           `(${gl.getProgramInfoLog(program) ?? ''}): open it in another browser.`,
       );
     };
-    // Colors are encoded by our own shaders.
+    // The shaders encode colors.
     this.renderer.outputColorSpace = three.LinearSRGBColorSpace;
     this.renderer.setClearColor(0, 0);
     for (const each of [...walls, ...isosurfaces]) this.scene.add(each.mesh);
@@ -64,14 +64,14 @@ export class View {
     return this.orbit.camera;
   }
 
-  // Is called after each picture.
+  // Callback after each picture.
   onDrawn(listener: (atRest: boolean) => void): void {
     this.listeners.push(listener);
   }
 
-  // Compiles and fills the card's memory; throws Failure where that is too small.
+  // Compiles the shaders and uploads the data. Throws Failure if memory is too small.
   async start(): Promise<void> {
-    // Where the driver can, it compiles while the page stays alive.
+    // Compile in the background if the driver supports it.
     await this.renderer.compileAsync(this.scene, this.camera);
     this.drawNow(1);
     this.isStarted = true;
@@ -86,7 +86,7 @@ export class View {
     this.changed();
   }
 
-  // Something of the look, the camera or the size has changed.
+  // Schedules a frame after a change of the look, the camera or the size.
   changed(): void {
     if (!this.isStarted) return;
     this.canvas.dataset.state = 'moving';
@@ -107,7 +107,7 @@ export class View {
     });
   }
 
-  // At a share of the screen's resolution.
+  // Draws at a share of the screen's resolution.
   drawNow(share: number): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     if (width === 0 || height === 0) return;
@@ -121,7 +121,7 @@ export class View {
     this.orbit.viewpoint = this.firstViewpoint(width || 1, height || 1);
   }
 
-  // From which the isosurface fills a picture of a size.
+  // Returns the camera position from which the isosurface fills a picture.
   firstViewpoint(width: number, height: number): Viewpoint {
     const { camera } = this.header;
     return { position: positionOf(camera, width, height), target: camera.target, up: camera.up };
@@ -156,7 +156,7 @@ export class View {
       : null;
   }
 
-  // Counts texture fetches per pixel, the mean of the whole picture and of the pixels on the box.
+  // Counts texture fetches per pixel: means of the whole picture and of pixels on the box.
   countFetches(): { ofPicture: number; ofBox: number } {
     this.drawNow(1);
     const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
@@ -171,7 +171,7 @@ export class View {
     return { ofPicture: total / (width * height), ofBox: total / Math.max(filled, 1) };
   }
 
-  // How far the camera may move towards what it sees.
+  // Returns how far the camera may move forward.
   private ahead(): number {
     this.aim(this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1));
     const { width, height } = AHEAD;
@@ -179,7 +179,7 @@ export class View {
     return nearest - GAP * Math.max(...this.header.camera.half);
   }
 
-  // To the isosurfaces along the line of sight, by pixels; infinite where there are none.
+  // Returns distances to the isosurfaces along the view direction, by pixel; infinite for none.
   private distances(width: number, height: number, rays: Rays): Float32Array {
     const pixels = this.bytes(width, height, rays, Result.Distances);
     return new Float32Array(pixels.buffer).map((distance) => (distance > 0 ? distance : Infinity));
@@ -209,7 +209,7 @@ export class View {
     this.renderer.render(this.scene, this.camera);
   }
 
-  // Returns the rays of a picture with so many pixels.
+  // Returns the rays of a picture with this many pixels.
   private rays(width: number, height: number): Rays {
     const [right, up, back] = [new three.Vector3(), new three.Vector3(), new three.Vector3()];
     this.camera.matrixWorld.extractBasis(right, up, back);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The values of a volume as textures for its rays.
+// The values of a volume as textures for ray tracing.
 
 import * as three from 'three';
 
@@ -7,7 +7,7 @@ import type { Vector } from './bake';
 
 export type Codes = Uint8Array<ArrayBuffer> | Uint16Array<ArrayBuffer>;
 
-const FINE = 4; // cells along each side of a brick of `bounds`; four of these make a coarse one
+const FINE = 4; // cells per side of a brick of `bounds`; four make a coarse one
 
 export interface VolumeTextures {
   values: three.Data3DTexture;
@@ -25,7 +25,7 @@ export function volumeTextures(codes: Codes, dims: Vector): VolumeTextures {
   };
 }
 
-// Packs each voxel with its next ones in x and y: two fetches then read the corners of a cell.
+// Packs each voxel with its next ones in x and y, so that two fetches read all corners of a cell.
 export function quads(codes: Codes, [nx, ny, nz]: Vector): Codes {
   const result = sameKind(codes, 4 * codes.length);
   let at = 0;
@@ -51,7 +51,7 @@ interface Bounds {
   dims: Vector;
 }
 
-// The least and the greatest of so many along each axis and, of voxels, the shared one behind them.
+// Returns the least and the greatest of `step` cells along each axis; cells share voxels.
 function brickBounds(of: Bounds, side: number, shared: 0 | 1): Bounds {
   const spans = of.dims.map((n) =>
     Array.from({ length: Math.max(1, Math.ceil((n - shared) / side)) }, (_, k): Span => [
@@ -62,10 +62,10 @@ function brickBounds(of: Bounds, side: number, shared: 0 | 1): Bounds {
   return extremes(of, spans);
 }
 
-// From the first to before the last.
+// The range excludes the last index.
 type Span = [number, number];
 
-// The least and the greatest of spans along each axis.
+// Returns the least and the greatest of spans along each axis.
 export function extremes(of: Bounds, spans: Span[][]): Bounds {
   let { low, high } = of;
   const dims: Vector = [...of.dims];
@@ -124,7 +124,7 @@ export function integerTexture(
   return given(texture);
 }
 
-// To be given to the card, which keeps it; this program does not.
+// A texture for the graphics card only; its copy here is freed.
 export function given(texture: three.Data3DTexture): three.Data3DTexture {
   texture.onUpdate = () => {
     texture.image.data = null;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light of a wall at its vertices beside an isosurface: indirect light between nodes of the isosurface
-// coordinate, and direct light as the core has it (core/src/bake/walls/mesh_direct_light.cpp).
+// The light of a wall at its vertices for an isosurface: indirect light between common isovalues,
+// and direct light as in the core (core/src/bake/walls/mesh_direct_light.cpp).
 
 import type { Bake, Header, Vector, WallData, WallLightData } from './bake';
 import { addColors, colorWords } from './colors';
@@ -18,14 +18,14 @@ interface Blocks {
 }
 
 export class WallLight {
-  private readonly count: number; // of the vertices
+  private readonly count: number; // number of vertices
   private readonly tints: Float32Array; // [(set * points + point) * 3 + channel]
   private readonly points: number;
-  private readonly unshadowed: Float32Array[]; // by side
-  private whole: Float32Array[] = []; // by side: the light of each vertex's set
-  private indirect: Vector = [1, 1, 1]; // how much brighter it is than in the bake
+  private readonly unshadowed: Float32Array[]; // light by each emitter, by side
+  private whole: Float32Array[] = []; // light of each vertex's set, by side
+  private indirect: Vector = [1, 1, 1]; // factor on indirect light in the bake
   private readonly edges: Uint32Array; // pairs of vertices
-  private readonly terms: Uint32Array; // of each vertex: itself and its neighbours
+  private readonly terms: Uint32Array; // number of vertices in the mean of each
 
   static async of(bake: Bake, data: WallData, triangles: Uint32Array): Promise<WallLight | null> {
     return data.light && WallLight.read(bake, data.light, data.emission, triangles);
@@ -71,7 +71,7 @@ export class WallLight {
     for (const v of this.edges) ++this.terms[v];
   }
 
-  // With lamps of other strengths.
+  // Changes the strengths of lamps.
   set(lamps: Lamp[]): void {
     const { tints, lights } = this.header.walls;
     const factors = factorsOf(lamps, this.header);
@@ -93,7 +93,7 @@ export class WallLight {
     this.whole = this.lit(Infinity);
   }
 
-  // Radiance times the exposure, of the front and the back, into three numbers for each vertex.
+  // Writes radiance times the exposure, front and back, three numbers for each vertex.
   at(c: number, sides: Float32Array[]): void {
     const lit = this.lit(this.codeOf(c));
     sides.forEach((colors, side) => {
@@ -108,7 +108,7 @@ export class WallLight {
     return 1 + (252 * (c - low)) / (high - low);
   }
 
-  // By side: the light that comes by ways that an isosurface does not block.
+  // Returns unblocked direct light by side.
   private lit(code: number): Float32Array[] {
     const { sets, least, greatest, weights } = this.blocks;
     const { tints, points, count } = this;
@@ -134,7 +134,7 @@ export class WallLight {
     const unshadowed = this.unshadowed[side];
     const whole = this.whole[side];
     for (let i = 0; i < lit.length; ++i) if (lit[i] > 0) lit[i] /= whole[i];
-    // The mean over each vertex and its neighbours.
+    // Averages each vertex with its neighbors.
     const sum = lit.slice();
     const { edges, terms } = this;
     for (let e = 0; e < edges.length; e += 2) {
@@ -175,7 +175,7 @@ export class WallLight {
   }
 }
 
-// Each once.
+// List each edge once.
 function edgesOf(triangles: Uint32Array, count: number): Uint32Array {
   const keys = new Set<number>();
   for (let t = 0; t < triangles.length; t += 3) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The walls, as meshes with light at their vertices, or shaded by lamps alone.
+// The walls, as meshes with light at their vertices, or shaded locally.
 
 import * as three from 'three';
 
@@ -16,7 +16,7 @@ import { WallLight } from './wall_light';
 export class Wall {
   readonly mesh: three.Mesh<three.BufferGeometry, three.RawShaderMaterial>;
   private readonly attributes: three.BufferAttribute[];
-  private shown = NaN; // the isovalue
+  private shown = NaN; // isovalue of the current light
   private lit: Lamp[] | null = null;
 
   static async of(bake: Bake, data: WallData): Promise<Wall> {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Prints what three.js reads from a .glb: of its meshes the size in meters, and of the first one the
-// places in the world and the colors of all vertices. tests/web/test_gltf.py runs it.
+// Prints data of a .glb by three.js: the size of each mesh in meters, and world positions and
+// colors of the first one. tests/web/test_gltf.py runs it.
 import { readFile } from 'node:fs/promises';
 
 import { Box3 } from 'three';

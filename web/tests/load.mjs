@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A module of the page, compiled, without a browser: load('pace').
+// Loads a compiled module of the page without a browser: load('pace').
 import { build } from 'esbuild';
 
 export async function load(name) {

@@ -6,7 +6,8 @@ import { load } from './load.mjs';
 
 const { Pace } = await load('pace');
 
-// After so many frames on a card that takes so long to draw all, and a screen of 60 Hz.
+// Returns the share after some frames, if a card takes this long for a full picture on a 60 Hz
+// screen.
 function shareAfter(frames, fullFrame, pace = new Pace()) {
   for (let i = 0; i < frames; ++i) {
     pace.took(Math.max(1000 / 60, fullFrame * pace.share * pace.share));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A browser that takes commands: one JSON object {call, with: [...]} a line, and one in answer.
-// tests/web/browser.py speaks with it.
+// A browser that takes commands: one JSON object {call, with: [...]} per line, with one line of
+// answer. tests/web/browser.py uses it.
 import { createInterface } from 'node:readline';
 
 import { launch } from 'puppeteer-core';
@@ -15,14 +15,14 @@ const calls = {
     const settings = {
       executablePath: CHROMIUM,
       args: ['--no-sandbox', ...(options.length > 0 ? options : SOFTWARE)],
-      // No limit of puppeteer's: browser.py ends what hangs.
+      // Disable puppeteer's limit, because browser.py ends a session that hangs.
       timeout: 0,
       protocolTimeout: 0,
     };
     browser = await launch(settings);
     return browser.version();
   },
-  // A page of its own, which remembers what it asked for and what it complained of.
+  // A new page that records its requests and its errors.
   async open(url, { width, height, touch = false, scheme = 'dark', waits = true }) {
     if (page) await page.close();
     page = await browser.newPage();
@@ -35,7 +35,7 @@ const calls = {
     });
     await page.setViewport({ width, height, hasTouch: touch, isMobile: touch });
     await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-    // An answer that ends early is an error of its own, which the page reports.
+    // Ignore incomplete answers, because the page reports these errors itself.
     opening = page.goto(url).catch(() => null);
     if (waits) await calls.opened();
   },
@@ -80,7 +80,7 @@ for await (const line of createInterface({ input: process.stdin })) {
   const { call, with: given } = JSON.parse(line);
   try {
     const result = await calls[call](...given);
-    // What waits for elements returns a handle, which is of no use elsewhere.
+    // Waiting for elements returns a handle, which cannot be sent.
     const isHandle = result?.constructor?.name.includes('Handle');
     console.log(JSON.stringify({ result: isHandle ? null : (result ?? null) }));
   } catch (error) {

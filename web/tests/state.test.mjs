@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Isovalues, links, lengths and the first place of the camera, as plain data.
+// Tests isovalues, links, lengths and the first camera as plain data.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
@@ -59,7 +59,7 @@ test('a link holds the whole state', () => {
 test('a link that makes no sense changes nothing', () => {
   const wrong = '#isovalue=50,x&opacity=2&clip=7,0.5&slices=a,&colors=JET&exposure=&camera=0,0,0,0,0,0,0,0,1';
   assert.deepEqual(fromLink(wrong, FIRST, CT), FIRST);
-  const along = '#camera=0,0,5,0,0,0,0,0,1'; // it looks along its upright axis
+  const along = '#camera=0,0,5,0,0,0,0,0,1'; // looks along its upright axis
   assert.deepEqual(fromLink(along, FIRST, CT).viewpoint, FIRST.viewpoint);
   const beyond = fromLink('#isovalue=1e9,-1e9&opacity=,-7&colors=JET&clip=2,-1&exposure=99', FIRST, CT).look;
   const isosurfaces = [
@@ -119,7 +119,7 @@ test('an isosurface fills its share of any picture', () => {
   for (const [width, height] of [[1280, 720], [390, 844], [500, 500]]) {
     for (const half of [[2, 1, 0.5], [0.1, 3, 1]]) {
       const position = positionOf({ ...framing, half }, width, height);
-      const before = 2 - position[1] - half[2]; // to the side of the box towards the viewer
+      const before = 2 - position[1] - half[2]; // distance to the near side of the box
       const pixels = Math.min(width, height) / (2 * Math.tan((13 * Math.PI) / 180)) / before;
       const filled = [(2 * half[0] * pixels) / width, (2 * half[1] * pixels) / height];
       assert.ok(Math.abs(Math.max(...filled) - 0.8) < 1e-9, String(filled));

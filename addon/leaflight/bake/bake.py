@@ -22,8 +22,8 @@ from . import lighting, stopped
 _SHOWN_SHARE = 5
 
 _DARK_WALLS = (
-    "The bake was stopped before it had lit the walls, so they show the lamps of Blender; Continue "
-    "lights them"
+    "The bake was stopped before it lit the walls, so Blender's lamps light them; Continue bakes "
+    "them"
 )
 
 # Progress, 0 to 1, once the light is computed, and once its files are written.
@@ -58,7 +58,7 @@ def checkpoint_path(obj):
 
 
 class BakeJob(jobs.Job):
-    """One bake: all it needs, read from the scene; the work; and lighting the volumes by it."""
+    """A bake of all volumes of the scene: its inputs, the work, and lighting the volumes."""
 
     # True if the light of `latest` is temporary, so that coarse isosurfaces are good enough.
     is_rough = False
@@ -177,7 +177,7 @@ class BakeJob(jobs.Job):
         stopped.offer(self)
         self._quiet_until = 0.0
         self.show()
-        return "The bake was stopped: keep what there is of it, or throw it away, in the sidebar"
+        return "The bake was stopped: keep its light, or throw it away, in the sidebar"
 
     def apply(self):
         """Lights the volumes with the bake and returns a sentence about it.
@@ -210,16 +210,15 @@ class BakeJob(jobs.Job):
 
     def outcome(self):
         """Returns a text on the error that the last pass reached."""
-        return outcome(self.latest, "it was stopped" if self.is_stopped else "the time is over")
+        return outcome(
+            self.latest, "it was stopped" if self.is_stopped else "it reached the time limit"
+        )
 
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.bake"
     bl_label = "Bake Flattened Illumination"
-    bl_description = (
-        "Compute the light on every isosurface of the isovalue range at once, until its error is "
-        "small enough. Esc stops it, and the light that is finished can be kept"
-    )
+    bl_description = "Compute the light on all isosurfaces of the isovalue range. Esc stops"
     conditions = (jobs.is_free, stopped.is_decided, *checks.VOLUME)
 
     def invoke(self, context, event):
@@ -227,7 +226,9 @@ class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
             if hidden.is_first_scene(context.scene):
                 if self.call(bpy.ops.leaflight.stage) == {"CANCELLED"}:
                     return {"CANCELLED"}
-                self.report({"INFO"}, "Staged first: the scene had only Blender's cube and lamp")
+                self.report(
+                    {"INFO"}, "Staged first, because the scene had only Blender's cube and lamp"
+                )
             viewport.show_light(context)
         return super().invoke(context, event)
 

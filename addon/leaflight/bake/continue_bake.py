@@ -16,7 +16,7 @@ from . import bake, stopped
 
 
 class ContinueJob(bake.BakeJob):
-    """A bake that goes on where the one of an object ended, with its present error and time."""
+    """A bake that continues the bake of an object, with its present target error and time limit."""
 
     def __init__(self, context, obj, resume=False):
         """Exports the scene. Raises LeaflightError as BakeJob, or if the bake is not found."""
@@ -35,7 +35,7 @@ class ContinueJob(bake.BakeJob):
 
     def _light(self, **how):
         arguments = {**self._arguments, "checkpoint": self.checkpoint}
-        return leaflight.resume(self._previous(how["progress"]), **arguments, **how)
+        return leaflight.refine(self._previous(how["progress"]), **arguments, **how)
 
 
 def _relit(obj):
@@ -58,15 +58,12 @@ _BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
-    bl_description = (
-        "Refine this bake until it reaches the target error or the time limit. Esc stops it, and "
-        "the finished light can be kept"
-    )
+    bl_description = "Refine this bake to the target error or the time limit. Esc stops"
     conditions = (
         *_BAKE,
         checks.needs(
             lambda context: active_volume(context).leaflight.bake_target,
-            "Only a bake that goes by its error can be continued",
+            "Only a bake with a target error can be continued",
         ),
         _is_unchanged,
     )
@@ -82,10 +79,7 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.finer_texels"
     bl_label = "Finer Texels"
-    bl_description = (
-        "Bake again with twice as many texels along each axis, which takes up to eight times the "
-        "memory and the time"
-    )
+    bl_description = "Bake again with twice the texels along each axis (eight times the memory)"
     conditions = _BAKE
 
     def start(self, context):
@@ -106,10 +100,7 @@ def suited(obj):
 class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.resume_bake"
     bl_label = "Resume"
-    bl_description = (
-        "Go on with the bake that did not come to its end, because Blender or the computer "
-        "stopped. It becomes what it would have been"
-    )
+    bl_description = "Resume the bake that was interrupted when Blender or the computer stopped"
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
         checks.needs(
@@ -126,8 +117,7 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
             return bake.BakeJob(context, obj, resume=True)
         if recipe["previous"] != obj.leaflight.bake_id:
             raise LeaflightError(
-                f"{path}: the bake that this one went on with no longer lights the volume: bake "
-                "again."
+                f"{path}: the bake that was continued no longer lights the volume: bake again."
             )
         return ContinueJob(context, obj, resume=True)
 
@@ -140,15 +130,12 @@ def is_interrupted(obj):
 class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.bake_frames"
     bl_label = "Bake All Frames"
-    bl_description = (
-        "Bake every frame of the volume, one after the other, each in the scene as it is when the "
-        "animation shows that frame. Esc ends it; the frames that are done stay"
-    )
+    bl_description = "Bake each frame of the volume in the scene at its time. Esc stops"
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
         checks.needs(
             lambda context: active_volume(context).leaflight.frames > 1,
-            "The file of this volume holds one frame",
+            "The file of this volume holds only one frame",
         ),
     )
 

@@ -29,7 +29,7 @@ _SETTINGS = (
 )
 
 # Full name of an object -> (its settings at the estimate, the error of the pilot, the Pilot).
-_pilots = session.remembered()
+_pilots = session.cache()
 
 
 def estimate_of(obj, error=None):
@@ -65,7 +65,7 @@ def _key(settings):
 
 
 class EstimateJob(jobs.Job):
-    """The first passes of the bake of an object, and what follows from them."""
+    """The first passes of the bake of an object, and the estimates from them."""
 
     def __init__(self, context, obj):
         """Exports the scene. Raises LeaflightError if it cannot be baked with the settings."""
@@ -97,10 +97,7 @@ class EstimateJob(jobs.Job):
 class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.estimate_bake"
     bl_label = "Estimate"
-    bl_description = (
-        "Estimate the seconds and the memory of Draft, Good and Final from the first passes of the "
-        "bake. Esc cancels"
-    )
+    bl_description = "Estimate time and memory of each quality from the first passes. Esc cancels"
     bl_options = set()
     conditions = (jobs.is_free, *checks.VOLUME)
 

@@ -15,10 +15,10 @@ from ..store import bake_files, cache
 class StateAtBake:
     """The state of a volume object and its scene at the start of its bake.
 
-    - matrix: the object's transform, 16 numbers row by row.
-    - fingerprint: that of the scene.
-    - seconds: duration of the bake.
-    - file_state: that of the volume's file.
+    matrix: The object's transform, 16 numbers by rows.
+    fingerprint: Fingerprint of the scene.
+    seconds: Duration of the bake.
+    file_state: State of the volume's file.
     """
 
     matrix: Sequence[float]
@@ -30,8 +30,10 @@ class StateAtBake:
 def light(obj, bake, index, path, columns, state):
     """Stores a bake in a volume object. show() then shows its light.
 
-    index: the volume in the bake. path: of the bake's file. columns: of the atlas, 0 without one.
-    state: a StateAtBake.
+    index: Number of the volume in the bake.
+    path: Path of the bake's file.
+    columns: Columns of the atlas, 0 without one.
+    state: A StateAtBake.
     """
     settings = obj.leaflight
     settings.bake_index = index

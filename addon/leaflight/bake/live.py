@@ -15,7 +15,7 @@ import bpy
 import leaflight
 from bpy.props import BoolProperty
 from leaflight import LeaflightError
-from leaflight.bake.moved import QUICK, WHOLE, lit_walls, moved
+from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
 from ..show import isovalues, preview, surface_object, walls, whole_detail
@@ -255,9 +255,9 @@ def _wanted(context):
 
 def _leader(scene):
     """Returns the lit volume whose settings count: the last active one, or the first."""
-    lit = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
+    volumes = [obj for obj in isovalues.volumes(scene) if obj.leaflight.bake_id and not obj.library]
     active = scene.objects.get(scene.leaflight.active_volume)
-    return active if active in lit else next(iter(lit), None)
+    return active if active in volumes else next(iter(volumes), None)
 
 
 def _begin(job):
@@ -290,7 +290,9 @@ def _go_on():
         if not job.is_outdated:
             _left, _why = (
                 job.fingerprint,
-                iface_("Stopped: direct light is new, indirect light is of an earlier position"),
+                iface_(
+                    "Stopped: direct light is current, indirect light is of an earlier position"
+                ),
             )
     except Exception as error:
         _left, _why = job.fingerprint, failures.sentence_of(error)
@@ -302,7 +304,7 @@ def _go_on():
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
-    bl_description = "Leave the light as it is shown now, until something moves again. Esc does so"
+    bl_description = "Stop updating the light until an object moves again"
     bl_options = set()
     conditions = (checks.needs(lambda _: _work, "Nothing is in progress"),)
 
@@ -330,10 +332,7 @@ PROPERTIES = (
         "leaflight_live",
         BoolProperty(
             name="Live",
-            description=(
-                "Once there is a bake, follow lamps, walls and volumes that move: direct light at "
-                "once, then the passes of a new bake. The last pass is saved to a new file"
-            ),
+            description=("Update the light while lamps, walls and volumes move"),
             update=_switched,
         ),
     ),

@@ -26,16 +26,13 @@ from . import lighting
 class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.load_bake"
     bl_label = "Load Bake"
-    bl_description = (
-        "Light the selected volume by a bake of it, made here or on the command line; without one, "
-        "bring in the volumes of the bake and the scene that it was baked in"
-    )
+    bl_description = "Light the selected volume by a bake file, or import the baked volumes"
     conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
     walls: BoolProperty(
         name="Scene",
-        description="Bring in the objects and lights that the volumes were baked with",
+        description="Import the objects and lights of the baked scene, too",
         default=True,
     )
 
@@ -78,7 +75,7 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
 class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.relocate_bake"
     bl_label = "Relocate Bake"
-    bl_description = "Show where the file of the bake that lights this volume has gone"
+    bl_description = "Choose the new location of the file of this volume's bake"
     conditions = (
         *checks.BAKE,
         checks.needs(
@@ -93,17 +90,16 @@ class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, I
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
         obj = active_volume(context)
         if obj is None:
-            raise LeaflightError("The volume was deleted meanwhile: undo that, or import it.")
+            raise LeaflightError("The volume was deleted: undo that, or import it again.")
         identifier = obj.leaflight.bake_id
         if bake_files.id_in(path) != identifier:
             raise LeaflightError(
-                f"{path}: this file holds another bake than the one that lights "
-                f'"{obj.name}": choose that one, or use Load Bake.'
+                f'{path}: this is not the bake of "{obj.name}": choose that one, or use Load Bake.'
             )
         surface_object.forget()
-        for lit in lighting.objects_lit_by(identifier):
-            bake_files.remember(lit, path)
-            surface_object.update_all(lit)
+        for each in lighting.objects_lit_by(identifier):
+            bake_files.remember(each, path)
+            surface_object.update_all(each)
         staleness.forget()
 
 
@@ -118,8 +114,8 @@ def _matching(context, bake):
         return found
     others = [obj for obj in isovalues.volumes(context.scene) if obj != active]
     for obj in [active, *others]:
-        for index, there in enumerate(found):
-            if there is None and obj.library is None and _is_volume_of(obj, bake, index):
+        for index, shown in enumerate(found):
+            if shown is None and obj.library is None and _is_volume_of(obj, bake, index):
                 found[index] = obj
                 break
         if active not in found:
@@ -210,15 +206,10 @@ _MOST_ROWS = 12
 class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_unused_bakes"
     bl_label = "Remove Unused Bakes"
-    bl_description = (
-        "Delete the files of bakes in the folders of this .blend that light none of its volumes. "
-        "Undo, and other .blend files that use them, then lose their light"
-    )
+    bl_description = "Delete bake files of this .blend that light no volume. Cannot be undone"
     bl_options = set()
     conditions = (
-        checks.needs(
-            lambda _: unused(), "Every bake in the folders of this .blend lights a volume of it"
-        ),
+        checks.needs(lambda _: unused(), "Each bake in the folders of this .blend lights a volume"),
     )
 
     def invoke(self, context, _event):
@@ -226,7 +217,7 @@ class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Opera
 
     def draw(self, _context):
         column = self.layout.column(align=True)
-        column.label(text="Undo and other .blend files that use them lose their light:")
+        column.label(text="Undo steps and other .blend files that use them lose their light:")
         found = unused()
         for path in found[:_MOST_ROWS]:
             column.label(text=f"{path.name}, {megabytes([path])}", icon="FILE")
@@ -260,8 +251,8 @@ def unused():
 
 def unused_among(bakes):
     """Returns those of the bakes, given as paths, that light no object of this .blend."""
-    lit = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
-    return [path for path in bakes if bake_files.id_in(path) not in lit]
+    used = set().union(*(frame_bakes.bakes_of(obj.leaflight) for obj in bpy.data.objects))
+    return [path for path in bakes if bake_files.id_in(path) not in used]
 
 
 def megabytes(paths):

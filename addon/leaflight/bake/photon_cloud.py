@@ -25,15 +25,12 @@ _KIND, _PHOTONS = "photons", "leaflight_photons"
 class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.photon_cloud"
     bl_label = "Show Photon Map"
-    bl_description = (
-        "Trace photons through the present scene and show where they meet the isosurfaces, as "
-        "points with their color. The points do not render unless you enable it"
-    )
+    bl_description = "Trace photons and show their hits on isosurfaces as points"
     conditions = (jobs.is_free, *checks.VOLUME)
 
     count: IntProperty(
         name="Photons",
-        description="Photons to emit; each may meet several isosurfaces, or none",
+        description="Number of emitted photons; each may hit several isosurfaces, or none",
         default=500_000,
         min=1,
         soft_max=10_000_000,
@@ -42,13 +39,13 @@ class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
         name="Kind",
         items=[
             ("ALL", "All", "Direct and indirect photons"),
-            ("DIRECT", "Direct", "Photons that come straight from a light"),
-            ("INDIRECT", "Indirect", "Photons that were reflected or refracted before"),
+            ("DIRECT", "Direct", "Photons straight from a light"),
+            ("INDIRECT", "Indirect", "Photons that were reflected or refracted"),
         ],
     )
     band: FloatProperty(
         name="Band",
-        description="Part of the isovalue range, about the present one, whose photons show",
+        description="Share of the isovalue range, around the shown isovalue, with photons",
         default=1.0,
         min=1e-4,
         max=1.0,
@@ -68,7 +65,7 @@ class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
 
 
 class PhotonJob(jobs.Job):
-    """Photons of the present scene: what they need, their paths, and the cloud of points."""
+    """Photons of the present scene: their inputs, their paths, and the cloud of points."""
 
     def __init__(self, context, obj, options):
         """Exports the scene. options: the operator's properties. Raises LeaflightError."""
@@ -105,7 +102,7 @@ class PhotonJob(jobs.Job):
         scene = bpy.data.scenes.get(self._scene_name)
         if scene is None or not len(self.positions):
             raise LeaflightError(
-                "No photon hit an isosurface of the band: widen it, or emit more photons."
+                "No photon hit an isosurface within the band: widen it, or emit more photons."
             )
         name = f"{self._object_name} Photons"
         for old in [obj for obj in scene.objects if obj.get(_PHOTONS) == self._object_name]:

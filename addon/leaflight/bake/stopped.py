@@ -23,9 +23,7 @@ def offered():
     return _offered
 
 
-is_decided = checks.needs(
-    lambda _: _offered is None, "Keep the bake that was stopped, or throw it away, first"
-)
+is_decided = checks.needs(lambda _: _offered is None, "Keep or throw away the stopped bake first")
 _waits = checks.needs(lambda _: _offered is not None, "No bake was stopped")
 
 
@@ -46,7 +44,7 @@ def save_offered():
 class LEAFLIGHT_OT_stop_bake(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_bake"
     bl_label = "Stop"
-    bl_description = "End the work in progress, as Esc does. The light that is finished can be kept"
+    bl_description = "Stop the work in progress. Finished light can be kept"
     bl_options = set()
     conditions = (checks.needs(lambda _: jobs.running(), "Nothing is in progress"),)
 
@@ -73,13 +71,13 @@ class KeepJob(jobs.Job):
         return self._job.apply()
 
     def ended(self):
-        return "The bake was not kept; you can keep it yet"
+        return "The bake was not saved; you can still keep it"
 
 
 class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.keep_bake"
     bl_label = "Keep Bake"
-    bl_description = "Save the light of the bake that was stopped, and show it"
+    bl_description = "Save the light of the stopped bake, and show it"
     conditions = (jobs.is_free, _waits)
 
     def start(self, _context):
@@ -89,7 +87,7 @@ class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_throw_bake_away(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.throw_bake_away"
     bl_label = "Throw Away"
-    bl_description = "Forget the bake that was stopped, and show the volume as it was before"
+    bl_description = "Discard the stopped bake, and restore the previous light"
     conditions = (jobs.is_free, _waits)
 
     def run(self, context):

@@ -102,7 +102,7 @@ def _words(result):
     rendered = "rendered in {baked_seconds:.1f} s; all isosurfaces baked in {bake_seconds:.0f} s"
     local = "rendered in {local_seconds:.1f} s; RMS {local_rms_percent:.1f} % on the isosurface"
     difference = (
-        "RMS {isosurface_rms_percent:.2f} % on the isosurface, of which noise "
+        "RMS {isosurface_rms_percent:.2f} % on the isosurface, including noise "
         "{isosurface_noise_percent:.2f} %; {flip}"
     )
     texts = (

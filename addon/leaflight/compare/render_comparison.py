@@ -66,7 +66,7 @@ class ComparisonJob(jobs.Job):
         except RuntimeError as error:
             self._files.cleanup()
             raise LeaflightError(
-                f"{blend}: cannot save a copy of the scene there to render it: {error}"
+                f"{blend}: the copy of the scene to render cannot be saved: {error}"
             ) from None
         self.isosurface, self._status, self.figures = isosurface.name, "Blender starts", None
         request = {
@@ -160,10 +160,7 @@ class ComparisonJob(jobs.Job):
 class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
-    bl_description = (
-        "Render the baked surface, the same surface path-traced by Cycles and by local shading, "
-        "and measure the difference, in a background Blender. Esc cancels"
-    )
+    bl_description = "Compare renders of the bake, Cycles and local shading. Esc cancels"
     bl_options = set()
     conditions = (
         jobs.is_free,
@@ -173,7 +170,7 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
 
     samples: IntProperty(
         name="Cycles Samples",
-        description="Samples per pixel of the path-traced still: more take longer, with less noise",
+        description="Samples per pixel of the path-traced still",
         default=256,
         min=2,
         soft_max=4096,
@@ -187,7 +184,7 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     )
     share: FloatProperty(
         name="Resolution",
-        description="Share of the scene's resolution that the stills have",
+        description="Resolution of the stills, as a share of the scene's",
         default=100.0,
         min=1.0,
         max=100.0,
@@ -195,7 +192,7 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     )
     folder: StringProperty(
         name="Folder",
-        description="Folder for the pictures and figures; empty means beside the bake",
+        description="Folder of the pictures and figures; empty is beside the bake",
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )

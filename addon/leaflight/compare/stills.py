@@ -86,9 +86,9 @@ def doubt(result):
     if not abs(off) - within > MEAN_OF_A_GOOD_BAKE:
         return ""
     return (
-        f"The mean is off by {off:+.1f} %, of which noise explains {within:.1f} % and the texels "
-        f"of a good bake {MEAN_OF_A_GOOD_BAKE:g} %: Cycles renders something brighter or darker "
-        "than it was baked; see what differs, bake again, or bake with more texels and samples"
+        f"The mean is off by {off:+.1f} % ({within:.1f} % is noise, {MEAN_OF_A_GOOD_BAKE:g} % "
+        "texels of a good bake), so Cycles renders a brighter or darker scene: bake again, with "
+        "more texels or samples"
     )
 
 
@@ -99,20 +99,21 @@ _LOCAL_SAMPLES = 64
 def compare(context, volume, samples, baked_samples, share=1.0, report=None):
     """Renders the stills of the current frame, at a share of the scene's resolution.
 
-    report(done, part, name): called before each render. done: finished share of the work. part:
-    share of this render. name: that of the render.
+    report: Called before each render as report(done, part, name): the finished share of the work,
+        the share of this render, and its name.
+    Raises LeaflightError. Returns a dict with these keys, among others.
 
-    Raises LeaflightError. Returns a dict with these keys, among others:
-
-    - baked, cycles, local, difference: images (height, width, 3) in linear radiance.
-    - coverage: (height, width), the share of each pixel that the isosurface fills.
-    - isosurface_rms_percent, image_rms_percent: over the pixels that the isosurface fills, and over
-      all, by thesis Eq. 4.11 corrected: colors times exposure, clamped to 0..1.
-    - isosurface_noise_percent: the part of isosurface_rms_percent that is noise of both stills.
-    - isosurface_mean_off_percent, isosurface_mean_off_within: see mean_off().
-    - flip_mean, flip_percentile_95: of all pixels (measure/flip.py), None without flip-evaluator.
-    - local_rms_percent: local shading against Cycles over the isosurface's pixels.
-    - baked_seconds, cycles_seconds, local_seconds, bake_seconds: of the renders and the bake.
+    baked, cycles, local, difference: Images (height, width, 3) in linear radiance.
+    coverage: Share of each pixel that the isosurface fills, (height, width).
+    isosurface_rms_percent, image_rms_percent: RMS error over pixels of the isosurface, and over
+        all, by thesis Eq. 4.11 corrected. Colors are multiplied by the exposure and clamped to
+        0..1.
+    isosurface_noise_percent: Part of isosurface_rms_percent that is noise of both stills.
+    isosurface_mean_off_percent, isosurface_mean_off_within: See mean_off().
+    flip_mean, flip_percentile_95: FLIP of all pixels (measure/flip.py). None without
+        flip-evaluator.
+    local_rms_percent: RMS error of local shading against Cycles over pixels of the isosurface.
+    baked_seconds, cycles_seconds, local_seconds, bake_seconds: Seconds of the renders and the bake.
     """
     scene = context.scene
     isovalue = volume.evaluated_get(context.evaluated_depsgraph_get()).leaflight.isovalue
@@ -209,12 +210,12 @@ def check_lit(volume, isovalue):
     if settings.isosurface_scattering != "DIFFUSE":
         if not settings.bake_walls:
             raise LeaflightError(
-                f'"{volume.name}" is a mirror or glass, which shows the walls alone: bake with '
+                f'"{volume.name}" is a mirror or glass, which shows only the walls: bake with '
                 "Light the Walls, or select a diffuse volume."
             )
     elif not isosurface.is_lit(volume, isovalue):
         raise LeaflightError(
-            f'"{volume.name}" is capped otherwise than in its bake, so it is not lit: bake again.'
+            f'Capped of "{volume.name}" has changed since the bake, so it is not lit: bake again.'
         )
 
 

@@ -18,9 +18,9 @@ _PROPOSED = "PROPOSED"
 # Isovalues of tissues in Hounsfield units.
 TISSUES = {"SKIN": -300.0, "MUSCLE": 50.0, "BONE": 300.0}
 TISSUE_ITEMS = [
-    (_PROPOSED, "What Is Inside", "The isosurface that best parts what is inside the present one"),
-    ("SKIN", "Skin", "The border of the body to the air, -300 HU"),
-    ("MUSCLE", "Muscle", "Muscles and organs within fat, 50 HU"),
+    (_PROPOSED, "Next Inside", "Chooses the isovalue that best separates the next inner material"),
+    ("SKIN", "Skin", "Border between body and air, -300 HU"),
+    ("MUSCLE", "Muscle", "Muscles and organs, 50 HU"),
     ("BONE", "Bone", "300 HU"),
 ]
 # Range of the lowest value of a CT scan: air, -1000 HU, or the padding around the scanned circle.
@@ -68,7 +68,7 @@ def _has_room(operator, context):
     if len(display.added_to(active_volume(context))) + 1 < display.MOST:
         return True
     operator.poll_message_set(
-        iface_("%d isosurfaces are shown already: remove one first") % display.MOST
+        iface_("%d isosurfaces are already shown: remove one first") % display.MOST
     )
     return False
 
@@ -76,11 +76,7 @@ def _has_room(operator, context):
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_isosurface"
     bl_label = "Add Isosurface"
-    bl_description = (
-        "Show another isosurface of this volume, with its own light from the same bake: inside the "
-        "present one, which becomes translucent, where there is something inside. Isosurfaces that "
-        "are shown together neither light nor shade each other"
-    )
+    bl_description = "Show another isosurface inside this one, lit by the same bake"
     conditions = (
         *checks.VOLUME,
         checks.needs(
@@ -99,7 +95,7 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     )
     opacity: FloatProperty(
         name="Opacity",
-        description="How much of what lies behind it the outer isosurface hides",
+        description="Opacity of the outer isosurface",
         subtype="FACTOR",
         default=_OPACITY,
         min=0.0,
@@ -127,14 +123,14 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_isosurface"
     bl_label = "Remove Isosurface"
-    bl_description = "Show this isosurface no more"
+    bl_description = "Remove this isosurface"
 
     name: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     def run(self, context):
         obj = context.scene.objects.get(self.name)
         if obj is None or not display.is_added(obj):
-            raise LeaflightError(f'"{self.name}" is no isosurface that was added: choose one.')
+            raise LeaflightError(f'"{self.name}" is not an added isosurface: choose one.')
         surface_object.problems.pop(obj.name_full, None)
         display.remove(obj)
 
@@ -142,10 +138,7 @@ class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operato
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_clip_box"
     bl_label = "Add Clip Box"
-    bl_description = (
-        "Cut the isosurfaces by a box: an Empty, which you move, turn and scale as any object. It "
-        "begins at the eighth of the volume that is nearest to the camera"
-    )
+    bl_description = "Add an Empty whose box cuts the isosurfaces"
 
     def run(self, context):
         volume = active_volume(context)

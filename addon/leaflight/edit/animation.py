@@ -22,21 +22,21 @@ _STEP, _BESIDE = 5, 28
 class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.animate"
     bl_label = "Animate"
-    bl_description = "Keyframe an animation of the volume, over as many frames as chosen"
+    bl_description = "Keyframe an animation of the volume"
 
     kind: EnumProperty(
         name="Animation",
         items=[
-            ("SWEEP", "Sweep", "The isovalue runs from the lowest to the highest of its range"),
+            ("SWEEP", "Sweep", "Isovalue from the lowest to the highest of its range"),
             (
                 "TURNTABLE",
                 "Turntable",
-                "The camera runs around the volume once, or to and fro where walls are in its way",
+                "Camera once around the volume, or back and forth between walls",
             ),
-            ("WIPE", "Wipe", "The clip box moves through the volume from one side to the other"),
+            ("WIPE", "Wipe", "Clip box through the volume from one side to the other"),
         ],
     )
-    frames: IntProperty(name="Frames", description="How long it is", default=120, min=2)
+    frames: IntProperty(name="Frames", description="Length of the animation", default=120, min=2)
 
     def run(self, context):
         _ANIMATIONS[self.kind](context, active_volume(context), self.frames)
@@ -93,9 +93,12 @@ def _free_degrees(context, volume, camera, pivot):
         return not cast(place, middle - place, distance=arm.length)
 
     def is_before_something(degrees):
-        ways = [-_turned(arm, degrees + side) for side in (-_BESIDE, 0, _BESIDE)]
-        level = [mathutils.Vector((way.x, way.y, 0.0)).normalized() for way in ways]
-        return all(cast(middle + radius * way, way) for way in level)
+        directions = [-_turned(arm, degrees + side) for side in (-_BESIDE, 0, _BESIDE)]
+        level = [
+            mathutils.Vector((direction.x, direction.y, 0.0)).normalized()
+            for direction in directions
+        ]
+        return all(cast(middle + radius * direction, direction) for direction in level)
 
     has_backdrop = is_before_something(0)
     free = 0
@@ -119,7 +122,8 @@ def _wipe(context, volume, frames):
     box, camera = look.box, context.scene.camera
     if box.type != "EMPTY":
         raise LeaflightError(
-            f'The clip box "{box.name}" is a mesh, which keeps its place: choose an Empty.'
+            f'The clip box "{box.name}" is a mesh, but the animation moves only an Empty: choose '
+            "one."
         )
     low, high = isosurfaces.world_box(volume)
     half, middle = 0.5 * (high - low), 0.5 * (low + high)

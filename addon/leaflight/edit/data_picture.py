@@ -19,7 +19,7 @@ ISOVALUE = (1.0, 0.55, 0.1)
 TINT = 0.45
 
 _pictures = None
-_last = session.remembered()
+_last = session.cache()
 
 
 def icon_of(obj):

@@ -52,8 +52,8 @@ def add_letters(context, volume):
     """Adds R, L, A, P, S and I beside the volume. Raises LeaflightError."""
     if not source_files.is_patient(volume.leaflight):
         raise LeaflightError(
-            f"{volume.leaflight.source or volume.name}: the file does not say where a patient's "
-            "right, front and up are."
+            f"{volume.leaflight.source or volume.name}: the file has no directions of a patient: "
+            "choose Up and Front under Stage."
         )
     low, high, side = _box(volume)
     _remove(volume, _LETTER)
@@ -150,9 +150,7 @@ def add_cube(context, volume):
     """Adds the cube to the camera's picture, in place of an earlier one. Raises LeaflightError."""
     camera = context.scene.camera
     if camera is None:
-        raise LeaflightError(
-            "The scene has no camera, in whose picture the cube would stand: stage it first."
-        )
+        raise LeaflightError("The scene has no camera for the cube: add one, or use Stage.")
     is_patient = source_files.is_patient(volume.leaflight)
     names = _OF_A_PATIENT if is_patient else _OF_OTHERS
     for obj in [obj for obj in camera.children if display.is_display(obj, _CUBE)]:
@@ -223,7 +221,7 @@ def _cube_object(volume, name, data, grays):
 class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_scale_bar"
     bl_label = "Scale Bar"
-    bl_description = "Put a bar of a round length before the volume, in the unit of its file"
+    bl_description = "Add a scale bar in front of the volume"
 
     conditions = (
         *checks.VOLUME,
@@ -239,10 +237,7 @@ class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_letters"
     bl_label = "Orientation"
-    bl_description = (
-        "Put letters at the sides of a patient: R and L, A and P, S and I for right and left, "
-        "front and back, up and down"
-    )
+    bl_description = "Add letters of the patient's directions: R, L, A, P, S, I"
 
     def run(self, context):
         add_letters(context, active_volume(context))
@@ -251,10 +246,7 @@ class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_orientation_cube"
     bl_label = "Orientation Cube"
-    bl_description = (
-        "Put a cube into the lower left corner of the camera's picture that turns as the volume "
-        "does and names its sides"
-    )
+    bl_description = "Add a cube with the patient's directions to the camera view"
 
     def run(self, context):
         add_cube(context, active_volume(context))

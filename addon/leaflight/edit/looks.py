@@ -15,9 +15,14 @@ from ..stage import stage
 
 
 @dataclass(frozen=True)
-class Look:
-    """name, text: for people; settings: of Object.leaflight; stops: (part of the isovalue range,
-    linear color); gloss, roughness: of Object.leaflight_look; background: linear color or None.
+class Preset:
+    """A named look of isosurfaces.
+
+    name, text: Label and description.
+    settings: Values of Object.leaflight.
+    stops: (share of the isovalue range, linear color) of each stop.
+    gloss, roughness: Values of Object.leaflight_look.
+    background: A linear color or None.
     """
 
     name: str
@@ -29,37 +34,39 @@ class Look:
     background: tuple = None
 
 
-def _one_color(look):
-    settings = {"isosurface_albedo": look.color}
-    return Look(look.name, look.text, settings, (), look.gloss, look.roughness, look.background)
+def _one_color(preset):
+    settings = {"isosurface_albedo": preset.color}
+    return Preset(
+        preset.name, preset.text, settings, (), preset.gloss, preset.roughness, preset.background
+    )
 
 
 def _mapped(name, text, colors):
     stops = tuple((i / (len(colors) - 1), color) for i, color in enumerate(colors))
-    return Look(name, text, stops=stops)
+    return Preset(name, text, stops=stops)
 
 
 LOOKS = {
     **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
-    "TISSUE": Look(
+    "TISSUE": Preset(
         "Tissue",
-        "Skin, flesh and bone from low to high isovalues",
+        "Skin, flesh and bone, from low to high isovalues",
         stops=((0.0, (0.8, 0.55, 0.42)), (0.45, (0.6, 0.2, 0.15)), (1.0, (0.88, 0.84, 0.72))),
         gloss=0.4,
     ),
-    "GLOW": Look(
+    "GLOW": Preset(
         "Glowing",
-        "Sends light of its own",
+        "Emits light",
         {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
     ),
-    "MIRROR": Look(
+    "MIRROR": Preset(
         "Mirror",
-        "Polished metal; what it shows is rendered, not baked",
+        "Polished metal; reflections are rendered, not baked",
         {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
     ),
-    "GLASS": Look(
+    "GLASS": Preset(
         "Glass",
-        "Clear glass, which throws caustics",
+        "Clear glass with caustics",
         {
             "isosurface_scattering": "GLASS",
             "isosurface_albedo": (1.0, 1.0, 1.0),
@@ -67,23 +74,20 @@ LOOKS = {
         },
     ),
 }
-MAPS = {key: _mapped(*of) for key, of in data_faces.MAPS.items()}
+MAPS = {key: _mapped(*color_map) for key, color_map in data_faces.MAPS.items()}
 
 
 _PLAIN = {"isosurface_scattering": "DIFFUSE", "isosurface_emission_strength": 0.0}
 
 
-def _items(looks):
-    return [(key, look.name, look.text) for key, look in looks.items()]
+def _items(presets):
+    return [(key, preset.name, preset.text) for key, preset in presets.items()]
 
 
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.isosurface_preset"
     bl_label = "Look"
-    bl_description = (
-        "Give the isosurfaces a look by its name: color or color map, gloss, and the color of the "
-        "stage's backdrop"
-    )
+    bl_description = "Set color, gloss and backdrop of the isosurfaces"
 
     preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
 
@@ -105,17 +109,16 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_stop"
     bl_label = "Add Color Stop"
-    bl_description = (
-        "Add a stop at the present isovalue, with its present color; the first stop replaces the "
-        "single albedo"
-    )
+    bl_description = "Add a stop at the shown isovalue with its color"
 
     def run(self, context):
         volume = active_volume(context)
         settings = volume.leaflight
         isovalue = settings.isovalue
         if any(stop.isovalue == isovalue for stop in settings.isosurface_stops):
-            raise LeaflightError(f"There is a stop at isovalue {isovalue:g}: move the isovalue.")
+            raise LeaflightError(
+                f"A stop at isovalue {isovalue:g} exists already: move the isovalue."
+            )
         isosurfaces.add_stop(settings, isovalue, isosurfaces.albedo_at(volume, isovalue))
         surface_object.shade_all(volume)
 
@@ -123,9 +126,7 @@ class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.remove_stop"
     bl_label = "Remove Color Stop"
-    bl_description = (
-        "Remove the chosen stop; without stops the albedo is the same for all isovalues"
-    )
+    bl_description = "Remove the selected stop; without stops one albedo applies to all isovalues"
 
     conditions = (
         *checks.VOLUME,

@@ -26,14 +26,13 @@ _drawn = {}
 class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.pick_isovalue"
     bl_label = "Pick in Histogram"
-    bl_description = (
-        "Show the histogram in the viewport and drag the isovalue in it. Enter or a click beside "
-        "it keeps the isovalue, Esc brings back the one before"
-    )
+    bl_description = "Drag the isovalue in a histogram. Enter confirms, Esc cancels"
 
     def invoke(self, context, _event):
         if context.area is None or context.area.type != "VIEW_3D":
-            self.report({"ERROR"}, "Pick in Histogram works in the 3D viewport: call it there.")
+            self.report(
+                {"ERROR"}, "Pick in Histogram works only in the 3D viewport: call it there."
+            )
             return {"CANCELLED"}
         volume = active_volume(context)
         self.object_name = volume.name_full

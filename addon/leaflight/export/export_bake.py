@@ -20,26 +20,26 @@ from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
 
 _FORMATS = (
-    (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, unlit vertex colors"),
+    (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, with unlit vertex colors"),
     (".usdc", "USD (.usdc)", "Lit isosurfaces, several as frames"),
     (".usda", "USD as Text (.usda)", "Lit isosurfaces, several as frames"),
     (".ply", "PLY (.ply)", "One lit isosurface with its radiance"),
     (".vtp", "ParaView Surface (.vtp)", "One lit isosurface with its radiance"),
-    (".vti", "ParaView Volume (.vti)", "The values with the radiance of all isosurfaces"),
-    (".am", "Amira Colors (.am)", "The colors of all isosurfaces, four bytes a texel"),
+    (".vti", "ParaView Volume (.vti)", "Values with the radiance of all isosurfaces"),
+    (".am", "Amira Colors (.am)", "Colors of all isosurfaces, four bytes per texel"),
 )
 
 # Cache: (id of a bake, coarser) -> the _SizeJob for a page with its BackgroundWork.
-_sizes = session.remembered()
+_sizes = session.cache()
 
 
 class ExportJob(jobs.Job):
-    """The file is written in the background; large volumes take their time."""
+    """Writes an export in the background, because large volumes take long."""
 
     def __init__(self, obj, path, values, **page):
         """Stores the bake and the isovalues to write. page: the options of a web page."""
         if not obj.leaflight.bake_id:
-            raise LeaflightError(f'"{obj.name}" has no bake yet: bake it first.')
+            raise LeaflightError(f'"{obj.name}" has no bake: bake it first.')
         self._bake, self._index = lamps.whole_of(obj), obj.leaflight.bake_index
         self._path, self._page = path, page
         self._isovalues = values
@@ -148,10 +148,7 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
 class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     bl_idname = "leaflight.export"
     bl_label = "Export Lit Isosurfaces"
-    bl_description = (
-        "Write the lit isosurface of the selected volume, several, or the light of all of them, "
-        "for ParaView, amira and other programs"
-    )
+    bl_description = "Write lit isosurfaces of the selected volume for other programs"
 
     filename_ext = ".glb"
     filter_glob: StringProperty(
@@ -159,15 +156,15 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
         options={"HIDDEN"},
     )
     file_type: EnumProperty(
-        name="Format", description="Kind of file to write", items=_FORMATS, default=".glb"
+        name="Format", description="Format of the file", items=_FORMATS, default=".glb"
     )
     isovalues: EnumProperty(
         name="Isovalues",
         description="Isosurfaces to write",
         items=(
-            ("CURRENT", "Current", "The isosurface that is shown"),
-            ("RANGE", "Range", "Several at even distances, as the frames of an animation"),
-            ("LIST", "List", "These, as the frames of an animation"),
+            ("CURRENT", "Current", "The shown isosurface"),
+            ("RANGE", "Range", "Evenly spaced isovalues, as the frames of an animation"),
+            ("LIST", "List", "A list of isovalues, as the frames of an animation"),
         ),
     )
     first: FloatProperty(name="From", description="Isovalue of the first isosurface")
@@ -175,9 +172,7 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     count: IntProperty(
         name="Count", description="Number of isosurfaces", default=24, min=2, soft_max=250
     )
-    listed: StringProperty(
-        name="List", description="Isovalues to write in their order, separated by spaces"
-    )
+    listed: StringProperty(name="List", description="Isovalues in order, separated by spaces")
 
     def ask(self, context, event):
         self.first, self.last = isovalues.isovalue_range(active_volume(context).leaflight)
@@ -215,7 +210,7 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
             values = []
         if not values:
             raise LeaflightError(
-                f'"{self.listed}" is no list of isovalues: give numbers, separated by spaces.'
+                f'"{self.listed}" is not a list of isovalues: give numbers, separated by spaces.'
             )
         return values
 
@@ -223,13 +218,13 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
     bl_idname = "leaflight.export_page"
     bl_label = "Export Web Page"
-    bl_description = "Write a page that shows all isosurfaces with their light, in any browser"
+    bl_description = "Write a web page that shows all isosurfaces with their light"
 
     filename_ext = file_type = PAGE
     filter_glob: StringProperty(default=f"*{PAGE}", options={"HIDDEN"})
     coarser: IntProperty(
         name="Coarser",
-        description="Halve voxels and texels so many times along each axis, for a smaller file",
+        description="Number of times to halve voxels and texels, for smaller files",
         min=0,
         max=3,
     )

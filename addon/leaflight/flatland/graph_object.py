@@ -23,8 +23,8 @@ _GRAPH, _ISOLINES = "graph", "isolines"
 _PLAIN_GRAPH, _PLAIN_LINE = (0.8, 0.8, 0.8), (0.1, 0.1, 0.1)
 
 # Caches, which are never saved: height fields by (source, nodes), and bakes by their id.
-_fields = session.remembered()
-_bakes = session.remembered()
+_fields = session.cache()
+_bakes = session.cache()
 
 
 def field_of(obj):

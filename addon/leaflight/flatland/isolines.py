@@ -31,7 +31,7 @@ def _changed(settings, _context):
 
 
 class LeaflightFlatSettings(bpy.types.PropertyGroup):
-    """A graph, its isolines and how they are baked: Object.leaflight_flat."""
+    """A graph, its isolines and the settings of its bake: Object.leaflight_flat."""
 
     source: StringProperty(
         name="Image",
@@ -42,7 +42,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     nodes: IntProperty(name="Nodes", default=200, min=4)
     height: FloatProperty(
         name="Height",
-        description="Height of the graph as part of its longest side",
+        description="Height of the graph, as a share of its longest side",
         default=0.25,
         min=0.0,
         soft_max=1.0,
@@ -56,7 +56,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     )
     count: IntProperty(
         name="Isolines",
-        description="Number of isolines, spread evenly between lowest and highest isovalue",
+        description="Number of isolines, evenly spaced between lowest and highest isovalue",
         default=12,
         min=1,
         soft_max=100,
@@ -64,7 +64,7 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     )
     width: FloatProperty(
         name="Line Width",
-        description="Width of the isolines as part of the longest side of the image",
+        description="Width of the isolines, as a share of the longest side",
         default=0.008,
         min=1e-5,
         soft_max=0.1,
@@ -72,20 +72,19 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     )
     brightness_correction: BoolProperty(
         name="Brightness Correction",
-        description="Multiply the light of the plane by 2 / pi, about as bright as the same scene "
-        "in space",
+        description="Multiply the light by 2 / pi, to match the same scene in space",
         default=True,
         update=_changed,
     )
     scene_file: StringProperty(
         name="Scene",
-        description="Scene file of flatland with walls and lamps; empty is the flatland box",
+        description="Scene file with walls and lamps; empty is the flatland box",
         subtype="FILE_PATH",
         options=versions.RELATIVE_PATH,
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Texels along the longest side; 0 takes as many as the image needs",
+        description="Texels along the longest side; 0 takes those that the image needs",
         min=0,
         soft_max=4096,
     )
@@ -98,14 +97,14 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
 class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_idname = "leaflight.import_image"
     bl_label = "Import Image (Flatland)"
-    bl_description = "Show an image as the graph of its brightness, with isolines on it"
+    bl_description = "Show the brightness of an image as a graph with isolines"
 
     filter_glob: StringProperty(default="*.png;*.jpg;*.jpeg;*.tif;*.tiff;*.exr", options={"HIDDEN"})
     source: EnumProperty(
         name="Height Field",
         items=[
-            ("IMAGE", "Image", "The brightness of the chosen image"),
-            ("BUMP_BOX", "Bump Box", "The reference data set of flatland; no file is read"),
+            ("IMAGE", "Image", "Brightness of the selected image"),
+            ("BUMP_BOX", "Bump Box", "Reference data of flatland, without a file"),
         ],
     )
     size: FloatProperty(
@@ -117,7 +116,7 @@ class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, Im
     )
     height: FloatProperty(
         name="Height",
-        description="Height of the graph as part of its longest side",
+        description="Height of the graph, as a share of its longest side",
         default=0.25,
         min=0.0,
         soft_max=1.0,
@@ -160,7 +159,7 @@ def _draw_menu(menu, _context):
 
 
 class FlatBakeJob(jobs.Job):
-    """One bake of all isolines: what it needs, the work, and lighting the object by it."""
+    """A bake of all isolines of an image: its inputs, the work, and lighting the object."""
 
     def __init__(self, obj):
         """Reads the settings. Raises LeaflightError if they cannot be baked."""
@@ -207,7 +206,7 @@ class FlatBakeJob(jobs.Job):
         obj = bpy.data.objects.get(self.object_name)
         if obj is None or not obj.leaflight_flat.is_flatland:
             raise LeaflightError(
-                f'"{self.object_name}" is gone, so the bake lights nothing: import it again.'
+                f'"{self.object_name}" was deleted, so the bake lights nothing: import it again.'
             )
         identifier = uuid.uuid4().hex
         graph_object.keep_bake(identifier, self.bake)
@@ -219,7 +218,7 @@ class FlatBakeJob(jobs.Job):
 class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.bake_flatland"
     bl_label = "Bake Isolines"
-    bl_description = "Compute the light on every isoline at once, within the plane. Esc cancels"
+    bl_description = "Compute the light on all isolines within the plane. Esc cancels"
     conditions = (
         jobs.is_free,
         checks.needs(

@@ -20,7 +20,7 @@ from . import placing, stored_facts
 # Name patterns of the files that the browser lists.
 _BY_NAME = readers.name_patterns()
 
-_OF_THE_FILE = ("FILE", "As in the File", "The file's own, or +Z up and -Y to the front")
+_OF_THE_FILE = ("FILE", "As in the File", "Orientation of the file, or +Z up and -Y to the front")
 
 
 def _list_files(operator, context):
@@ -42,13 +42,12 @@ class LEAFLIGHT_OT_import_volume(
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
         name="All Files",
-        description="List files of any name, as the slices of a DICOM series often have no suffix. "
-        "Their folder may be chosen as well",
+        description="List files with any suffix, such as DICOM slices",
         options={"SKIP_SAVE"},
         update=_list_files,
     )
     size_from: EnumProperty(
-        name="Size From", description="How large the volume is", items=placing.SIZE_ITEMS
+        name="Size From", description="Size of the volume in Blender", items=placing.SIZE_ITEMS
     )
     size: FloatProperty(
         name="Size",
@@ -59,7 +58,7 @@ class LEAFLIGHT_OT_import_volume(
     )
     partner: StringProperty(
         name="Volume",
-        description="The volume whose scale and place this one gets",
+        description="Volume with the same scale and position",
         search=lambda _self, context, _text: placing.volume_names(context),
     )
     up: EnumProperty(
@@ -74,52 +73,49 @@ class LEAFLIGHT_OT_import_volume(
     )
     resolution: EnumProperty(
         name="Resolution",
-        description="How many of the voxels to keep, for volumes that are large for the memory",
+        description="Resolution of the volume, for volumes that exceed the memory",
         items=stored_facts.RESOLUTION_ITEMS,
     )
     smooth: FloatProperty(
         name="Smooth",
-        description="Smooth the values by a Gaussian of this standard deviation in voxels: against "
-        "noise, and against terraces of 8-bit values",
+        description="Standard deviation, in voxels, of a Gaussian on the values",
         default=0.0,
         min=0.0,
         max=10.0,
     )
     smooth_normals: FloatProperty(
         name="Smooth Normals",
-        description="Smooth the normals alone, by a Gaussian of this standard deviation in voxels: "
-        "the shading is smooth, and the isosurfaces stay where they are",
+        description="Standard deviation, in voxels, of a Gaussian on the normals",
         default=0.0,
         min=0.0,
         max=10.0,
     )
     use_spacing: BoolProperty(
         name="Own Voxel Size",
-        description="Give the distance of the voxels, for files that lack it or have a wrong one",
+        description="Set the voxel size, if the file has none or a wrong one",
     )
     unit: EnumProperty(
         name="Unit",
-        description="Unit of the voxel size, for files that lack it",
+        description="Unit of the voxel size, if the file has none",
         items=volume_properties.UNIT_ITEMS,
         options={"SKIP_SAVE"},
     )
     animate: BoolProperty(
         name="As Animation",
-        description="Show the next volume of the series at each frame of the scene, by keyframes, "
-        "from the scene's first on",
+        description="Show the next volume of the series at each frame, by keyframes",
     )
     dataset: StringProperty(
         name="Dataset",
-        description="Volume to read from a file, or series from a folder, that has several",
+        description="Volume or series to read, if there are several",
         search=lambda self, _context, _text: self._datasets(),
     )
 
-    def _look(self):
+    def _facts(self):
         path = bpy.path.abspath(self.filepath)
-        return path, *stored_facts.look(path, source_files.choices_of(self))
+        return path, *stored_facts.read_facts(path, source_files.choices_of(self))
 
     def _datasets(self):
-        _, stored, _ = self._look()
+        _, stored, _ = self._facts()
         return list(stored.datasets) if stored is not None else []
 
     # One of source_files.CHOICES, which the resolution sets later.
@@ -130,7 +126,7 @@ class LEAFLIGHT_OT_import_volume(
         layout = self.layout
         layout.use_property_split = True
         layout.prop(self, "all_files")
-        path, stored, problem = self._look()
+        path, stored, problem = self._facts()
         takes = source_files.format_of(path).options if stored is not None or problem else ()
         facts = [problem]
         if stored is not None:
@@ -152,7 +148,7 @@ class LEAFLIGHT_OT_import_volume(
         layout.prop(self, "up")
         layout.prop(self, "front")
         if stored is not None and not stored.unit:
-            layout.label(text="The file gives no unit of length", icon="QUESTION")
+            layout.label(text="The file has no unit of length", icon="QUESTION")
             layout.prop(self, "unit")
         self._draw_choices(layout, stored, takes)
 

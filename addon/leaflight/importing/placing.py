@@ -18,21 +18,18 @@ SIZE_ITEMS = [
     (
         "AUTO",
         "Automatic",
-        "As large as Size says, on the floor: the first volume at the origin, another one beside "
-        "those that are there, or over one of the same patient",
+        "Given size, on the floor beside other volumes",
     ),
-    ("FIT", "Fit", "As large as Size says, on the floor at the origin"),
+    ("FIT", "Fit", "Given size, on the floor at the origin"),
     (
         "LIFE",
         "Life Size",
-        "One meter of the file is one meter in Blender, at the file's own coordinates: scans of "
-        "one patient then lie over each other",
+        "Real size, at the file's coordinates, so that scans of a patient align",
     ),
     (
         "SAME",
         "Together With",
-        "At the scale and the place of a volume that was imported before, so that scans of one "
-        "patient lie over each other",
+        "Scale and position of another volume, so that scans of a patient align",
     ),
 ]
 # Assumed unit of a file without one.
@@ -53,8 +50,8 @@ def check(context, mode, partner):
     """Raises LeaflightError if SAME has no volume as its partner."""
     if mode == "SAME" and not _is_volume(context.scene.objects.get(partner)):
         raise LeaflightError(
-            f'Together With: "{partner}" is no Leaflight volume of this scene: choose one, or '
-            "another way to find the size."
+            f'Together With: "{partner}" is not a Leaflight volume of this scene: choose one, or '
+            "another Size From."
         )
 
 
@@ -69,8 +66,8 @@ def place(context, obj, volume, mode, partner):
         side = scale * longest_side(volume)
         if side < SMALLEST:
             raise LeaflightError(
-                f"{volume.source}: in life size it would be {side:.2g} m long, too small for "
-                "Blender: choose Fit."
+                f"{volume.source}: Life Size would be {side:.2g} m, too small for Blender: choose "
+                "Fit."
             )
         obj.matrix_world = Matrix.Scale(scale, 4) @ Matrix.Translation(obj.leaflight.origin)
     elif mode == "SAME":

@@ -11,7 +11,7 @@ from ..store import cache, source_files
 
 
 class SmoothJob(jobs.Job):
-    """Reads the file of a volume object again, with another one of source_files.SMOOTHING."""
+    """Reads the file of a volume object again with different smoothing."""
 
     name = "Smooth"
     cancelled = "Smoothing was cancelled; nothing has changed"
@@ -42,25 +42,21 @@ class SmoothJob(jobs.Job):
 
 _has_file = checks.needs(
     lambda c: active_volume(c).library is None and active_volume(c).leaflight.source,
-    "The volume has no file of its own here: import it",
+    "The volume has no volume file: import it",
 )
 
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     bl_idname = "leaflight.smooth"
     bl_label = "Smooth"
-    bl_description = (
-        "Smooth the values by a Gaussian, against noise and against terraces of 8-bit values; or "
-        "the normals alone, and isosurfaces stay where they are. A bake keeps the values that it "
-        "was made of: bake again after a change"
-    )
+    bl_description = "Smooth the values or the normals by a Gaussian. Bake again after it"
     conditions = (jobs.is_free, *checks.VOLUME, _has_file)
 
     what: EnumProperty(
-        name="What",
+        name="Apply To",
         items=[
-            ("smooth", "Values", "The values, and with them isosurfaces and normals"),
-            ("smooth_normals", "Normals", "The normals alone: isosurfaces stay where they are"),
+            ("smooth", "Values", "Values, and with them isosurfaces and normals"),
+            ("smooth_normals", "Normals", "Only normals; isosurfaces do not change"),
         ],
     )
     amount: EnumProperty(
@@ -68,7 +64,7 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         items=[
             ("0", "Not Smoothed", "As in the file"),
             ("0.5", "By 0.5 Voxels", "Standard deviation of the Gaussian"),
-            ("1", "By 1 Voxel", "Standard deviation of the Gaussian: right for most 8-bit scans"),
+            ("1", "By 1 Voxel", "Standard deviation of the Gaussian; suits most 8-bit scans"),
             ("1.5", "By 1.5 Voxels", "Standard deviation of the Gaussian"),
             ("2", "By 2 Voxels", "Standard deviation of the Gaussian"),
             ("3", "By 3 Voxels", "Standard deviation of the Gaussian"),

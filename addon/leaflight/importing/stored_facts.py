@@ -18,22 +18,22 @@ RESOLUTION_ITEMS = [
     (
         "AUTO",
         "By Size",
-        "Every voxel of volumes up to 512^3, means of 2, 4 or 8 along each axis of larger ones",
+        "Full resolution up to 512^3 voxels, coarser above",
     ),
     ("FULL", "Full", "Every voxel"),
-    ("HALF", "Half", "The mean of two voxels along each axis: an eighth of the memory"),
-    ("QUARTER", "Quarter", "The mean of four voxels along each axis: a 64th of the memory"),
+    ("HALF", "Half", "Means of two voxels along each axis: an eighth of the memory"),
+    ("QUARTER", "Quarter", "Means of four voxels along each axis: a 64th of the memory"),
 ]
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 
 # Choices that do not change the facts in the header.
 _NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
 
-# Cache of the last file: (path, state of the file, choices) -> result of look().
-_last = session.remembered()
+# Cache of the last file: (path, state of the file, choices) -> result of read_facts().
+_last = session.cache()
 
 
-def look(path, choices):
+def read_facts(path, choices):
     """Returns (StoredVolume, "") of a file, or (None, reason). Reads each file only once."""
     try:
         state = os.stat(path)

@@ -40,7 +40,7 @@ MESSAGES = {
     # The strip above the viewport.
     "Isovalue": "Isowert",
     "Stage": "Bühne",
-    "Choose what to put around the volumes": "Wählen, was die Volumen umgibt",
+    "Choose objects around the volumes": "Objekte um die Volumen wählen",
     "Keep Bake": "Licht behalten",
     "Throw Away": "Verwerfen",
     # The sidebar.
@@ -56,8 +56,8 @@ MESSAGES = {
     "Smooth Normals: %s": "Normalen geglättet: %s",
     "Pick in Histogram": "Im Histogramm wählen",
     "Looking at the data": "Die Daten werden angesehen",
-    "Baked; %d of %d frames are": "Beleuchtet; %d von %d Bildern sind es",
-    "Not baked; %d of %d frames are": "Nicht beleuchtet; %d von %d Bildern sind es",
+    "Baked (%d of %d frames)": "Beleuchtet (%d von %d Bildern)",
+    "Not baked (%d of %d frames are)": "Nicht beleuchtet (%d von %d Bildern sind es)",
     "Bake All Frames": "Alle Bilder beleuchten",
     "Lowest": "Niedrigster",
     "Highest": "Höchster",
@@ -73,24 +73,19 @@ MESSAGES = {
         "Angehalten: geschätzter Fehler %s %% (Ziel %s %%)"
     ),
     "Live": "Mitgehend",
-    (
-        "Once there is a bake, follow lamps, walls and volumes that move: direct light at once, "
-        "then the passes of a new bake. The last pass is saved to a new file"
-    ): (
-        "Nach dem ersten Beleuchten Lampen, Wänden und Volumen folgen, die sich bewegen: direktes "
-        "Licht sofort, dann die Durchgänge eines neuen Lichts. Der letzte Durchgang wird in eine "
-        "neue Datei gesichert"
+    "Update the light while lamps, walls and volumes move": (
+        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen"
     ),
-    "Stopped: direct light is new, indirect light is of an earlier position": (
-        "Angehalten: direktes Licht ist neu, indirektes Licht von einer früheren Lage"
+    "Stopped: direct light is current, indirect light is of an earlier position": (
+        "Angehalten: direktes Licht ist aktuell, indirektes Licht von einer früheren Lage"
     ),
     "Baked in %s s": "In %s s beleuchtet",
-    "Quality reached: %s": "Qualität erreicht: %s",
+    "Quality: %s": "Qualität: %s",
     "Estimated error %s %% (target: %s)": "Geschätzter Fehler %s %% (Ziel: %s)",
-    "Lamps have changed since the bake: all light is scaled, exactly": (
-        "Lampen sind seit dem Beleuchten geändert: alles Licht ist genau angepasst"
+    "Lamps have changed since the bake: their light is scaled, which is exact": (
+        "Lampen sind seit dem Beleuchten geändert: ihr Licht ist genau angepasst"
     ),
-    "Lamps have changed since the bake: direct light is exact, indirect light scaled": (
+    "Lamps have changed since the bake: direct light is exact, indirect light is scaled": (
         "Lampen sind seit dem Beleuchten geändert: direktes Licht ist genau, indirektes geschätzt"
     ),
     "Hidden: %s": "Ausgeblendet: %s",
@@ -106,10 +101,10 @@ MESSAGES = {
     "Inside Only": "Nur innen",
     "Orientation Cube": "Orientierungswürfel",
     "Bakes: %s": "Beleuchtungen: %s",
-    "Bakes: %s, of which unused: %s": "Beleuchtungen: %s, davon unbenutzt: %s",
+    "Bakes: %s (unused: %s)": "Beleuchtungen: %s (unbenutzt: %s)",
     # Why a button is greyed.
     "Leave Edit Mode first": "Erst den Bearbeitungsmodus verlassen",
-    "Leaflight is at work; Esc ends it": "Leaflight arbeitet; Esc beendet es",
+    "Leaflight is busy; Esc stops it": "Leaflight arbeitet; Esc hält es an",
     "Select or import a volume first (File > Import > Volume for Leaflight)": (
         "Erst ein Volumen auswählen oder importieren (Datei > Importieren > Volumen für Leaflight)"
     ),

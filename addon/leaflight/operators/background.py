@@ -22,9 +22,9 @@ _left_behind: "tuple[type[BackgroundOperator], dict[str, Any]] | None" = None
 
 
 class BackgroundOperator(LeaflightOperator):
-    """An operator whose work is a Job: modal for users, straight on for scripts.
+    """An operator whose work is a Job: modal for users, blocking for scripts.
 
-    start(context) returns the job. Whatever it raises, or the job does, becomes a report.
+    start(context) returns the job. Any error in it or in the job becomes a report.
     """
 
     # The BackgroundWork of this operator: None while only its dialog is open.

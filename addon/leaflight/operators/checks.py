@@ -58,7 +58,7 @@ VOLUME: tuple[Condition, ...] = (
 )
 BAKE = (
     *VOLUME,
-    needs(lambda c: active_volume(c).leaflight.bake_id, "Bake the flattened illumination first"),
+    needs(lambda c: active_volume(c).leaflight.bake_id, "Bake this volume first"),
 )
 
 

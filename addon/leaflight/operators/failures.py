@@ -31,9 +31,8 @@ def sentence_of(error: BaseException) -> str:
     _traceback = "".join(traceback.format_exception(type(error), error, error.__traceback__))
     print(_traceback, file=sys.stderr, flush=True)
     return (
-        f"A bug of Leaflight ended this ({type(error).__name__}: {error}); you can work on. "
-        "Please report it: Copy Report in the panel Bake or in the add-on's preferences has the "
-        "details."
+        f"A bug in Leaflight ended this operation ({type(error).__name__}: {error}): please "
+        "report it with the details of Copy Report in the panel Bake or in the preferences."
     )
 
 
@@ -66,7 +65,7 @@ def report() -> str:
 class LEAFLIGHT_OT_copy_report(bpy.types.Operator):
     bl_idname = "leaflight.copy_report"
     bl_label = "Copy Report"
-    bl_description = "Copy the versions of all programs and the last error to the clipboard"
+    bl_description = "Copy versions and the last error to the clipboard"
 
     def execute(self, context: bpy.types.Context) -> set[Any]:
         context.window_manager.clipboard = report()

@@ -16,7 +16,7 @@ T = TypeVar("T")
 # The work in progress, for the panels and for Cancel.
 _running: "BackgroundWork | None" = None
 
-is_free = needs(lambda _: _running is None, "Leaflight is at work; Esc ends it")
+is_free = needs(lambda _: _running is None, "Leaflight is busy; Esc stops it")
 
 
 class Job:

@@ -15,10 +15,10 @@ from .overridable import (
 # Target error of each quality, in percent.
 QUALITIES = {"DRAFT": 4.0, "GOOD": 1.5, "FINAL": 0.7}
 QUALITY_ITEMS = [
-    ("DRAFT", "Draft", "A quick look, with grain"),
-    ("GOOD", "Good", "Hardly any grain: right for most work"),
-    ("FINAL", "Final", "For stills that are looked at closely: several times the time of Good"),
-    ("CUSTOM", "Custom", "The error that is set under Advanced"),
+    ("DRAFT", "Draft", "Quick preview with noise"),
+    ("GOOD", "Good", "Little noise; suits most work"),
+    ("FINAL", "Final", "Very little noise, for stills; several times the time of Good"),
+    ("CUSTOM", "Custom", "Error set under Advanced"),
 ]
 
 # Arguments of the property Error.
@@ -33,7 +33,7 @@ ERROR = {
     "max": 100.0,
     "precision": 2,
 }
-_WHEN_TO_CHANGE = "Change it where Draft, Good and Final leave too much grain or take too long"
+_WHEN_TO_CHANGE = "Target error, if Draft, Good and Final do not suit"
 
 
 def _quality(settings):
@@ -57,25 +57,23 @@ def _switches_on(name):
 
 
 class BakeOptions:
-    """How good the next bake is to be."""
+    """The quality of the next bake."""
 
     low: FloatProperty(
         name="Lowest Isovalue",
-        description="Lowest isovalue that the bake shall light",
+        description="Lowest isovalue to bake",
     )
     high: FloatProperty(
         name="Highest Isovalue",
-        description="Highest isovalue that the bake shall light",
+        description="Highest isovalue to bake",
     )
     use_resolution: BoolProperty(
         name="Texels",
-        description="Choose the number of texels, where a volume is too large for the memory or "
-        "the time at hand. Otherwise it follows from the voxels",
+        description="Set the number of texels, instead of deriving it from the voxels",
     )
     resolution: IntProperty(
         name="Texels",
-        description="Texels along the longest side of the volume. Fewer are faster and blur the "
-        "light",
+        description="Texels along the longest side. Fewer are faster and blur the light",
         default=128,
         min=2,
         soft_max=1024,
@@ -93,11 +91,11 @@ class BakeOptions:
     )
     use_time_limit: BoolProperty(
         name="Time Limit",
-        description="Stop after this many seconds. Where the time is short, the light is coarser",
+        description="Stop after this many seconds",
     )
     time_limit: FloatProperty(
         name="Seconds",
-        description="Seconds that the bake may take",
+        description="Upper bound on the seconds of the bake",
         subtype="TIME_ABSOLUTE",
         default=60.0,
         min=0.1,
@@ -107,50 +105,46 @@ class BakeOptions:
     )
     seed: IntProperty(
         name="Seed",
-        description="Start of the random numbers. Another seed gives other noise, which shows "
-        "noise from detail",
+        description="Seed of the random numbers; another seed gives different noise",
         min=0,
     )
     both_sides: BoolProperty(
         name="Both Sides",
-        description="Bake the backs of the isosurfaces, too: for volumes that are cut open. Nearly "
-        "doubles the time",
+        description="Bake the backs of isosurfaces, too. Nearly doubles the time",
     )
     light_walls: BoolProperty(
         name="Light the Walls",
-        description="Bake the light on the walls for every isovalue, too: their shadows and color "
-        "bleeding then follow the isosurface",
+        description="Bake the light of the walls for every isovalue, too",
     )
     bake_folder: StringProperty(
         name="Folder",
-        description="Folder that keeps the bakes, each in a file of its own; empty is the folder "
-        "leaflight beside the .blend",
+        description="Folder of the bakes; empty is the folder leaflight beside the .blend",
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )
 
 
 class BakeRecord:
-    """The bake that lights a volume; frame_bakes.py has these for each frame."""
+    """The bake that lights a volume. frame_bakes.py stores one for each frame."""
 
     bake_path: StringProperty(name="Bake", subtype="FILE_PATH", options=versions.RELATIVE_PATH)
-    bake_matrix: FloatVectorProperty(name="Transform at the Bake, Row by Row", size=16)
+    bake_matrix: FloatVectorProperty(name="Transform at the Bake, by Rows", size=16)
     bake_fingerprint: StringProperty(name="Scene at the Bake")
     bake_lamps: StringProperty(name="Lamps at the Bake")
     bake_id: StringProperty(name="Bake Identifier")
-    bake_home: StringProperty(name="Folder Where the Bake Was Last")
+    bake_home: StringProperty(name="Last Folder of the Bake")
     bake_values: StringProperty(name="Hash of the Values at the Bake")
     bake_file_state: StringProperty(name="Volume File at the Bake")
     bake_smoothing: FloatVectorProperty(name="Smoothing of Values and Normals at the Bake", size=2)
-    bake_index: IntProperty(name="Place Among the Volumes Baked Together")
+    bake_index: IntProperty(name="Number Among the Volumes Baked Together")
     bake_low: FloatProperty(name="Lowest Isovalue of the Bake")
     bake_high: FloatProperty(name="Highest Isovalue of the Bake")
     bake_walls: BoolProperty(name="Walls Lit by the Bake")
     bake_seconds: FloatProperty(name="Bake Time")
     bake_outcome: StringProperty(name="Error That the Bake Reached")
     bake_error: FloatProperty(name="Estimated Error of the Bake")
-    bake_target: FloatProperty(name="Target of the Bake, 0 if It Goes Not by Its Error")
+    bake_target: FloatProperty(name="Target Error of the Bake, 0 for None")
     bake_needs_texels: BoolProperty(name="Most of the Error Is Detail Finer than the Texels")
     bake_warnings: StringProperty(name="Warnings of the Bake")
     comparison: StringProperty(name="Last Comparison")
-    atlas_columns: IntProperty(name="Columns of the Atlas, 0 if There Is None")
+    atlas_columns: IntProperty(name="Columns of the Atlas, 0 for None")

@@ -35,7 +35,7 @@ MAPS = {
 VALUE = "value"
 GRAY = "GRAY"
 COLORS = [
-    (GRAY, "Gray", "From black to white"),
+    (GRAY, "Gray", "Black to white"),
     *((key, name, text) for key, (name, text, _) in MAPS.items()),
 ]
 
@@ -142,8 +142,8 @@ def _values(data, points):
 
 _OPEN = "NONE"
 CUT_COLORS = [
-    (_OPEN, "Open", "Leave the cut open"),
-    (GRAY, "Gray", "Close it with the slice of the data, from black to white"),
+    (_OPEN, "Open", "Open cut"),
+    (GRAY, "Gray", "Slice of the data, from black to white"),
     *COLORS[1:],
 ]
 

@@ -22,7 +22,7 @@ _ISOSURFACE = "isosurface"
 _MARK = "leaflight_isosurfaces"
 
 # Names of the volumes and displays of this file that were seen last.
-_noted = session.remembered(set)
+_noted = session.cache(set)
 
 
 def mark(obj, kind):
@@ -30,7 +30,7 @@ def mark(obj, kind):
 
 
 def is_display(obj, kind=None):
-    """True if an object only shows results, of this kind or, for None, of any."""
+    """True if an object only shows results, of this kind or, if kind is None, of any kind."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
 
 
@@ -100,7 +100,7 @@ def surfaces_of(volume):
 def add(volume, isovalue, opacity):
     """Adds an isosurface without geometry to a volume object. Raises LeaflightError."""
     if len(added_to(volume)) + 1 >= MOST:
-        raise LeaflightError(f'"{volume.name}" shows {MOST} isosurfaces already: remove one first.')
+        raise LeaflightError(f'"{volume.name}" already shows {MOST} isosurfaces: remove one first.')
     obj = bpy.data.objects.new(name_for(volume), bpy.data.meshes.new(volume.name))
     mark(obj, _ISOSURFACE)
     obj.parent = volume

@@ -28,11 +28,12 @@ _STEPS, _TERRACED = 3, 0.25
 
 @dataclass(frozen=True)
 class Distribution:
-    """counts: (n,) voxels in equal parts of low..high, at most BINS of them.
+    """The histogram and the middle slice of a volume.
 
-    middle: (rows, columns) a slice, in data units, top row first, its pixels square. is_terraced:
-    whether an isosurface shows the steps of 8-bit values. are_labels: whether the values look like
-    those of a mask or a label map.
+    counts: Numbers of voxels in equal parts of low..high, at most BINS of them, (n,).
+    middle: The slice in data units, (rows, columns), top row first, with square pixels.
+    is_terraced: True if an isosurface shows the steps of 8-bit values.
+    are_labels: True if the values look like those of a mask or a label map.
     """
 
     low: float
@@ -48,7 +49,7 @@ class Distribution:
 
 
 # Cache: key of a volume -> its Distribution, or None while it is computed or if that failed.
-_known = session.remembered()
+_known = session.cache()
 
 
 def of(obj):

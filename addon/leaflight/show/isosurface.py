@@ -23,12 +23,12 @@ _COUNTED = 1 << 20
 class Isosurface:
     """The inputs of one isosurface, in the object's coordinates.
 
-    - volume: a leaflight.Volume.
-    - grid: the radiance grid that lights it, or None.
-    - largest_step: see Bake.
-    - halvings: how often the volume's resolution is halved; None for the full detail, to which the
-      light adds vertices.
-    - dust: length below which connected parts are left out.
+    volume: A leaflight.Volume.
+    grid: The radiance grid that lights it, or None.
+    largest_step: As in Bake.
+    halvings: Number of times that the resolution is halved. None is the full detail, to which light
+        adds vertices.
+    dust: Length below which connected parts are left out.
     """
 
     volume: object
@@ -123,8 +123,7 @@ def isosurface_of(obj, isovalue, halvings=None):
     low, high = volume.data_range()
     if not low < isovalue <= high:
         raise LeaflightError(
-            f"Isovalue {isovalue:g} lies outside the data, whose values are {low:g} to {high:g}: "
-            "choose one inside."
+            f"Isovalue {isovalue:g} is outside the data, {low:g} to {high:g}: choose one inside."
         )
     try:
         lit = is_lit(obj, isovalue)

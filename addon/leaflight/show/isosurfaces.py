@@ -26,18 +26,18 @@ def export_isosurfaces(obj, several):
     )
 
 
-def import_isosurfaces(settings, look):
+def import_isosurfaces(settings, isosurfaces):
     """Gives the settings of a volume object the material of Isosurfaces, with one emission."""
-    settings.capped = look.capped
-    settings.isosurface_scattering = look.scattering.upper()
-    settings.isosurface_ior = look.ior
+    settings.capped = isosurfaces.capped
+    settings.isosurface_scattering = isosurfaces.scattering.upper()
+    settings.isosurface_ior = isosurfaces.ior
     settings.isosurface_stops.clear()
-    if is_color(look.albedo):
-        settings.isosurface_albedo = look.albedo
+    if is_color(isosurfaces.albedo):
+        settings.isosurface_albedo = isosurfaces.albedo
     else:
-        for isovalue, color in look.albedo:
+        for isovalue, color in isosurfaces.albedo:
             add_stop(settings, isovalue, color)
-    emission = colours(look.emission)[0]
+    emission = colours(isosurfaces.emission)[0]
     strength = float(emission.max())
     settings.isosurface_emission_strength = strength
     if strength > 0:

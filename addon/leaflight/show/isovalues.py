@@ -62,13 +62,13 @@ def limit(obj):
     )
 
 
-def left_alone():
+def orphans():
     """Returns the displays of volumes that are gone."""
     return [obj for obj in display.noted() if display.is_display(obj) and obj.parent is None]
 
 
-def remove_left_alone():
-    for obj in left_alone():
+def remove_orphans():
+    for obj in orphans():
         display.remove(obj)
 
 

@@ -19,9 +19,9 @@ _KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
 _STRENGTHS = ("radiance", "intensity", "irradiance")
 
 # Id of a bake -> ((name of a lamp, factors (r, g, b)), ...) of the changed lamps.
-_factors = session.remembered()
+_factors = session.cache()
 # Id of a bake -> (factors as above, the relit bake).
-_relit = session.remembered()
+_relit = session.cache()
 
 
 def record(bake, lights):
@@ -104,8 +104,8 @@ def sentence(obj):
         return ""
     known = _relit.get(obj.leaflight.bake_id)
     if known is not None and scales_exactly(known[1]):
-        return "Lamps have changed since the bake: all light is scaled, exactly"
-    return "Lamps have changed since the bake: direct light is exact, indirect light scaled"
+        return "Lamps have changed since the bake: their light is scaled, which is exact"
+    return "Lamps have changed since the bake: direct light is exact, indirect light is scaled"
 
 
 def _found(settings, lights):

@@ -90,7 +90,7 @@ def bounds_of(box):
 
 
 # Cache: (address of a volume, isovalue) -> share of the isosurface that shows its back.
-_shares = session.remembered()
+_shares = session.cache()
 
 
 def note_on_backs(volume):
@@ -104,11 +104,12 @@ def note_on_backs(volume):
         return ""
     if any(_back_share(data, obj.leaflight.isovalue) > MOSTLY for obj in surfaces):
         return iface_(
-            "This isosurface is seen from its back, which is not baked: turn on Both Sides and "
-            "bake again"
+            "The visible back of this isosurface is not baked: turn on Both Sides and bake again"
         )
     if any(box_of(obj) is not None for obj in surfaces):
-        return iface_("The cut shows backs, which are not baked: turn on Both Sides and bake again")
+        return iface_(
+            "The visible backs at the cut are not baked: turn on Both Sides and bake again"
+        )
     return ""
 
 

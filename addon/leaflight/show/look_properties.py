@@ -48,31 +48,26 @@ def _has_box(_look, obj):
     return not display.is_isosurface(obj) and obj.type not in {"LIGHT", "CAMERA", "SPEAKER"}
 
 
-class LeaflightLook(bpy.types.PropertyGroup):
+class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
         name="Opacity",
-        description="How much of what lies behind the isosurface it hides. Its light is that of an "
-        "opaque one: isosurfaces that are shown together neither light nor shade each other",
+        description="Opacity of the isosurface. Its light is that of an opaque one",
         default=1.0,
         update=_changed,
     )
     use_color: BoolProperty(
         name="Own Color",
-        description="Show this isosurface in a color of its own instead of the albedo that its "
-        "volume has there",
+        description="Use another color than the albedo of the volume",
         update=_changed,
     )
     color: ColorProperty(
         name="Color",
-        description="Share of the light that this isosurface reflects. The light that falls on it "
-        "stays that of the bake; for light of its own color, add a stop to the volume's color ramp "
-        "here, and bake",
+        description="Albedo of this isosurface. Incident light stays that of the bake",
         update=_color_chosen,
     )
     dust: FloatProperty(
         name="Hide Dust",
-        description="Hide separate parts of the isosurface that are shorter than so many voxels; 0 "
-        "shows all. The light is that of the whole isosurface",
+        description="Hide separate parts that are shorter than this many voxels",
         default=0.0,
         min=0.0,
         soft_max=50.0,
@@ -82,14 +77,13 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     gloss: ShareProperty(
         name="Gloss",
-        description="A clear coat over the baked light, in which the scene's own lamps shine; 1 is "
-        "that of glazed china. Comparisons leave it out",
+        description="Weight of a clear coat that reflects the scene's lamps",
         update=_changed,
         options=set(),
     )
     roughness: ShareProperty(
         name="Roughness",
-        description="How wide the highlights of the coat are",
+        description="Roughness of the coat, which widens its highlights",
         default=0.3,
         min=0.02,
         update=_changed,
@@ -97,43 +91,42 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     is_cut: BoolProperty(
         name="Cut",
-        description="The clip box cuts this isosurface",
+        description="Cut this isosurface by the clip box",
         default=True,
         update=_changed,
     )
     box: PointerProperty(
         name="Clip Box",
-        description="Object whose bounding box, or Empty whose cube, cuts the isosurfaces. Their "
-        "light stays that of the whole ones: what is cut away still throws its shadow",
+        description="Object or Empty whose box cuts the isosurfaces. Their light is unchanged",
         type=bpy.types.Object,
         poll=_has_box,
         update=_all_changed,
     )
     keep: EnumProperty(
         name="Keep",
-        description="Part of the isosurfaces that stays",
+        description="Part of the isosurfaces to keep",
         items=[
-            ("OUTSIDE", "Outside", "Cut away what lies in the box"),
-            ("INSIDE", "Inside", "Show only what lies in the box"),
+            ("OUTSIDE", "Outside", "Parts outside the box"),
+            ("INSIDE", "Inside", "Parts inside the box"),
         ],
         update=_all_changed,
     )
     cut_colors: EnumProperty(
         name="Cut",
-        description="Appearance of the isosurfaces where the clip box cuts them open",
+        description="Appearance of the faces where the clip box cuts",
         items=data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,
     )
     slice_axes: BoolVectorProperty(
         name="Slices",
-        description="Show the data on a plane across this axis. Bakes do not see it",
+        description="Show the data on a plane across this axis, which is not baked",
         size=3,
         update=_slices_changed,
     )
     slice_places: FloatVectorProperty(
         name="Place",
-        description="Where the plane is, from one end of the volume to the other",
+        description="Position of the plane, from one end of the volume to the other",
         size=3,
         default=(0.5, 0.5, 0.5),
         min=0.0,
@@ -142,17 +135,19 @@ class LeaflightLook(bpy.types.PropertyGroup):
     )
     slice_colors: EnumProperty(
         name="Colors",
-        description="Colors of the values on the planes, over the volume's range of isovalues",
+        description="Colors of the values on the planes",
         items=data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
     )
     slices_inside: BoolProperty(
         name="Inside Only",
-        description="Show only what lies within the isosurface; else all values from Lowest on",
+        description="Show data only within the isosurface, instead of from Lowest on",
         update=_slices_changed,
     )
 
 
-CLASSES = (LeaflightLook,)
-PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightLook)),)
+CLASSES = (LeaflightIsosurfaceDisplay,)
+PROPERTIES = (
+    (bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightIsosurfaceDisplay)),
+)

@@ -14,16 +14,19 @@ from .. import session
 from ..store import cache
 
 # Full name of an object -> its Preview.
-_shown = session.remembered()
+_shown = session.cache()
 
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """A leaflight.Bake, which of its volumes an object is, that volume in its coordinates, and the
-    frame of the file that it is.
+    """The light of an object from a pass of an unfinished bake.
 
-    walls: the last Bake among the passes whose walls are lit, or None; walls_key: different for any
-    other light of them.
+    bake: A leaflight.Bake.
+    index: Number of the object's volume in the bake.
+    volume: That volume in the object's coordinates.
+    frame: Frame of the file that the volume is.
+    walls: The last Bake among the passes with lit walls, or None.
+    walls_key: Key of the light of walls.
     """
 
     bake: object

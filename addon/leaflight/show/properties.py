@@ -17,9 +17,9 @@ from .overridable import (
 from .volume_properties import VolumeSource, shape_changed
 
 SCATTERING_ITEMS = [
-    ("DIFFUSE", "Diffuse", "Reflects light alike in all directions"),
-    ("MIRROR", "Mirror", "Reflects light as a polished mirror"),
-    ("GLASS", "Glass", "Reflects and refracts light as polished glass, denser inside"),
+    ("DIFFUSE", "Diffuse", "Reflects light equally in all directions"),
+    ("MIRROR", "Mirror", "Reflects light like a polished mirror"),
+    ("GLASS", "Glass", "Reflects and refracts light like polished glass"),
 ]
 
 
@@ -29,7 +29,7 @@ def _shading_changed(settings, _context):
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):
-    """The albedo at one isovalue; between two stops it is blended linearly."""
+    """The albedo at one isovalue. It is linear between two stops."""
 
     isovalue: FloatProperty(
         name="Isovalue",
@@ -44,14 +44,14 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
 
 
 class Isosurfaces:
-    """The material of the isosurfaces, and how they are shaded."""
+    """The material of the isosurfaces, and their shading."""
 
     isosurface_scattering: EnumProperty(
         name="Material", items=SCATTERING_ITEMS, update=_shading_changed
     )
     isosurface_albedo: ColorProperty(
         name="Albedo",
-        description="Share of the light that the isosurfaces reflect; the color of mirror or glass",
+        description="Albedo of the isosurfaces, or color of mirror or glass",
         update=_shading_changed,
     )
     isosurface_stops: CollectionProperty(
@@ -70,13 +70,13 @@ class Isosurfaces:
     )
     isosurface_emission: ColorProperty(
         name="Emission",
-        description="Color of the light that the isosurfaces send by themselves",
+        description="Color of the light that the isosurfaces emit",
         default=(1.0, 1.0, 1.0),
         update=_shading_changed,
     )
     isosurface_emission_strength: FloatProperty(
         name="Strength",
-        description="Radiance that the isosurfaces send by themselves; 0 for none",
+        description="Radiance that the isosurfaces emit",
         default=0.0,
         min=0.0,
         soft_max=100.0,
@@ -84,18 +84,17 @@ class Isosurfaces:
     )
     capped: BoolProperty(
         name="Capped",
-        description="Close the isosurfaces where the border of the volume cuts them",
+        description="Close the isosurfaces at the border of the volume",
         update=shape_changed,
     )
     linked: BoolProperty(
         name="Linked",
-        description="Move with the isovalues of the other volumes in the scene, so that all show "
-        "the same coordinate c of the bake",
+        description="Link the isovalue with those of the other volumes",
         default=True,
     )
     shading: EnumProperty(
         name="Shading",
-        description="How the surface gets its colors from the baked radiance",
+        description="Method of coloring the surface by the baked radiance",
         items=[
             ("ATTRIBUTE", "Vertices", "Interpolate the radiance at the mesh's vertices"),
             ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
@@ -116,10 +115,10 @@ def _walls_changed(_settings, context):
 class LeaflightSettings(
     VolumeSource, Isosurfaces, BakeOptions, BakeRecord, bpy.types.PropertyGroup
 ):
-    """The volume of an object, how it is baked, and the bake that lights it.
+    """The volume of an object, the settings of its bake, and the bake that lights it.
 
-    The isovalue is an ID property, because only these take their limits from the data; `isovalue`
-    reads and writes it in scripts, ISOVALUE_PATH animates it.
+    The isovalue is an ID property, because only these can take their limits from the data. Scripts
+    read and write it as `isovalue`. ISOVALUE_PATH animates it.
     """
 
     is_volume: BoolProperty(name="Leaflight Volume")
@@ -152,12 +151,11 @@ class LeaflightSettings(
 
 
 class LeaflightSceneSettings(bpy.types.PropertyGroup):
-    """What concerns all volumes of a scene: Scene.leaflight."""
+    """Settings for all volumes of a scene: Scene.leaflight."""
 
     show_walls: bpy.props.BoolProperty(
         name="Show Lit Walls",
-        description="Show the walls with the light of the present isosurface in place of "
-        "the objects that were baked. Turn it off to edit these",
+        description="Show walls with baked light instead of the original objects",
         default=True,
         update=_walls_changed,
     )

@@ -144,10 +144,10 @@ def is_recolored(material):
 def build_atlas(material, images, resolution, columns, texel_from_object, view=View()):
     """Builds emission of a radiance grid from its atlas.
 
-    - images: the atlas of the front and, if it was baked, of the back.
-    - resolution: (nx, ny, nz), at least 2 each.
-    - columns: tiles in a row of an image.
-    - texel_from_object: (4, 4), from the object's coordinates to those of texel centers.
+    images: Atlas of the front and, if it was baked, of the back.
+    resolution: Texels (nx, ny, nz), at least 2 each.
+    columns: Tiles in a row of an image.
+    texel_from_object: Matrix from the object's coordinates to those of texel centers, (4, 4).
     """
     nx, ny, nz = resolution
     rows = -(-nz // columns)
@@ -215,9 +215,9 @@ def images_of(material):
 def atlas_image(path, label, back, written):
     """Returns the image of an atlas file (store/atlases.py), in full precision.
 
-    - label: identifies the image of an atlas after its file has moved.
-    - back: True for the back.
-    - written: True if the file was written after Blender may have read it.
+    label: Identifies the image of an atlas after its file has moved.
+    back: True for the back.
+    written: True if the file was written after Blender may have read it.
     """
     images = (image for image in bpy.data.images if image.library is None)
     image = next((image for image in images if image.get(ATLAS) == label), None)

@@ -29,10 +29,10 @@ class Cut:
 class View:
     """The display options of a surface.
 
-    - is_translucent: True if objects behind it show through.
-    - lies_among: True if it is one of several translucent surfaces.
-    - cut: a Cut or None.
-    - is_glossy: True if it has a coat, which the scene's lamps light.
+    is_translucent: True if objects behind it show through.
+    lies_among: True if it is one of several translucent surfaces.
+    cut: A Cut or None.
+    is_glossy: True if it has a coat, which reflects the scene's lamps.
     """
 
     is_translucent: bool = False

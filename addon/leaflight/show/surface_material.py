@@ -122,7 +122,7 @@ def shading_in_use(settings):
     if settings.shading != "ATLAS" or not settings.bake_id:
         return settings.shading, ""
     if settings.frames > 1:
-        return "ATTRIBUTE", "Vertex attribute: a volume texture would hold one frame alone"
+        return "ATTRIBUTE", "Vertex attribute: a volume texture would hold only one frame"
     if lamps.factors_of(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
     if settings.atlas_columns > 0:

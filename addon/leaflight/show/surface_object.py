@@ -33,19 +33,21 @@ _TRIANGLES = "leaflight_triangles"
 _NOTHING = np.empty((0, 3)), np.empty((0, 3)), {}, 0
 
 # Full name of an object -> reason why its surface could not be shown, for the panel.
-problems = session.remembered()
+problems = session.cache()
 
 # Full name of an object -> the state for which the files of its bake were found.
-_looked_after = session.remembered()
+_looked_after = session.cache()
 
 
 @dataclass(frozen=True)
 class _Shown:
-    """A state of a mesh.
+    """The state of a mesh.
 
-    isosurface: its volume, shape and isovalue; light: the bake, or the pass; lamps: their strengths
-    where these are not the bake's; moved: the bake of a scene where lamps or objects have moved;
-    failed: whether it could not be shown.
+    isosurface: Volume, shape and isovalue.
+    light: The bake, or the pass.
+    lamps: Strengths of the lamps, if they differ from those of the bake.
+    moved: The bake of a scene with moved lamps or objects.
+    failed: True if the isosurface could not be shown.
     """
 
     isosurface: str
@@ -170,7 +172,7 @@ def update_all(volume, moving=False, as_coarse=False):
 def coarsen_all(volume):
     """Reduces a volume's isosurfaces to the detail that they have while an isovalue moves.
 
-    The full detail returns as after a move. The next update reports failures.
+    The full detail follows later, as after a move. The next update reports failures.
     """
     for obj in display.surfaces_of(volume):
         if is_coarse(obj.data) or obj.library is not None or obj.mode != "OBJECT":

@@ -18,17 +18,17 @@ from .overridable import (
 _UNKNOWN = "UNKNOWN"
 # Units as (symbol, identifier, description). Blender's identifiers are ASCII.
 _NAMED_UNITS = [
-    ("mm", "mm", "Millimeters, as CT and MRI have"),
-    ("µm", "um", "Micrometers, as microscopes have"),
+    ("mm", "mm", "Millimeters, as in CT and MRI"),
+    ("µm", "um", "Micrometers, as in microscopy"),
     ("nm", "nm", "Nanometers"),
-    ("Å", "angstrom", "Angstroms, as molecules have"),
+    ("Å", "angstrom", "Angstroms, as in chemistry"),
     ("bohr", "bohr", "Atomic units"),
     ("cm", "cm", "Centimeters"),
     ("m", "m", "Meters"),
 ]
 assert {unit for unit, _, _ in _NAMED_UNITS} == {*METERS}
 UNIT_ITEMS = [
-    (_UNKNOWN, "Not Known", "The file does not say"),
+    (_UNKNOWN, "Not Known", "Unit of the file is unknown"),
     *((key, unit, text) for unit, key, text in _NAMED_UNITS),
 ]
 _UNITS = ["", *(unit for unit, _, _ in _NAMED_UNITS)]
@@ -87,7 +87,7 @@ class ReadingChoices:
     )
     skip: IntProperty(
         name="Skip",
-        description="Bytes before the values in a .raw file; -1 if the values are its end",
+        description="Bytes before the values of a .raw file; -1 if values end it",
         default=0,
         min=-1,
     )
@@ -106,7 +106,7 @@ class ReadingChoices:
     )
     channel: IntProperty(
         name="Channel",
-        description="Number of the value to read from each voxel, counted from 0; -1 if it has one",
+        description="Number of the channel, from 0; -1 if there is only one",
         default=-1,
         min=-1,
     )
@@ -126,19 +126,18 @@ class VolumeSource(ReadingChoices):
     )
     use_spacing: BoolProperty(
         name="Own Voxel Size",
-        description="The voxel size was given, and not taken from the file",
+        description="Use the given voxel size instead of the file's",
         default=True,
     )
     frames: IntProperty(
         name="Frames",
-        description="Volumes of the file over time",
+        description="Number of volumes over time in the file",
         default=1,
         min=1,
     )
     shown_frame: IntProperty(
         name="Frame",
-        description="Number of the shown volume in the file's series over time, counted from 0. "
-        "Keyframes play the series. Each frame has its own bake",
+        description="Number of the shown volume in the series over time, from 0",
         min=0,
         update=_frame_changed,
     )
@@ -156,7 +155,7 @@ class VolumeSource(ReadingChoices):
     )
     smooth_normals: FloatProperty(
         name="Smooth Normals",
-        description="The same of the normals alone",
+        description="Standard deviation, in voxels, of the Gaussian on the normals",
         default=0.0,
         min=0.0,
         max=10.0,
@@ -165,7 +164,7 @@ class VolumeSource(ReadingChoices):
     )
     origin: FloatVectorProperty(
         name="Origin",
-        description="Place of the object's origin in the coordinates of the file, its middle",
+        description="Position of the object's origin in the coordinates of the file",
         size=3,
     )
     unit: StringProperty(name="Unit", description="Unit of lengths in the file")

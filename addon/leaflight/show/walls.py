@@ -104,7 +104,7 @@ def finish(scene):
         complete(scene)
 
 
-def are_left_alone(scene):
+def are_orphans(scene):
     """True if the volume that lit the displays of a scene is gone."""
     displays = _displays(scene)
     if not displays or _leader(scene) is not None:
@@ -112,9 +112,9 @@ def are_left_alone(scene):
     return any(not any(map(_leader, obj.users_scene)) for obj in displays)
 
 
-def remove_left_alone():
+def remove_orphans():
     for scene in bpy.data.scenes:
-        if are_left_alone(scene):
+        if are_orphans(scene):
             _clear(scene)
 
 

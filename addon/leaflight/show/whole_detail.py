@@ -21,7 +21,7 @@ PAUSE = 0.08
 POLL = 0.03
 
 # Name of an object in this file -> its _Job.
-_jobs = session.remembered()
+_jobs = session.cache()
 
 # True if no work may start, because the present surfaces will not stay.
 _is_held = False
@@ -74,7 +74,7 @@ def _is_to_be_made(obj):
 
 
 class _Making(jobs.Job):
-    """Makes the whole detail of an Isosurface; made: it and its arrays, once that is done."""
+    """Makes the full detail of an Isosurface. made: The Isosurface and its arrays, when done."""
 
     def __init__(self, surface):
         self._surface, self.made = surface, None

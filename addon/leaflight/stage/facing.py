@@ -21,7 +21,7 @@ ITEMS = [
     ("NEG_X", "-X", "To the left of a patient"),
     ("POS_Y", "+Y", "To the front of a patient"),
     ("NEG_Y", "-Y", "To the back of a patient"),
-    ("POS_Z", "+Z", "To the head of a patient; from slice to slice of most files"),
+    ("POS_Z", "+Z", "To the head of a patient; the slice axis of most files"),
     ("NEG_Z", "-Z", "To the feet of a patient"),
 ]
 NAMES = list(AXES)
@@ -60,7 +60,7 @@ def front_of(obj):
 def with_up(up, front, new):
     """Returns (up, front), each an axis (3,), with another axis up.
 
-    If the new axis was the front or the back, the volume tips over.
+    If the new axis was the front or the back, the volume is tipped over.
     """
     toward = along(new, front)
     return new, scaled(up, -toward) if toward else front
@@ -69,7 +69,7 @@ def with_up(up, front, new):
 def with_front(up, front, new):
     """Returns (up, front) with another axis in front.
 
-    If the new axis pointed up or down, the volume tips over.
+    If the new axis pointed up or down, the volume is tipped over.
     """
     toward = along(new, up)
     return scaled(front, -toward) if toward else up, new

@@ -14,7 +14,7 @@ from .. import session
 _LINEAR = {"Linear", "Linear Rec.709", "Non-Color", "Raw"}
 
 # Cache: _key() of an image -> (pixels, their SHA-256).
-_pixels = session.remembered()
+_pixels = session.cache()
 
 
 def linear_pixels(what, image):

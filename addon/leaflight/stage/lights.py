@@ -123,7 +123,7 @@ def _sun(what, name, light, axes, power):
     if light.angle >= math.pi:
         raise LeaflightError(
             f"{what} has an angle of {math.degrees(light.angle):.0f} degrees, but the bake models "
-            "suns below 180 degrees: use the world for light from all around."
+            "suns below 180 degrees: use the world instead."
         )
     irradiance = power * versions.light_units().sun(light.angle)
     direction = -axes[:3, 2] / np.linalg.norm(axes[:3, 2])
@@ -139,8 +139,8 @@ def _warn_of_softness(what, light, lamp, boxes, warnings):
         if lamp.radius**2 > _SOFTNESS * distance**2:
             darker = lamp.radius**2 / (distance**2 + lamp.radius**2)
             warnings.append(
-                f"{what} is as wide as it is near: Cycles renders it up to {100 * darker:.0f} % "
-                "darker at the volume than the bake; reduce its radius for a match"
+                f"{what} is so large and near that Cycles renders it up to {100 * darker:.0f} % "
+                "darker at the volume than the bake: reduce its radius for a match"
             )
             return
 

@@ -113,8 +113,8 @@ def _principled(what, shader):
         surface = Surface(albedo, picture=picture)
         if not versions.principled_is_lambertian(shader):
             surface.warnings.append(
-                f"{what} is baked as if its Roughness were 0.5, on which its diffuse part depends "
-                "in this Blender: set it to that, or use a Diffuse BSDF for a match"
+                f"{what} is baked as if its diffuse Roughness were 0.5, unlike in this Blender: "
+                "set it to 0.5, or use a Diffuse BSDF for a match"
             )
     elif metallic == 1 or (metallic == 0 and transmission == 1):
         # A metal's transmission has no effect, and glass has no additional specular layer.
@@ -138,8 +138,8 @@ def _metal(what, shader, colour):
     warnings = []
     if versions.principled_metal_edges(shader, colour):
         warnings.append(
-            f"{what} is baked in one color, but as a Principled metal has another at grazing "
-            "angles: use a Glossy BSDF for a match"
+            f"{what} is baked in one color, but a Principled metal has another at grazing angles: "
+            "use a Glossy BSDF for a match"
         )
     return Surface(colour, "mirror", warnings=warnings)
 
@@ -147,14 +147,14 @@ def _metal(what, shader, colour):
 def _clear(what, shader, colour):
     if nodes.number(shader, "Thin Wall"):
         raise LeaflightError(
-            f"{what} has Thin Wall, glass without an inside, but the bake models solid glass: turn "
-            "it off and give the object its thickness."
+            f"{what} has Thin Wall, but the bake models solid glass: turn it off and give the "
+            "object thickness."
         )
     warnings = []
     if min(colour) < 1:
         warnings.append(
-            f"{what} is baked as glass that colors what it reflects as well, unlike a Principled "
-            "one: use a Glass BSDF for a match"
+            f"{what} is baked as glass with colored reflections, unlike a Principled one: use a "
+            "Glass BSDF for a match"
         )
     passing = versions.principled_glass_color(colour)
     return Surface(passing, "glass", _ior(what, shader), warnings=warnings)
@@ -259,8 +259,8 @@ def _textured(what, end):
 def _picture(what, node):
     if node.projection != "FLAT":
         raise LeaflightError(
-            f"{what} projects its image as a {node.projection.lower()}, but the bake models UV "
-            "maps: set the projection to Flat."
+            f"{what} uses the projection {node.projection.title()}, but the bake models UV maps: "
+            "set the projection to Flat."
         )
     uv_map, matrix = _uv_map(what, nodes.socket(node, "Vector"))
     return Picture(node.image, uv_map, matrix, node.extension == "REPEAT")
@@ -279,6 +279,6 @@ def _uv_map(what, end):
     if node.type == "TEX_COORD" and nodes.source_socket(end).identifier == "UV":
         return "", np.eye(4)
     raise LeaflightError(
-        f"{what} places its image by a {node.bl_label} node, but the bake models UV maps: use a UV "
+        f"{what} uses a {node.bl_label} node for its image, but the bake models UV maps: use a UV "
         "Map node."
     )

@@ -79,11 +79,11 @@ def _whole(obj, mesh, axes, order):
     return Mesh(obj.name, world.astype(np.float32), triangles, materials.DEFAULT_ALBEDO)
 
 
-def _part(whole, chosen):
-    used, renumbered = np.unique(whole.triangles[chosen], return_inverse=True)
+def _part(mesh, chosen):
+    used, renumbered = np.unique(mesh.triangles[chosen], return_inverse=True)
     return replace(
-        whole,
-        vertices=np.ascontiguousarray(whole.vertices[used]),
+        mesh,
+        vertices=np.ascontiguousarray(mesh.vertices[used]),
         triangles=np.ascontiguousarray(renumbered.reshape(-1, 3), np.uint32),
     )
 
@@ -116,8 +116,8 @@ def _uv(obj, mesh, surface, order):
 def _check_extension(what, picture, uv):
     if not picture.repeats and (uv.min() < -1e-4 or uv.max() > 1 + 1e-4):
         raise LeaflightError(
-            f"{what} shows its image beyond 0 to 1 of the UV map with an extension other than "
-            "Repeat, which the bake cannot model: set it to Repeat, or keep the UV map inside."
+            f"{what} has UVs outside 0 to 1 and an extension other than Repeat, which the bake "
+            "cannot model: set it to Repeat, or move the UVs."
         )
 
 

@@ -50,12 +50,12 @@ def _set_front(group, number):
     _choose(group, with_front, number)
 
 
-def _choose(group, way, number):
+def _choose(group, turned, number):
     up, front = _axes_of(group)
-    if way(up, front, vector(number)) == (up, front):
+    if turned(up, front, vector(number)) == (up, front):
         group.is_unknown = False
     else:
-        _turn(group.id_data, *way(up, front, vector(number)))
+        _turn(group.id_data, *turned(up, front, vector(number)))
 
 
 def _axes_of(group):
@@ -72,13 +72,13 @@ class LeaflightOrientation(bpy.types.PropertyGroup):
         name="Front", description=FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
     )
     front_axis: IntProperty(name="Number of the Front", default=NAMES.index(FRONT))
-    is_unknown: BoolProperty(name="No Orientation in the File, and None Chosen")
+    is_unknown: BoolProperty(name="No Orientation in the File or Chosen")
 
 
 _WAYS = [
-    ("TIP", "Tip", "The top comes towards the viewer"),
-    ("ROLL", "Roll", "The top goes to the viewer's right"),
-    ("TURN", "Turn", "The front goes to the viewer's right"),
+    ("TIP", "Tip", "Turn the top towards the viewer"),
+    ("ROLL", "Roll", "Turn the top to the viewer's right"),
+    ("TURN", "Turn", "Turn the front to the viewer's right"),
 ]
 
 
@@ -105,7 +105,7 @@ class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
         axes = {"TIP": (scaled(front, -1), up), "ROLL": (left, front), "TURN": (up, left)}
         _turn(obj, *axes[self.way])
         if was_lit:
-            self.report({"INFO"}, "The volume stands otherwise than in its bake: bake again")
+            self.report({"INFO"}, "The volume was turned since its bake: bake again")
 
 
 def begin(obj, is_patient, up, front):

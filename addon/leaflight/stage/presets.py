@@ -21,7 +21,7 @@ _GAP = 0.02
 
 @dataclass(frozen=True)
 class Preset:
-    """A stage: its name, what it is for, its icon, and its scene file, None for the user's own."""
+    """A stage: its name, its purpose, its icon, and its scene file (None for the user's own)."""
 
     name: str
     text: str
@@ -32,37 +32,37 @@ class Preset:
 PRESETS = {
     "STUDIO": Preset(
         "Studio",
-        "A backdrop without edges, a warm key light, a cool fill light and a rim light",
+        "Seamless backdrop with a warm key light, a cool fill light and a rim light",
         "LIGHT_AREA",
         "studio.json",
     ),
     "CORNELL": Preset(
         "Cornell Box",
-        "A red and a green wall, whose light bleeds onto the isosurface, and one wide lamp",
+        "Red and green walls with color bleeding, and one wide lamp",
         "CUBE",
         "cornell_stage.json",
     ),
     "OPEN_FLOOR": Preset(
         "Open Floor",
-        "A floor and a backdrop with a key light and a weaker fill light",
+        "Floor and backdrop with a key light and a weaker fill light",
         "MESH_PLANE",
         "open_floor.json",
     ),
     "LIGHT_TENT": Preset(
         "Light Tent",
-        "White walls and soft light from all sides: shows the shape, with hardly a shadow",
+        "White walls and soft light from all sides, hardly any shadows",
         "LIGHT_HEMI",
         "light_tent.json",
     ),
     "DARK_ROOM": Preset(
         "Dark Room",
-        "Dark walls and one small lamp: sharp, deep shadows",
+        "Dark walls and one small lamp, with sharp, deep shadows",
         "LIGHT_POINT",
         "dark_room.json",
     ),
     MY_SCENE: Preset(
         "My Scene",
-        "Your own objects and lights in a collection; nothing is built but a missing camera",
+        "Your objects and lights in a collection; adds a missing camera",
         "SCENE_DATA",
         None,
     ),
@@ -84,8 +84,8 @@ def fitted(preset, points):
     scale = 0.5 * float((high - low).max())
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
     lowest = 0.5 * (low + high)[2] + floor * scale
-    placed = scene.fitted(description, scene.Fit.of_box(low, high))
-    return moved(placed, (low[2] - _GAP * scale) - lowest)
+    fitted_scene = scene.fitted(description, scene.Fit.of_box(low, high))
+    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest)
 
 
 def moved(description, up):
@@ -112,16 +112,16 @@ def moved(description, up):
 class LeaflightStage(bpy.types.PropertyGroup):
     preset: EnumProperty(
         name="Stage",
-        description="Objects that Stage puts around the volumes",
+        description="Objects that Stage adds around the volumes",
         items=ITEMS,
     )
     collection: PointerProperty(
         type=bpy.types.Collection,
         name="Collection",
-        description="Objects and lights of your own that shall surround the volumes",
+        description="Collection of your objects and lights around the volumes",
     )
-    albedo: FloatVectorProperty(name="Color That Stage Gave to the Volumes", size=3)
-    warnings: StringProperty(name="What Would Spoil the Bake, a Sentence a Line")
+    albedo: FloatVectorProperty(name="Color of the Volumes Set by Stage", size=3)
+    warnings: StringProperty(name="Differences Between Bake and Cycles, One per Line")
     # World and camera of the scene before it was staged.
     own_world: PointerProperty(type=bpy.types.World)
     own_camera: PointerProperty(type=bpy.types.Object)

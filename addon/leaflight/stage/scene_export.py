@@ -39,8 +39,8 @@ def export_scene(context, isosurface):
             continue
         if obj.original.leaflight.is_volume:
             raise LeaflightError(
-                f'"{obj.name}" is an instance of a Leaflight volume, but the bake lights volumes '
-                "of their own: make its instances real or disable them in renders."
+                f'"{obj.name}" is an instance of a Leaflight volume, which cannot be baked: make '
+                "its instances real, or disable them in renders."
             )
         if obj.type == "LIGHT":
             light = lights.export_light(obj, matrix, boxes, warnings)
@@ -65,8 +65,8 @@ def export_scene(context, isosurface):
     warnings += [sentence for obj in volumes for sentence in _warnings_of(obj)]
     if lamps and not versions.lights_are_checked():
         warnings.append(
-            "Leaflight has not been compared with the lights of this version of Blender, so they "
-            "may be baked too bright or too dark: make a Render Comparison, which shows it"
+            "Lights of this version of Blender are not tested, so they may be baked too bright "
+            "or too dark: check with a Render Comparison"
         )
     description = SceneDescription(
         name=context.scene.name,
@@ -83,8 +83,8 @@ def _check_colours():
     space = versions.working_space()
     if space != "Linear Rec.709":
         raise LeaflightError(
-            f"This file computes its colors in {space}, but the bake in Linear Rec.709: choose "
-            "that as its Working Space, under Color Management in the render properties."
+            f"The working space of this file is {space}, but bakes use Linear Rec.709: choose "
+            "that under Color Management in the render properties."
         )
 
 
@@ -92,8 +92,8 @@ def _warnings_of(volume):
     settings = volume.leaflight
     if settings.isosurface_scattering == "GLASS" and not settings.capped:
         yield (
-            f'"{volume.name}" is glass but not capped: where the border of the volume cuts it open '
-            "it has no inside, and renders differ from the bake; turn Capped on"
+            f'"{volume.name}" is glass but not capped, so its inside is open at the border and '
+            "renders differ from the bake: turn Capped on"
         )
 
 
@@ -103,8 +103,8 @@ def check_light(description):
     glows = any(np.max(isosurfaces.colours(emitter.emission)) > 0 for emitter in emitters)
     if not (description.lights or description.environment or glows):
         raise LeaflightError(
-            "Nothing that renders sends light, so all would be black: add a light, or brighten the "
-            "world, then bake."
+            "No rendered object emits light, so the bake would be black: add a light, or "
+            "brighten the world."
         )
 
 
@@ -169,9 +169,8 @@ def _collect(layer_collection, rendered):
             continue
         if obj.hide_viewport or collection.hide_viewport:
             raise LeaflightError(
-                f'"{obj.name}" is disabled in viewports but not in renders, so its present shape '
-                "is unknown: enable it in viewports (hiding it with the eye is fine), or disable "
-                "it in renders too."
+                f'"{obj.name}" is disabled in viewports but not in renders, so its current shape '
+                "is unknown: enable it in viewports, or disable it in renders."
             )
         rendered[obj.name_full] = obj
     for child in layer_collection.children:

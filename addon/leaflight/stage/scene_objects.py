@@ -23,19 +23,19 @@ def build(context, description):
     context.scene.collection.children.link(collection)
     for mesh in description.meshes:
         if mesh.texture is not None:
-            warnings.append(f'"{mesh.name}" comes without its image texture')
+            warnings.append(f'"{mesh.name}" is imported without its image texture')
         collection.objects.link(mesh_object(mesh))
     for light in description.lights:
         collection.objects.link(light_object(light))
         cone = getattr(light, "cone", None)
         if cone is not None and cone.cosine_falloff != versions.light_units().spot_cosine:
             warnings.append(
-                f'Light "{light.name}" comes as bright as it was along its axis only: spots of the '
-                "Blender it was baked in fade otherwise towards their edge"
+                f'Light "{light.name}" has the right brightness only on its axis, because spots '
+                "faded differently in the Blender of the bake"
             )
     environment = description.environment
     if environment is not None and environment.image is not None:
-        warnings.append(f'The world "{environment.name}" comes without its image')
+        warnings.append(f'The world "{environment.name}" is imported without its image')
     surround(context.scene, environment)
     context.scene.view_settings.view_transform = "Standard"
     context.scene.view_settings.exposure = math.log2(description.exposure)

@@ -26,22 +26,18 @@ _STAGED = "leaflight_stage"
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.stage"
     bl_label = "Stage"
-    bl_description = (
-        "Put walls, lights and a camera around the volumes, as objects that you may edit, hide "
-        "others, and light the viewport. Another stage replaces the one before"
-    )
+    bl_description = "Add walls, lights and a camera around the volumes, instead of others"
 
     preset: EnumProperty(
-        name="Stage", description="Objects to put around the volumes", items=presets.ITEMS
+        name="Stage", description="Objects to add around the volumes", items=presets.ITEMS
     )
     collection: StringProperty(
         name="Collection",
-        description="Collection of your own objects and lights that shall surround the volumes",
+        description="Collection of your objects and lights around the volumes",
     )
     hide_others: BoolProperty(
         name="Hide Others",
-        description="Hide all other objects from view and from renders, so that they are not baked "
-        "with the stage. Nothing is deleted, and Show Hidden shows them again",
+        description="Hide all other objects, so that they are not baked",
         default=True,
     )
 
@@ -77,7 +73,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         viewport.show_stage(context)
         self._warn(context, isosurface)
         if was_lit:
-            self.report({"INFO"}, "The light of the last bake went with its stage: bake again")
+            self.report({"INFO"}, "The light of the previous stage was removed: bake again")
 
     def _own_collection(self):
         """Returns the collection of My Scene, None for another preset. Raises LeaflightError."""
@@ -86,8 +82,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         collection = bpy.data.collections.get((self.collection, None))
         if collection is None:
             raise LeaflightError(
-                "My Scene needs a collection of your own objects and lights: choose one beside "
-                "Stage."
+                "My Scene has no collection of objects and lights: choose one beside Stage."
             )
         return collection
 
@@ -112,10 +107,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
-    bl_description = (
-        "Move the camera so that the isosurfaces fill its frame as they are shown now. Before a "
-        "bake the stage is fitted to them, too"
-    )
+    bl_description = "Move the camera so that the isosurfaces fill its frame"
 
     def run(self, context):
         scene, isosurface = context.scene, active_volume(context)
@@ -127,31 +119,34 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
         viewport.look_through_camera(context)
 
 
-def build(context, isosurface, volumes, preset, own=None, hide_others=None):
+def build(context, isosurface, volumes, preset, collection=None, hide_others=None):
     """Builds a stage around the isosurfaces of volume objects, with the front of `isosurface`.
 
-    own: the collection of My Scene. hide_others: None leaves other objects as they are. Returns
-    True if a bake had lit the volumes, which lose its light. Raises LeaflightError before anything
-    changes.
+    collection: The collection of My Scene, or None.
+    hide_others: None leaves other objects as they are.
+    Returns True if a bake had lit the volumes, which lose its light. Raises LeaflightError before
+    anything changes.
     """
     scene = context.scene
     context.view_layer.update()
     points = camera.shown_points(volumes)
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
-    description = None if own else presets.fitted(preset, seen)
-    was_lit = _put_out(scene, volumes)
+    description = None if collection else presets.fitted(preset, seen)
+    was_lit = _drop_baked_light(scene, volumes)
     failures.forget()
-    _remember(scene, preset, own)
+    _remember(scene, preset, collection)
     # Keep the camera of the previous stage, because viewports may look through it.
-    kept = scene.camera if is_staged(scene.camera) and own is None else None
+    kept = scene.camera if is_staged(scene.camera) and collection is None else None
     _remove_stage(scene, kept)
     if hide_others is not None:
         hidden.show(scene, hidden.all_hidden(scene))
     if hide_others:
-        hidden.hide(scene, hidden.would_render(scene, set(own.all_objects) if own else ()))
+        hidden.hide(
+            scene, hidden.would_render(scene, set(collection.all_objects) if collection else ())
+        )
     if description is None:
-        _use(scene, own)
+        _use(scene, collection)
     else:
         _build(scene, description, turn, volumes, kept)
     if scene.camera is None or is_staged(scene.camera):
@@ -216,7 +211,7 @@ def _remove_stage(scene, kept):
         scene.camera = scene.leaflight_stage.own_camera
 
 
-def _put_out(scene, volumes):
+def _drop_baked_light(scene, volumes):
     """Shows the volumes and the walls without baked light. The file of the bake stays.
 
     Returns True if a bake had lit the volumes.
@@ -271,11 +266,11 @@ def _color(scene, volumes, albedo):
     remembered.albedo = albedo
 
 
-def _use(scene, own):
+def _use(scene, collection):
     """Links a collection of the user to the scene, and uses its camera."""
-    if own.name not in {child.name for child in scene.collection.children_recursive}:
-        scene.collection.children.link(own)
-    found = next((obj for obj in own.all_objects if obj.type == "CAMERA"), None)
+    if collection.name not in {child.name for child in scene.collection.children_recursive}:
+        scene.collection.children.link(collection)
+    found = next((obj for obj in collection.all_objects if obj.type == "CAMERA"), None)
     scene.camera = found or scene.leaflight_stage.own_camera
 
 

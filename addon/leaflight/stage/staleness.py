@@ -32,14 +32,14 @@ OTHER_SCENE = "another scene"
 PAUSE = 0.5
 
 # Cache, until the next change: (full name of an object, its bake) -> result of change_since_bake().
-_changes = session.remembered()
+_changes = session.cache()
 # Full name of an object -> its world matrix at the last check.
-_places = session.remembered()
+_places = session.cache()
 
 # Results as panels show them, perhaps from before the last change. Names of the objects whose
 # panels are drawn.
-_shown = session.remembered()
-_wanted = session.remembered(set)
+_shown = session.cache()
+_wanted = session.cache(set)
 _changed_at = 0.0
 
 
@@ -193,8 +193,8 @@ def _close(a, b):
 
 def follow_lamps(scene, depsgraph):
     """Relights bakes for the evaluated lamps. Returns True if a bake must be shown again."""
-    lit = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
-    if not lit:
+    volumes = [obj for obj in scene.objects if obj.leaflight.is_volume and obj.leaflight.bake_lamps]
+    if not volumes:
         return False
     try:
         present = [light for light in _present_lamps(depsgraph) if light is not None]
@@ -205,7 +205,7 @@ def follow_lamps(scene, depsgraph):
         return False
     # In a scene without any lamp, show volumes as they were baked.
     has_lamps = any(obj.type == "LIGHT" for obj in scene.objects)
-    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in lit]
+    found = [lamps.follow(obj.leaflight, present if has_lamps else None) for obj in volumes]
     return any(found)
 
 

@@ -66,7 +66,7 @@ def is_dark(world):
 
 def _environment(what, name, radiance, image=None, world_to_image=np.eye(3)):
     if not min(radiance) >= 0 or (image is not None and image.min() < 0):
-        raise LeaflightError(f"{what} sends negative light: make it zero or positive.")
+        raise LeaflightError(f"{what} emits negative light: make it zero or positive.")
     if max(radiance) == 0 or (image is not None and image.max() == 0):
         return None
     red, green, blue = map(float, radiance)
@@ -83,13 +83,13 @@ def _world_to_image(what, end):
         return np.eye(3)
     if node.type != "MAPPING":
         raise LeaflightError(
-            f"{what} turns its image by a {node.bl_label} node, but the bake models a Mapping of "
+            f"{what} uses a {node.bl_label} node for its image, but the bake models a Mapping of "
             "Generated coordinates: use these."
         )
     matrix = nodes.mapping(what, node)
     if not nodes.is_rotation(matrix):
         raise LeaflightError(
-            f"{what} moves or scales its image by a Mapping node, but the bake models rotations: "
+            f"{what} has a Mapping node with location or scale, but the bake models rotations: "
             "reset its location and scale."
         )
     return matrix[:3, :3] @ _world_to_image(what, nodes.socket(node, "Vector"))

@@ -35,8 +35,8 @@ def beside(bake_path):
     path = Path(bake_path)
     name = re.compile(re.escape(path.stem) + r"(_\d+)?_atlas(_back)?\.exr")
     folder = path.parent
-    there = sorted(folder.iterdir()) if folder.is_dir() else ()
-    return [other for other in there if name.fullmatch(other.name)]
+    files = sorted(folder.iterdir()) if folder.is_dir() else ()
+    return [other for other in files if name.fullmatch(other.name)]
 
 
 def renamed(atlas, old_bake, new_bake):

@@ -44,7 +44,7 @@ _GIVEN_UP = 7 * 24 * 3600
 _SESSION = time.strftime(f"{_UNSAVED}%Y%m%d_%H%M%S_{os.getpid()}")
 
 # Cache: path -> (state of the file, its id or the LeaflightError on reading it).
-_ids = session.remembered()
+_ids = session.cache()
 
 
 def user_folder():
@@ -152,24 +152,23 @@ def holds(path, identifier):
 def locate(obj):
     """Finds the file of the bake that lights an object. Raises LeaflightError if there is none."""
     settings = obj.leaflight
-    looks = _remembered(obj)
-    for path in looks:
+    paths = _remembered(obj)
+    for path in paths:
         if holds(path, settings.bake_id):
             return path
     for folder in places(obj):
         for path in bakes_in(folder):
             if id_in(path) == settings.bake_id:
                 return path
-    for path in looks:
+    for path in paths:
         if path.is_file():
             id_in(path)  # raises the reason if the file is no bake
             raise LeaflightError(
-                f'{path}: this file holds another bake than the one that lights "{obj.name}": '
-                "relocate the bake, or bake again."
+                f'{path}: this is not the bake of "{obj.name}": relocate the bake, or bake again.'
             )
     raise LeaflightError(
-        f'{looks[0]}: the bake of "{obj.name}" is neither there nor in a folder of another '
-        "bake: relocate the bake, or bake again."
+        f'{paths[0]}: the bake of "{obj.name}" is missing here and in folders of other bakes: '
+        "relocate the bake, or bake again."
     )
 
 
@@ -265,7 +264,7 @@ def move_along(objects):
             except (OSError, LeaflightError) as error:
                 why = getattr(error, "strerror", None) or str(error).rstrip(".")
                 problems[obj.name_full] = (
-                    f"{path}: the bake could not be moved beside the .blend and stays there: {why}."
+                    f"{path}: the bake cannot be moved beside the .blend: {why}; it stays here."
                 )
         before = obj.leaflight.bake_path, obj.leaflight.bake_home
         remember(obj, path)

@@ -27,9 +27,9 @@ class _Readings(dict):
         super().clear()
 
 
-_volumes = session.remembered()
-_bakes = session.remembered()
-_readings = session.remembered(_Readings)
+_volumes = session.cache()
+_bakes = session.cache()
+_readings = session.cache(_Readings)
 # Thread-local: `now` is True within waiting().
 _waits = threading.local()
 # Functions that a timer calls while files are read. Their arguments are the Progress, None at the
@@ -40,7 +40,7 @@ watching = []
 _MOST = 2 << 30
 
 # Cache: id of a bake or key of a volume -> (state of its file, why it could not be read).
-_damaged = session.remembered()
+_damaged = session.cache()
 
 
 @contextmanager
@@ -261,8 +261,8 @@ def _source_volume(obj):
     settings = obj.leaflight
     if not settings.source:
         raise LeaflightError(
-            f'"{obj.name}" came with its bake and has no volume file of its own: relocate the '
-            "bake, keep Capped as it was baked, or import the volume."
+            f'"{obj.name}" has no volume file, only its bake: relocate the bake, keep Capped as '
+            "baked, or import the volume."
         )
     key = source_files.key_of(settings)
     if key not in _volumes and key not in _readings:

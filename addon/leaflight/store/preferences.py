@@ -17,34 +17,32 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
 
     own_cache_folder: BoolProperty(
         name="Own Cache Folder",
-        description="Keep the bakes of unsaved files elsewhere than in Blender's user folder, "
-        "where that lies on a small or slow disk",
+        description="Store bakes of unsaved files outside Blender's user folder",
     )
     cache_folder: StringProperty(
         name="Cache Folder",
-        description="Folder for the bakes of files that were never saved",
+        description="Folder of bakes of unsaved files",
         subtype="DIR_PATH",
     )
     limit_threads: BoolProperty(
         name="Limit Threads",
-        description="Leave some processors to other work while a bake runs",
+        description="Limit the number of threads of a bake",
     )
     threads: IntProperty(
         name="Threads",
-        description="Threads that bake at once. The result is the same for any number",
+        description="Number of threads of a bake. The result does not depend on it",
         default=max(1, (os.cpu_count() or 2) // 2),
         min=1,
         soft_max=64,
     )
     limit_memory: BoolProperty(
         name="Limit Memory",
-        description="Let volumes and bakes leave memory to others: larger volumes lie in a file, "
-        "and texels become as coarse as their light has room",
+        description="Limit memory: larger volumes use files, and texels become coarser",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
         name="Memory (GB)",
-        description="Gigabytes that volumes and bakes may take from now on",
+        description="Memory limit of volumes and bakes in gigabytes",
         default=8.0,
         min=0.5,
         soft_max=512.0,

@@ -16,13 +16,16 @@ class StillReading(LeaflightError):
 class Reading:
     """The steps of reading a file, in a thread. Touches no Blender data.
 
-    - path, state: of the file (bake_files.state_of()).
-    - progress: a Progress.
-    - found: the result of the last step that has ended, None before the first.
+    path, state: Path and state of the file (bake_files.state_of()).
+    progress: A Progress.
+    found: Result of the last step that has ended, None before the first.
     """
 
     def __init__(self, path, state, steps):
-        """steps: a generator function of the Progress, which yields the result of each step."""
+        """Starts the thread.
+
+        steps: Generator function of the Progress, which yields the result of each step.
+        """
         self.path, self.state, self._steps = path, state, steps
         self.progress, self.found, self._error = leaflight.Progress(), None, None
         # Number of ended steps, and of those that has_news() has reported.
@@ -41,8 +44,8 @@ class Reading:
         except Exception as error:
             traceback.print_exc()
             self._error = LeaflightError(
-                f"{self.path}: a bug of Leaflight ended the reading of this file "
-                f"({type(error).__name__}: {error}); please report it."
+                f"{self.path}: a bug in Leaflight ended the reading of this file "
+                f"({type(error).__name__}: {error}): please report it."
             )
         self._end_step()
 

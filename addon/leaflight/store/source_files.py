@@ -34,15 +34,15 @@ CHOICES = (
     "smooth",
     "smooth_normals",
 )
-# Properties that are in effect above this number.
+# Largest value of each property that has no effect.
 _NONE = {"frame": -1, "channel": -1, "downsample": 1, "smooth": 0, "smooth_normals": 0}
 # Properties for the smoothing of values and of normals alone.
 SMOOTHING = CHOICES[-2:]
 
 # Cache: key_of() -> hash of the values, so that each file is read only once for it.
-_hashes = session.remembered()
+_hashes = session.cache()
 # Cache: key_of() -> True if the coordinates are a patient's.
-_patients = session.remembered()
+_patients = session.cache()
 
 
 def path_of(settings):
@@ -129,8 +129,8 @@ def _in_words_of_blender():
         raise LeaflightError(
             f"{missing.path}: reading this {missing.kind} needs the Python package "
             f"{missing.package}, which Blender's Python lacks: run "
-            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and start "
-            "Blender again."
+            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and restart "
+            "Blender."
         ) from None
 
 

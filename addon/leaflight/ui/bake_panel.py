@@ -96,7 +96,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
             layout.label(text=iface_("Baked in %s s") % seconds, icon="CHECKMARK")
         elif settings.bake_error <= settings.bake_target:
             name = _name_of_quality(settings)
-            layout.label(text=iface_("Quality reached: %s") % name, icon="CHECKMARK")
+            layout.label(text=iface_("Quality: %s") % name, icon="CHECKMARK")
         else:
             figures = f"{settings.bake_error:.2g}", _name_of_quality(settings)
             text = iface_("Estimated error %s %% (target: %s)") % figures
@@ -181,7 +181,7 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
             text = iface_("Bakes: %s") % load_bake.megabytes(bakes)
             if unused:
                 sizes = load_bake.megabytes(bakes), load_bake.megabytes(unused)
-                text = iface_("Bakes: %s, of which unused: %s") % sizes
+                text = iface_("Bakes: %s (unused: %s)") % sizes
             sentence(context, self.layout, text, icon="DISK_DRIVE")
 
 

@@ -52,7 +52,7 @@ def _plays():
 
 
 # Isosurfaces that were moved before Blender evaluated the change.
-_moved = session.remembered(list)
+_moved = session.cache(list)
 
 
 @persistent
@@ -87,13 +87,13 @@ def _after_change(scene, depsgraph):
     if any(_concerns_bakes(scene, change, moved) for change in changes):
         staleness.forget()
         live.changed(scene, at_once=depsgraph.mode == "VIEWPORT")
-    if isovalues.left_alone() or walls.are_left_alone(scene):
-        _remove(_left_alone)
+    if isovalues.orphans() or walls.are_orphans(scene):
+        _remove(_remove_orphans)
 
 
-def _left_alone():
-    isovalues.remove_left_alone()
-    walls.remove_left_alone()
+def _remove_orphans():
+    isovalues.remove_orphans()
+    walls.remove_orphans()
 
 
 def _remove(remove):
@@ -149,7 +149,7 @@ def _is_ours(obj):
 
 
 # Name of an isosurface -> its materials that were removed before undo.
-_taken_off = session.remembered()
+_taken_off = session.cache()
 
 
 @persistent
@@ -231,7 +231,7 @@ def _before_load(*_):
     jobs.abandon()
     failures.forget()
     stopped.save_offered()
-    session.forget()
+    session.clear()
     staleness.forget()
 
 
@@ -252,7 +252,7 @@ def _after_save(*_):
         try:
             bpy.ops.wm.save_mainfile()
         except RuntimeError as error:
-            sentence = f"The new places of the bakes are not in the saved .blend: {error}"
+            sentence = f"The saved .blend lacks the new paths of its bakes: {error}"
             surface_object.problems.update({obj.name_full: sentence.strip() for obj in ours})
 
 
@@ -296,4 +296,4 @@ def unregister():
     cache.watching.remove(_show_reading)
     jobs.abandon()
     stopped.save_offered()
-    session.forget()
+    session.clear()

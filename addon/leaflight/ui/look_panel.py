@@ -91,7 +91,7 @@ class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
             text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
             column.prop(obj.leaflight_look, "is_cut", text=text)
         if shown.box.type != "EMPTY" and not shown.box.hide_render:
-            text = iface_('"%s" renders and is baked: hide it in renders') % shown.box.name
+            text = iface_('"%s" is rendered and baked: hide it in renders') % shown.box.name
             sentence(context, layout, text, icon="ERROR")
 
 
@@ -140,7 +140,7 @@ class LEAFLIGHT_PT_labels(ClosedPanel, bpy.types.Panel):
     def draw(self, context):
         settings = active_volume(context).leaflight
         if not settings.unit:
-            text = iface_("The file gives no unit of length")
+            text = iface_("The file has no unit of length")
             sentence(context, self.layout, text, icon="QUESTION")
         self.layout.prop(settings, "unit_choice")
         row = self.layout.row(align=True)
@@ -158,7 +158,7 @@ class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):
             render_comparison.LEAFLIGHT_OT_render_comparison.bl_idname, icon="RENDER_STILL"
         )
         if display.added_to(volume):
-            sentence(context, layout, "Of the volume's own isosurface alone", icon="INFO")
+            sentence(context, layout, "Only for the volume's first isosurface", icon="INFO")
         comparison = volume.leaflight.comparison
         if comparison:
             sentence(context, layout, comparison)

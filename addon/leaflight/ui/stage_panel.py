@@ -56,7 +56,7 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
 
 class LEAFLIGHT_MT_stage(bpy.types.Menu):
     bl_label = "Stage"
-    bl_description = "Choose what to put around the volumes"
+    bl_description = "Choose objects around the volumes"
 
     def draw(self, _context):
         for key, preset in presets.PRESETS.items():

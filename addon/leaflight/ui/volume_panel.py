@@ -123,9 +123,9 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         found = distribution.of(obj)
         if found is not None and not obj.leaflight.smooth:
             if found.are_labels:
-                layout.label(text="A mask or labels: smooth by 1 voxel", icon="INFO")
+                layout.label(text="Mask or labels: smooth by 1 voxel", icon="INFO")
             elif found.is_terraced:
-                layout.label(text="8-bit steps show: smooth by 1 voxel", icon="INFO")
+                layout.label(text="8-bit steps are visible: smooth by 1 voxel", icon="INFO")
 
     def _draw_frames(self, settings):
         """Draws the shown frame of a series, and the number of baked frames."""
@@ -133,9 +133,9 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         layout.prop(settings, "shown_frame", text=iface_("Frame (0 to %d)") % (settings.frames - 1))
         baked = frame_bakes.count_baked(settings)
         if settings.bake_id:
-            text, icon = iface_("Baked; %d of %d frames are"), "CHECKMARK"
+            text, icon = iface_("Baked (%d of %d frames)"), "CHECKMARK"
         else:
-            text, icon = iface_("Not baked; %d of %d frames are"), "ERROR"
+            text, icon = iface_("Not baked (%d of %d frames are)"), "ERROR"
         layout.label(text=text % (baked, settings.frames), icon=icon, translate=False)
         layout.operator(continue_bake.LEAFLIGHT_OT_bake_frames.bl_idname, icon="RENDER_ANIMATION")
 

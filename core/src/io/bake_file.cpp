@@ -291,7 +291,7 @@ RadianceGrid<3> read_radiance(const VdbFile& file, std::size_t volume, const Ind
     const auto back_indirect = find_grid<Vec3Grid>(file, name(back_indirect_name));
     if (!back_indirect) {
       throw Error("'" + text_of(path) +
-                  "' is a bake of an earlier Leaflight; bake the volume again.");
+                  "' is a bake of an earlier version; bake the volume again.");
     }
     found.radiance_back = texels_of(*back, lattice);
     found.radiance_back_indirect = texels_of(*back_indirect, lattice);
@@ -310,8 +310,7 @@ RadianceGrid<3> read_radiance(const VdbFile& file, std::size_t volume, const Ind
 void read_walls(const VdbFile& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
   const auto grid = find_grid<Vec3Grid>(file, walls_name);
   if (!grid && find_grid<Vec3Grid>(file, old_walls_name)) {
-    throw Error("'" + text_of(path) +
-                "' is a bake of an earlier Leaflight; bake the volume again.");
+    throw Error("'" + text_of(path) + "' is a bake of an earlier version; bake the volume again.");
   }
   if (!grid) return;
   const auto meshes = grid->getMetadata<openvdb::Int32Metadata>("leaflight_meshes");
@@ -371,8 +370,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
 StoredBake read_bake(const std::filesystem::path& path) {
   if (check_seal(path) == Seal::broken) {
     throw Error("'" + text_of(path) +
-                "' is damaged: its checksum is not that of what it holds; fetch it again, or bake "
-                "again.");
+                "' is damaged, because its checksum is wrong; fetch it again, or bake again.");
   }
   const VdbFile file = read_vdb(path);
   StoredBake bake;

@@ -13,7 +13,7 @@ namespace {
 const std::string first_line = "Leaflight checkpoint 1\n";
 
 Error damaged(const std::filesystem::path& path) {
-  return Error("'" + text_of(path) + "' is no checkpoint of a bake, or damaged; bake anew.");
+  return Error("'" + text_of(path) + "' is not a checkpoint, or is damaged; bake again.");
 }
 
 // Returns the text; the stream is then at the start of the state.

@@ -27,10 +27,10 @@ namespace leaflight {
 namespace {
 
 Error no_room(std::size_t bytes, const std::filesystem::path& folder, const std::string& why) {
-  return Error("'" + folder.string() + "': there is no room for a file of " +
+  return Error("'" + folder.string() + "': there is no room for " +
                std::to_string((bytes + (1 << 20) - 1) >> 20) +
-               " MiB, which a volume takes that is larger than the memory it may have (" + why +
-               "); make room there, or give more memory.");
+               " MiB of a volume that exceeds the memory limit (" + why +
+               "); make room there, or raise the limit.");
 }
 
 }  // namespace

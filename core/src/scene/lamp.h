@@ -35,7 +35,7 @@ template <int D>
 struct PointLight {
   struct Cone {
     Vec<D> axis;                  // unit
-    double cosine = 0;            // of the half angle
+    double cosine = 0;            // cosine of the half angle
     double blend = 0;             // in [0,1]: part of 1 - cosine over which the edge fades
     bool cosine_falloff = false;  // true for Blender 3.4's spots, which also fade with the cosine
   };

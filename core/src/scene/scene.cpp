@@ -127,7 +127,7 @@ void check_light(const PointLight<D>& light) {
   check_light_amount(light.intensity, name, "intensity");
   if (!light.cone) return;
   if (!(std::abs(light.cone->axis.length() - 1) < 1e-6)) {
-    throw Error(name + " has an axis that is not of length 1; normalise it.");
+    throw Error(name + " has an axis that is not of length 1; normalize it.");
   }
   if (!(light.cone->cosine > -1 && light.cone->cosine < 1)) {
     throw Error(name + " has a cone of no angle; choose one above 0 and below 360 degrees.");
@@ -141,7 +141,7 @@ template <int D>
 void check_light(const SunLight<D>& light) {
   const std::string name = "The light '" + light.name + "'";
   if (!(std::abs(light.direction.length() - 1) < 1e-6)) {
-    throw Error(name + " has a direction that is not of length 1; normalise it.");
+    throw Error(name + " has a direction that is not of length 1; normalize it.");
   }
   if (!(light.angle >= 0 && light.angle < pi)) {
     throw Error(name + " has an angle that is not between 0 and 180 degrees; correct it.");

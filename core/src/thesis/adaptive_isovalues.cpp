@@ -64,7 +64,7 @@ class Neighbourhoods {
 
   // Returns the span of the values within a ball around each point.
   std::vector<Span> within(double radius) const {
-    std::vector<Index<D>> rows;  // offsets of rows; along axis 0, half their lengths
+    std::vector<Index<D>> rows;  // offsets of rows; axis 0 has half the length of a row
     Index<D> low{}, high{};
     high[0] = 1;
     for (int a = 1; a < D; ++a) {

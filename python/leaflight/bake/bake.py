@@ -54,7 +54,9 @@ def placed(
     volumes = as_volumes(volumes)
     for volume in volumes:
         if np.ndim(volume.values) != 3:
-            raise LeaflightError(f"{volume.name}: this is no volume; light images with flatland.")
+            raise LeaflightError(
+                f"{volume.name}: this is an image, not a volume: light it with bake_flatland()."
+            )
     # All volumes share one world and its unit.
     unit = next((volume.unit for volume in volumes if volume.unit), "")
     volumes = [volume.in_unit(unit) for volume in volumes]
@@ -110,33 +112,36 @@ def bake(
     Each pass improves the result. The bake ends at the target error, at the time limit, or after
     progress.stop(). The statistics of the Bake hold the error that it reached.
 
-    volumes: a Volume, an array or image that as_volume() takes, or a list of them; those of a list
-        light each other (see scene.py). World coordinates use the first unit that a volume has.
-    spacing: the voxel size of arrays without one: a number or (x, y, z).
-    scene: a SceneDescription, fitted around the volumes; None is the Cornell box.
-    settings: the following fields of BakeSettings, by name.
-    isovalues: (lo, hi) of the common isovalue. One volume: in data units; None takes the range of
-        the scene, else default_isovalue_range(volume). Several: within 0..1; None is (0, 1).
-    error: target error in percent, as rms_percent of compare(); None is 1.5. time: limit in
-        seconds, None for no limit. A short limit makes the texels wider. At least one coarse
-        result is computed.
-    resolution: texels along the longest axis (the other axes in proportion to their nodes), or (nx,
-        ny, nz); None is as fine as the data need and the memory allows.
-    seed: equal seeds give equal results with any number of threads; threads: 0 uses every core.
-    both_sides: bakes the back of each isosurface, too; None does so where backs are visible, as in
-        level sets and negative lobes. walls: bakes the meshes around the volumes, too.
-    on_pass: called with a Bake after each pass but the last, in the thread that bakes. The
+    volumes: A Volume, an array or image that as_volume() takes, or a list of them. Volumes of a
+        list light each other (see scene.py). World coordinates use the first unit that one has.
+    spacing: Voxel size of arrays without one: a number or (x, y, z).
+    scene: A SceneDescription, fitted around the volumes. None is the Cornell box.
+    settings: Fields of BakeSettings by name, as follows.
+    isovalues: Range (lo, hi) of the common isovalue. For one volume it is in data units; None takes
+        the range of the scene, else default_isovalue_range(volume). For several it lies within
+        0..1; None is (0, 1).
+    error: Target error in percent, as rms_percent of compare(). None is 1.5.
+    time: Limit in seconds; None is no limit. A short limit makes the texels wider. At least one
+        coarse result is computed.
+    resolution: Texels along the longest axis, or (nx, ny, nz). One number gives the other axes
+        texels in proportion to their nodes. None is as fine as the data need and the memory allows.
+    seed: Seed of the random numbers. Equal seeds give equal results with any number of threads.
+    threads: Number of threads; 0 uses every core.
+    both_sides: True bakes the back of each isosurface, too. None does so where backs are visible,
+        as in level sets and negative lobes.
+    walls: True bakes the meshes around the volumes, too.
+    on_pass: Function called with a Bake after each pass but the last, in the thread that bakes. The
         statistics of that Bake lack estimated_rms_percent, because it is slow to compute.
     progress: None shows a bar in terminals and notebooks; False shows nothing. A function is called
         with the fraction done and the stage. Another thread polls, stops or cancels a Progress.
         Ctrl-C ends the bake, unless progress is a Progress.
-    checkpoint: a Checkpoint, the file in which a bake in passes saves its state, at most half a
+    checkpoint: A Checkpoint, the file in which a bake in passes saves its state, at most half a
         minute apart. An interrupted bake resumes from it and gives the same bits.
-    workers: cluster.workers.Workers, which trace the light of a bake in passes, with the same bits;
-        None uses this process alone.
-    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled. Warns before
-    the first pass: UnusedSetting for settings without an effect in the scene, ChosenSetting if None
-    of both_sides bakes both sides.
+    workers: A cluster.workers.Workers, which traces the light of a bake in passes, with the same
+        bits. None uses this process alone.
+    Returns a Bake. Raises Cancelled, and LeaflightError for input that cannot be baked. Warns
+    before the first pass: UnusedSetting for settings without an effect in the scene, ChosenSetting
+    if None of both_sides bakes both sides.
     """
     task = task_of(as_volumes(volumes, spacing), scene, **settings)
     for sentence in unused_settings(task):
@@ -175,7 +180,7 @@ def unused_settings(task: Task) -> list[str]:
     skipped = dict(_core.skipped_passes(task.core_scene(), task.settings))
     back, walls = skipped.get("radiance of the back"), skipped.get("radiance of the walls")
     if all(isosurfaces.scattering != "diffuse" for isosurfaces in task.scene.isosurfaces):
-        back = "mirrors and glass store no light, since what they show depends on the view"
+        back = "mirrors and glass store no light, because their appearance depends on the view"
     sentences = []
     if task.settings.both_sides and back:
         sentences.append(f"No backs are baked: {back}.")
@@ -207,7 +212,7 @@ def lit(
     """
     volumes, scene, isovalues = task.volumes, task.scene, task.isovalues
 
-    def whole(baked: _core.Baked) -> Bake:
+    def as_bake(baked: _core.Baked) -> Bake:
         statistics = statistics_of(baked)
         grids, continued = baked.grids, ""
         # A previous bake with other texels, a first coarse result, is not continued.
@@ -225,7 +230,7 @@ def lit(
     if previous is not None:
         known = previous.provenance
         light = (previous.grids, known.passes, known.blocks)
-    look = None if on_pass is None else lambda baked: on_pass(whole(baked))
+    on_core_pass = None if on_pass is None else lambda baked: on_pass(as_bake(baked))
     progress = progress or _core.Progress()
     rest = checkpoint.arguments(task.provenance) if checkpoint else {}
     with contextlib.ExitStack() as shared:
@@ -233,8 +238,8 @@ def lit(
             tracing = workers.tracing(volumes, scene, isovalues, task.settings, progress)
             rest["workers"] = shared.enter_context(tracing)
         baked = _core.bake(
-            task.core_scene(), task.settings, progress, on_pass=look, previous=light, **rest
+            task.core_scene(), task.settings, progress, on_pass=on_core_pass, previous=light, **rest
         )
-    result = whole(baked)
+    result = as_bake(baked)
     noise = estimated_rms_percent(result.grids, scene.exposure)
     return replace(result, statistics=replace(result.statistics, estimated_rms_percent=noise))

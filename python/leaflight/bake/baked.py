@@ -50,9 +50,12 @@ LARGEST_STEP = 0.05
 class Surface:
     """One lit isosurface in world coordinates.
 
-    vertices, normals (unit, away from the side that is lit), radiance (W/(m^2 sr), linear RGB):
-    float32 (n, 3); triangles: int32 (m, 3); seconds: the time of contouring and lookup; unit: of
-    the world, as of a Volume.
+    vertices: Positions, float32 (n, 3).
+    normals: Unit normals towards the lit side, float32 (n, 3).
+    radiance: Radiance of each vertex in W/(m^2 sr), linear RGB, float32 (n, 3).
+    triangles: Vertex numbers, int32 (m, 3).
+    seconds: Time of contouring and lookup.
+    unit: Unit of the world, as in a Volume.
     """
 
     vertices: Array
@@ -72,12 +75,14 @@ class Bake:
 
     Every `isovalue` is the common isovalue (see scene.py): the isovalue of a single volume, and
     0..1 with several.
-    isovalues: (lo, hi), the baked isovalue range.
-    grids: one _core.RadianceGrid for each volume; walls: _core.WallRadiance or None.
-    statistics: the cost and the estimated error, see Statistics.
-    provenance: everything that the result depends on, a Provenance; equal bakes have equal ones.
-    original: the bake that relit() or moved() was called on; None for a bake that was computed.
-    factors: (r, g, b) of each lamp of the scene, its strength relative to the original; None unless
+
+    isovalues: The baked isovalue range (lo, hi).
+    grids: One _core.RadianceGrid for each volume.
+    walls: A _core.WallRadiance or None.
+    statistics: The cost and the estimated error.
+    provenance: Everything that the result depends on. Equal bakes have equal ones.
+    original: The bake that relit() or moved() was called on. None for a bake that was computed.
+    factors: Strength (r, g, b) of each lamp of the scene relative to the original. None unless
         relit() made this bake.
     """
 
@@ -146,8 +151,8 @@ class Bake:
         """
         if self.original is not None:
             raise LeaflightError(
-                "A bake with other lamps or in another scene is not saved: save its original, "
-                "which can be relit and moved at any time, or bake again."
+                "A bake with changed lamps or in another scene cannot be saved: save its "
+                "original, which can be changed again at any time, or bake again."
             )
         check_writable(path, ".vdb")
         metadata = {
@@ -261,7 +266,7 @@ class Bake:
         names = [mesh.name for mesh in self.scene.meshes]
         if name not in names:
             raise LeaflightError(
-                f'There is no mesh "{name}" around the volumes: choose one of {", ".join(names)}.'
+                f'The scene has no mesh "{name}": choose one of {", ".join(names)}.'
             )
         return names.index(name)
 
@@ -306,12 +311,12 @@ class Bake:
         self._check_volume(volume)
         self._check_isovalue(isovalue)
         low, high = self.volumes[volume].field().range
-        own = self.isovalue_of(volume, isovalue)
-        if not low < own <= high:
-            shown, least, most = figures(own, *self.volumes[volume].data_range())
+        local = self.isovalue_of(volume, isovalue)
+        if not low < local <= high:
+            shown, least, most = figures(local, *self.volumes[volume].data_range())
             raise LeaflightError(
-                f"Isovalue {shown} lies outside the data, whose values are {least}..{most}: "
-                "no isosurface exists there, choose one inside."
+                f"Isovalue {shown} is outside the data, {least}..{most}, so it has no isosurface: "
+                "choose an isovalue inside."
             )
 
     def core_scene(self) -> _core.Scene:

@@ -54,9 +54,9 @@ def why_both_sides_of(
 
     isovalues: the range of the common isovalue.
     """
-    for volume, look in zip(volumes, isosurfaces):
-        own = look.isovalues if len(volumes) > 1 and look.isovalues is not None else isovalues
-        why = "" if look.scattering != "diffuse" else why_both_sides(volume, (own[0], own[1]))
+    for volume, material in zip(volumes, isosurfaces):
+        low, high = material.isovalues if len(volumes) > 1 and material.isovalues else isovalues
+        why = "" if material.scattering != "diffuse" else why_both_sides(volume, (low, high))
         if why:
             return why
     return ""

@@ -25,9 +25,10 @@ def checkpoint_for(out: str | os.PathLike[str]) -> Path:
 class Checkpoint:
     """The file in which a bake in passes saves its state; a bake of fixed work writes none.
 
-    path: of the file; recipe: data in JSON's types from which the caller can start the same bake
-    again; resume: continues from the existing file; seconds: between two checkpoints, None for
-    SECONDS.
+    path: Path of the file.
+    recipe: Data in JSON's types from which the caller can start the same bake again.
+    resume: True continues from the existing file.
+    seconds: Time between two checkpoints. None is SECONDS.
     """
 
     path: Path
@@ -48,8 +49,8 @@ class Checkpoint:
             # The same source may be written in another way now, such as with its full path.
             if left.with_volumes(source="") != provenance.with_volumes(source=""):
                 raise LeaflightError(
-                    f"{self.path}: this is the checkpoint of another bake, or the volume, the "
-                    "scene or the program has changed since; bake anew."
+                    f"{self.path}: this checkpoint belongs to another bake, or the volume, the "
+                    "scene or Leaflight has changed since: start the bake again."
                 )
             arguments["resumed"] = self.path
         return arguments
@@ -75,4 +76,6 @@ def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
             raise ValueError
         return {**text, "provenance": provenance_from_json(text["provenance"])}
     except (KeyError, TypeError, ValueError, RecursionError):
-        raise LeaflightError(f"{path}: this is no checkpoint of a bake; bake anew.") from None
+        raise LeaflightError(
+            f"{path}: this is not a checkpoint of a bake: start the bake again."
+        ) from None

@@ -109,12 +109,14 @@ def pilot(
     watched = progress or _core.Progress()
     passes: list[Statistics] = []
 
-    def look(baked: Bake) -> None:
+    def collect(baked: Bake) -> None:
         passes.append(baked.statistics)
         if len(_alike(passes)) >= PILOT_PASSES:
             watched.stop()
 
-    baked = bake(volumes, scene, error=error, time=time, on_pass=look, progress=watched, **settings)
+    baked = bake(
+        volumes, scene, error=error, time=time, on_pass=collect, progress=watched, **settings
+    )
     return Pilot(passes, baked.statistics)
 
 

@@ -67,7 +67,7 @@ def coarser_texels(resolution: object, settings: _core.BakeSettings) -> tuple[Sk
     """
     if resolution is not None or not any(settings.resolution):
         return ()
-    reason = f"the light of {_by(settings.resolution)} is what the memory has room for"
+    reason = f"the memory has room for {_by(settings.resolution)} texels"
     return (SkippedPass(FINER_TEXELS, reason),)
 
 

@@ -82,7 +82,9 @@ def open_bake(
     core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
     bake = Bake(volumes, scene, (lo, hi), grids, None, statistics, provenance)
     if bake.id != identifier:
-        raise LeaflightError(f"{path}: its metadata were changed; bake the volume again.")
+        raise LeaflightError(
+            f"{path}: its metadata were edited after the bake; bake the volume again."
+        )
     for number, (grid, record) in enumerate(zip(grids, records)):
         if record.map_resolution:
             grid.direct = _core.DirectLight(

@@ -17,7 +17,7 @@ class _Baked(Protocol):
     def provenance(self) -> Provenance: ...
 
 
-def outcome(bake: _Baked, why: str = "it was stopped or its time was over") -> str:
+def outcome(bake: _Baked, why: str = "it was stopped or reached its time limit") -> str:
     """Returns a sentence about the estimated error of a Bake or FlatBake and its target.
 
     why: the reason, if it stopped early. The text is empty for a fixed amount of work.
@@ -42,10 +42,12 @@ def _reached(bake: _Baked, why: str) -> str:
     if statistics.stopped:
         return f"{text}; the target was not reached: {why}"
     if not bake.provenance.blocks:
-        return f"{text}; the target was not reached with so few samples"
+        return f"{text}; so few samples did not reach the target"
     if is_limited_by_texels(bake):
-        return f"{text}; most of it is detail finer than the texels, which more passes do not add"
-    return f"{text}; the target was not reached in the most passes that a bake has: continue it"
+        return (
+            f"{text}; most of it is detail finer than the texels, which more passes do not resolve"
+        )
+    return f"{text}; the largest number of passes did not reach the target: continue the bake"
 
 
 def is_limited_by_texels(bake: _Baked) -> bool:

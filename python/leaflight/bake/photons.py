@@ -17,9 +17,12 @@ from .settings import whole
 class Photons:
     """The n hits on isosurfaces of `count` photons that lights emitted.
 
-    positions: (n, 3) float64, world; flux_height: (n, 3) float32, of a photon in W, times the
-    height of the range, in units of the common isovalue (thesis Eq. 4.4); common_isovalue: (n,)
-    float32, the isovalue of a single volume; direct: (n,) bool, straight from a light.
+    positions: Hits in world coordinates, float64 (n, 3).
+    flux_height: Flux of each photon in W times the height of the isovalue range, float32 (n, 3).
+        The height is in units of the common isovalue (thesis Eq. 4.4).
+    common_isovalue: Isovalue of each hit, float32 (n,). It is that of the volume if there is only
+        one.
+    direct: True for photons straight from a light, bool (n,).
     """
 
     count: int

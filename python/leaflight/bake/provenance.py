@@ -23,16 +23,17 @@ _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
 _Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
 # Message about a file that lacks a part of its provenance.
-EARLIER = "this is a bake of an earlier Leaflight; bake the volume again"
+EARLIER = "this bake was made by an earlier version of Leaflight; bake the volume again"
 
 
 @dataclass(frozen=True)
 class VolumeRecord:
-    """The record of a volume that was baked.
+    """The record of a volume that was baked. The other fields are those of Volume and Isosurfaces.
 
-    values_sha256: the result of values_sha256(); index_to_world: four rows; the others as in Volume
-    and Isosurfaces. resolution: of the texels, () before the first pass; map_resolution: of the
-    visibility maps, () if there are none.
+    values_sha256: Result of values_sha256().
+    index_to_world: Four rows of the matrix.
+    resolution: Texels along each axis, () before the first pass.
+    map_resolution: Texels of the visibility maps, () if there are none.
     """
 
     name: str
@@ -51,12 +52,17 @@ class VolumeRecord:
 class Provenance:
     """Everything that the light of a bake depends on; equal bakes have equal ones.
 
-    volumes: a VolumeRecord of each; scene: the text of a scene file; isovalues: the isovalue range.
-    seed, both_sides, walls, error: as for bake(); asked_resolution: zeros if none was asked for.
-    passes, blocks: numbers of passes and blocks of indirect light in the averages; continued: the
-    id of the bake that this one resumed, or ""; fixed: the settings of a fixed number of samples
-    (../thesis), or None. With fixed settings error is None and there are no passes.
-    lamps: (r, g, b) of each lamp of a bake that relit() made, which is never saved; else None.
+    volumes: A VolumeRecord of each volume.
+    scene: Text of a scene file.
+    isovalues: The isovalue range.
+    seed, both_sides, walls, error: As for bake(). error is None with fixed settings.
+    asked_resolution: Resolution that the user asked for, or zeros.
+    passes, blocks: Numbers of passes and blocks of indirect light in the averages. Fixed settings
+        have none.
+    continued: Id of the bake that this one resumed, or "".
+    fixed: Settings of a fixed number of samples (../thesis), or None.
+    lamps: Strength (r, g, b) of each lamp of a bake that relit() made, which is never saved; else
+        None.
     """
 
     volumes: tuple[VolumeRecord, ...]
@@ -140,11 +146,11 @@ def provenance_of(
             values_sha256(volume),
             frozen(np.asarray(volume.index_to_world, np.float64).tolist()),
             volume.unit,
-            look.capped,
+            material.capped,
             volume.patient,
             volume.smooth_normals,
         )
-        for volume, look in zip(volumes, isosurfaces)
+        for volume, material in zip(volumes, isosurfaces)
     )
     lo, hi = map(float, isovalue_range)
     return Provenance(
@@ -172,11 +178,11 @@ def provenance_from_json(text: str) -> Provenance:
     numbers += [volume.smooth_normals for volume in volumes]
     numbers += [] if found.error is None else [found.error]
     if not all(isinstance(text, str) for text in texts):
-        raise TypeError("a text is none")
+        raise TypeError("a text is not a text")
     if not all(isinstance(number, (int, float)) for number in numbers):
-        raise TypeError("a number is none")
+        raise TypeError("a number is not a number")
     if len(found.isovalues) != 2 or found.lamps is not None:
-        raise ValueError("no isovalue range, or lamps")
+        raise ValueError("the isovalue range is missing, or there are lamps")
     return found
 
 
@@ -194,14 +200,14 @@ def read_bake_id(path: str | os.PathLike[str]) -> str:
     """
     try:
         if not Path(path).is_file():
-            raise LeaflightError(f"{path}: there is no such file; give the .vdb that bake wrote.")
+            raise LeaflightError(f"{path}: there is no such file; give a .vdb written by bake.")
         header = _core.read_bake_header(path)
     except OSError as error:
         raise LeaflightError(f"{path}: cannot read it: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     if "id" not in header:
-        what = EARLIER if "statistics" in header else "this is no bake; bake the volume again"
+        what = EARLIER if "statistics" in header else "this is not a bake; bake the volume again"
         raise LeaflightError(f"{path}: {what}.")
     return header["id"]
 

@@ -28,15 +28,15 @@ def relit(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> "Bake":
     """Returns the Bake with lamps scaled by {name: factor or (r, g, b)}; see Bake.relit."""
     if bake.is_moved:
         raise LeaflightError(
-            "A bake in another scene is not relit: move its original, with the lamps as they are."
+            "The lamps of a bake in another scene cannot be changed: move its original, with the "
+            "lamps as they are."
         )
     original = bake.original or bake
     factors = _factors(bake, lamps)
     if not can_be_relit(original):
         raise LeaflightError(
-            "The direct light of this bake is not exact, so its lamps cannot be changed: bake "
-            "diffuse volumes to an error, several of them on fronts alone, or bake again with "
-            "the lamps as they are."
+            "This bake has no exact direct light, so its lamps cannot be changed: bake diffuse "
+            "volumes to a target error, and several volumes only on fronts, or bake again."
         )
     if factors == _as_baked(original):
         return original
@@ -115,7 +115,7 @@ def _factors(bake: "Bake", lamps: Mapping[str, float | Sequence[float]]) -> tupl
     names = [light.name for light in bake.scene.lights]
     for name in lamps:
         if name not in names:
-            known = f"choose of {', '.join(sorted(set(names)))}" if names else "there is none"
+            known = f"choose one of {', '.join(sorted(set(names)))}" if names else "it has no lamps"
             raise LeaflightError(f'The bake has no lamp "{name}": {known}.')
     changed = {name: _factor(name, factor) for name, factor in lamps.items()}
     return tuple(

@@ -66,8 +66,9 @@ class CommonSettings:
     walls: bool = False
 
     def set_common(self, settings: _Settings, dims: Sequence[int]) -> _Settings:
-        """Returns the core's settings with these set, without isovalues; dims: nodes of the volume.
+        """Sets these fields, except isovalues, in settings of the core, and returns those.
 
+        dims: Nodes of the volume.
         Raises LeaflightError.
         """
         settings.resolution = _texels(self.resolution, dims)
@@ -131,8 +132,8 @@ def _checked(isovalues: Sequence[float], data_range: tuple[float, float]) -> tup
     if hi <= low or lo >= high:
         first, last, least, most = figures(lo, hi, low, high)
         raise LeaflightError(
-            f"The isovalue range {first}..{last} lies outside the data, whose values are "
-            f"{least}..{most}: give a range that overlaps them."
+            f"The isovalue range {first}..{last} is outside the data, {least}..{most}: give a "
+            "range that overlaps them."
         )
     return lo, hi
 

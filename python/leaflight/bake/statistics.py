@@ -19,17 +19,21 @@ class SkippedPass(NamedTuple):
 class Statistics:
     """The cost of a bake in passes, or of one with a fixed number of samples (../thesis).
 
-    seconds: of the bake, without reading and writing files; rays: number traced, with lines;
-    texels: number that hold radiance; peak_memory_bytes: of the process.
-    skipped_passes: a SkippedPass for each part of the work that was skipped.
-    passes, blocks: numbers in the averages; stopped: True if a stop or the time limit ended the
-    bake before it reached its error.
-    estimated_error_percent: an estimate of rms_percent of compare(); estimated_noise_percent: its
-    part that more passes reduce; worst_error_percent, worst_isovalue: of the isosurface with the
-    largest error.
-    estimated_rms_percent: the RMS of the noise that the texels report, in the units of compare();
-    None in bakes that on_pass gets, because it is slow to compute. A fixed number of samples has no
-    passes and estimates no error: 0 and None.
+    A fixed number of samples has no passes and no estimated errors: 0 and None.
+
+    seconds: Time of the bake, without reading and writing files.
+    rays: Number of rays traced, including lines.
+    texels: Number of texels that hold radiance.
+    peak_memory_bytes: Peak memory of the process.
+    skipped_passes: A SkippedPass for each part of the work that was skipped.
+    passes, blocks: Numbers of them in the averages.
+    stopped: True if a stop or the time limit ended the bake before it reached its target error.
+    estimated_error_percent: Estimate of rms_percent of compare().
+    estimated_noise_percent: The part of that error that more passes reduce.
+    worst_error_percent, worst_isovalue: Error and isovalue of the isosurface with the largest
+        error.
+    estimated_rms_percent: RMS of the noise that the texels report, in the units of compare(). None
+        in bakes that on_pass gets, because it is slow to compute.
     """
 
     seconds: float

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line behind its options, which leaflight_command parses."""
+"""The commands. leaflight_command parses their options."""
 
 from .commands import run
 

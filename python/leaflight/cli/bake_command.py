@@ -15,7 +15,7 @@ from ..bake.estimate import Estimate, estimate
 from ..bake.fit_memory import NO_ROOM
 from ..bake.load_bake import load_bake
 from ..bake.outcome import outcome
-from ..bake.resume import resume
+from ..bake.refine import refine
 from ..io.output import check_writable
 from ..io.sources import is_generated
 from ..scene.scene import SceneDescription
@@ -31,7 +31,7 @@ _WHO_WORKS = {"threads", "workers", "scheduler"}
 _AT_WILL = {"command", "json", "verbose", *_WHO_WORKS}
 # Options of a resumed bake; it takes all others from the previous bake.
 _OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
-# The options that a bake depends on, by which it is baked again.
+# Options that the result depends on. They start the same bake again.
 _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
@@ -78,8 +78,8 @@ def _continued(options: Namespace) -> Bake:
     given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
-            f"{options.previous}: a bake is continued in its own scene, with its own settings but "
-            f"the error and the time: leave out {', '.join(given)}."
+            f"{options.previous}: only the error and the time of a continued bake can change: "
+            f"leave out {', '.join(given)}."
         )
     check_writable(options.out, ".vdb")
     previous = load_bake(options.previous)
@@ -87,7 +87,7 @@ def _continued(options: Namespace) -> Bake:
     def work(progress: Progress) -> Bake:
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
-            baked = resume(
+            baked = refine(
                 previous,
                 error=options.error,
                 time=options.time,
@@ -103,29 +103,28 @@ def _continued(options: Namespace) -> Bake:
 
 
 def _interrupted(options: Namespace) -> Namespace:
-    """The options of the bake that left a checkpoint."""
+    """Returns the options of the bake that left a checkpoint."""
     given = _given(options, {"resume"} | _AT_WILL)
     if given:
         raise LeaflightError(
-            f"{options.resume}: a bake is resumed with the settings that it had: leave out "
-            f"{', '.join(given)}."
+            f"{options.resume}: a resumed bake keeps its settings: leave out {', '.join(given)}."
         )
     path = checkpoint_for(options.resume)
     if not path.is_file():
         raise LeaflightError(
-            f"{path}: there is no such checkpoint: the bake to {options.resume} is complete, or "
-            "ended within its first half minute; bake anew."
+            f"{path}: there is no checkpoint, because the bake to {options.resume} is complete or "
+            "ended within half a minute: start it again."
         )
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
-        raise LeaflightError(f"{path}: this checkpoint is Blender's; resume the bake there.")
-    own = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
-    recipe.update(out=options.resume, **own)
+        raise LeaflightError(f"{path}: Blender wrote this checkpoint: resume the bake there.")
+    kept = {name: getattr(options, name) for name in ("json", "verbose", *_WHO_WORKS)}
+    recipe.update(out=options.resume, **kept)
     return Namespace(**{**vars(options), **recipe, "resume": None, "resumed": True})
 
 
 def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
-    """Its recipe are the options, with paths that mean the same in any folder."""
+    """Returns the Checkpoint of a bake. Its recipe is the options, with absolute paths."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
     for name in ("scene", "previous"):
@@ -140,7 +139,7 @@ def path_anywhere(volume: str) -> str:
 
 def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
     before = _checkpoint_time(options)
-    goes_on = f"leaflight bake --resume {options.out} goes on."
+    goes_on = f"leaflight bake --resume {options.out} continues it."
     try:
         return run_with_progress(work, "bake", writes=True)
     except Cancelled:
@@ -148,26 +147,26 @@ def _worked(work: Callable[[Progress], Bake], options: Namespace) -> Bake:
             raise Cancelled(f"cancelled; {goes_on}") from None
         raise
     except LeaflightError as error:
-        # One of before this bake may be of another one.
+        # A checkpoint from before this bake may belong to another bake.
         if _checkpoint_time(options) != before:
-            raise LeaflightError(f"{str(error).rstrip('.')}; after that, {goes_on}") from None
+            raise LeaflightError(f"{str(error).rstrip('.')}; afterwards, {goes_on}") from None
         raise
 
 
 def _checkpoint_time(options: Namespace) -> int | None:
-    """When a checkpoint of the output was written, None where there is none."""
+    """Returns the time at which a checkpoint of the output was written; None if there is none."""
     try:
         return os.stat(checkpoint_for(options.out)).st_mtime_ns
     except (OSError, ValueError):
         return None
 
 
-def _given(options: Namespace, own: Collection[str]) -> list[str]:
-    """The flags that were given but for a command's own."""
+def _given(options: Namespace, ignored: Collection[str]) -> list[str]:
+    """Returns the flags that were given, without the command's own."""
     return [
         "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
         for name, value in vars(options).items()
-        if name not in own and value not in (None, False, 0, [])
+        if name not in ignored and value not in (None, False, 0, [])
     ]
 
 
@@ -191,7 +190,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         **baked.statistics.record(),
     }
     lo, hi = figures(*baked.isovalues)
-    end = outcome(baked, why=f"the {options.time or 0:g} s are over")
+    end = outcome(baked, why=f"it reached the time limit of {options.time or 0:g} s")
     return result, [
         f"{options.out}: isovalues {lo}..{hi} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
@@ -230,7 +229,7 @@ def _worker_estimate(
     if options.workers is None and options.scheduler is None:
         return []
     mebibytes = worker_memory(task_of(volumes, scene, **settings)) / 2**20
-    return [f"each worker would hold about {mebibytes:.0f} MiB of light and values"]
+    return [f"each worker needs about {mebibytes:.0f} MiB for light and values"]
 
 
 def _isosurface_map(baked: Bake) -> list[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command batch: many bakes, each as a whole by one worker, resumed where they stopped.
+"""The command batch: many bakes, each by one worker; the same command resumes them.
 
-Workers run `bake_line` of this module; the machines of a scheduler see the same files.
+Workers run `bake_line` of this module. Workers of a scheduler need the same shared files.
 """
 
 import os
@@ -39,7 +39,7 @@ def run_batch(options: Namespace) -> Output:
             assert workers is not None
             return _bake_all(bakes, workers, progress)
 
-    goes_on = "cancelled; the same command goes on where it stopped."
+    goes_on = "cancelled; run the same command to continue."
     done = run_with_progress(work, "batch", writes=True, cancelled=goes_on)
     refused = [one for one in done if "error" in one]
     baked = [one for one in done if one.get("seconds") is not None]
@@ -51,12 +51,14 @@ def run_batch(options: Namespace) -> Output:
         )
     return result, [
         *(f"{one['out']}: {one['seconds']:.1f} s" for one in baked),
-        f"{len(baked)} baked, {len(done) - len(baked)} were there already",
+        f"{len(baked)} baked, {len(done) - len(baked)} already complete",
     ]
 
 
 def bake_line(options: Namespace, threads: int) -> dict[str, Any]:
-    """One bake of the list, in a worker: {"out", "seconds"}, None where it is there already."""
+    """Bakes a line of the list in a worker: {"out", "seconds"}, None if the file is complete
+    already.
+    """
     global _under_way
     _under_way = progress = Progress()
     start = time.perf_counter()
@@ -107,7 +109,7 @@ def _outcome(future: "Future") -> dict[str, Any]:
         return {"error": str(error) or "there is not enough memory."}
     except (Cancelled, CancelledError):
         return {"error": "its worker was cancelled; run the command again."}
-    except Exception as error:  # Dask's own: the worker died, again and again
+    except Exception as error:  # Dask's own error: the worker died repeatedly
         return {"error": f"its worker died ({type(error).__name__}); run the command again."}
 
 
@@ -120,8 +122,8 @@ def _is_baked(path: str, asked: Provenance) -> bool:
 
 
 def _read_list(path: str) -> list[tuple[int, Namespace]]:
-    """The options of the bakes of a file, with the numbers of their lines."""
-    # The parser does not import the package, and this package has no names of options.
+    """Returns the line numbers of the bakes of a list, and their options."""
+    # Import these only here, because the package works without its command.
     from leaflight_command.parser import make_parser
     from leaflight_command.shared_options import UsageError
 
@@ -140,26 +142,26 @@ def _read_list(path: str) -> list[tuple[int, Namespace]]:
             continue
         if not options.out or options.previous or options.workers or options.scheduler:
             raise LeaflightError(
-                f"{path}, line {number}: give VOLUME and --out, and none of --continue, --workers "
-                "and --scheduler."
+                f"{path}, line {number}: give VOLUME and --out, but not --continue, --workers or "
+                "--scheduler."
             )
         bakes.append((number, _anywhere(options)))
     if not bakes:
         raise LeaflightError(
-            f"{path}: it lists no bakes: give the arguments of one `leaflight bake` a line."
+            f"{path}: it lists no bakes: give the arguments of one `leaflight bake` per line."
         )
     outs = [options.out for _, options in bakes]
     for number, options in bakes:
         check_writable(options.out, ".vdb")
         if outs.count(options.out) > 1:
             raise LeaflightError(
-                f"{path}, line {number}: another line writes {options.out}, too; name another file."
+                f"{path}, line {number}: another line also writes {options.out}; name another file."
             )
     return bakes
 
 
 def _anywhere(options: Namespace) -> Namespace:
-    """With paths that mean the same in any folder."""
+    """Returns the options with absolute paths."""
     options.volumes = [path_anywhere(volume) for volume in options.volumes]
     for name in ("scene", "out"):
         value = getattr(options, name)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: info, bake, batch, surface, still, export, photons, render, compare, flatland.
 
-Results go to stdout, with --json as one JSON object on the last line; progress goes to stderr.
-Exit status: 0; 1 when a report finds an error that is not what it must be; 2 after an error, which
-is one line on stderr; 130 after Ctrl-C; after the last two nothing is written.
+Results go to stdout, with --json as one JSON object on the last line. Progress goes to stderr. The
+exit status is 0 for success and 1 if `report` finds a wrong error. It is 2 after an error, which is
+one line on stderr, and 130 after Ctrl-C; no file is written then.
 """
 
 import warnings
@@ -46,7 +46,8 @@ from .output import Command, Output, json_line, print_error, print_lines
 
 
 def run(options: Namespace, command: Command | None = None) -> int:
-    """Runs a command, or that of COMMANDS which the options name; returns the exit status.
+    """Runs a command, by default the one of COMMANDS that the options name. Returns the exit
+    status.
 
     command(options) returns the result, a dict for --json, and sentences about it.
     """
@@ -67,7 +68,7 @@ def run(options: Namespace, command: Command | None = None) -> int:
         print_error(_in_flags(error))
         return 2
     except MemoryError:
-        print_error("There is not enough memory: give a smaller volume, or --downsample it.")
+        print_error("There is not enough memory: give a smaller volume, or use --downsample.")
         return 2
     if not print_lines([*sentences, json_line(result)] if options.json else sentences):
         return 2
@@ -82,7 +83,7 @@ def _print_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """In the place of warnings.showwarning()."""
+    """Prints a warning as one line; replaces warnings.showwarning()."""
     print_error(str(message))
 
 
@@ -136,13 +137,13 @@ def _photons(options: Namespace) -> Output:
     direct = int(photons.direct.sum())
     result = {"out": options.out, "points": len(photons.direct), "direct": direct}
     return result, [
-        f"{options.out}: {result['points']} arrivals of {photons.count} photons at isosurfaces, "
+        f"{options.out}: {result['points']} hits of {photons.count} photons on isosurfaces, "
         f"{direct} of them straight from a light"
     ]
 
 
 def _in_flags(error: LeaflightError) -> str:
-    """The sentence of an error on one line, with the flags of the settings that it speaks of."""
+    """Returns the message of an error on one line, with settings as flags."""
     sentence = " ".join(str(error).split())
     flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
@@ -208,17 +209,17 @@ def _parts(parts: Mapping[str, float | None]) -> str:
     return (
         f"of which noise of the bake {parts['noise_percent']:.2f} %, texture "
         f"{parts['texture_percent']:.2f} %"
-        + ("" if mesh is None else f", mesh instead of the isosurface {mesh:.2f} %")
+        + ("" if mesh is None else f", mesh {mesh:.2f} %")
         + " (squares add up)"
     )
 
 
 def _isovalue(baked: Bake, options: Namespace) -> str:
-    """The common isovalue asked for, and with several volumes what it shows of the one."""
+    """Returns the common isovalue asked for, with that of the chosen one of several volumes."""
     if len(baked.volumes) == 1:
         return figures(options.isovalue, *baked.isovalues)[0]
-    own = baked.isovalue_of(options.volume, options.isovalue)
-    return f"{options.isovalue:g} ({own:g} of {baked.scene.isosurfaces[options.volume].name})"
+    local = baked.isovalue_of(options.volume, options.isovalue)
+    return f"{options.isovalue:g} ({local:g} of {baked.scene.isosurfaces[options.volume].name})"
 
 
 def _flatland(options: Namespace) -> Output:
@@ -229,7 +230,7 @@ def _flatland(options: Namespace) -> Output:
     if options.image == "bump_box":
         volume = bump_box_2d(*([] if options.dims is None else [options.dims]))
     elif options.dims is not None:
-        raise LeaflightError(f"{options.image}: --dims has no meaning here; leave it out.")
+        raise LeaflightError(f"{options.image}: --dims applies only to bump_box; leave it out.")
     else:
         volume = read_image(options.image)
 
@@ -265,7 +266,7 @@ def _flatland(options: Namespace) -> Output:
 def _errors(result: Mapping[str, Any]) -> str:
     if result["points"] == 0:
         return "none"
-    noise = f"(of which the reference's noise {result['reference_noise_percent']:.2f} %)"
+    noise = f"(of which noise of the reference {result['reference_noise_percent']:.2f} %)"
     relative = "all dark"
     if result["relative_rms"] is not None:
         relative = (

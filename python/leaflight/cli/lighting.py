@@ -19,7 +19,7 @@ from .output import print_error
 
 
 def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescription]:
-    """The volumes and the scene of a command that lights them and writes a file."""
+    """Returns the volumes and the scene of a command that lights them and writes a file."""
     scene = load_scene(options.scene) if options.scene else cornell_box()
     readings: list[tuple[str | None, dict[str, Any]]]
     readings = [(source, {}) for source in options.volumes] or [
@@ -50,18 +50,18 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
 
 
 def bake_options(options: Namespace) -> dict[str, Any]:
-    """What is baked, and how well: those arguments that bake and bake_flatland have in common."""
+    """Returns the arguments that bake and bake_flatland have in common."""
     names = ("isovalues", "error", "time", "resolution", "seed", "threads")
     return given_options(options, **{name: name for name in names})
 
 
 def given_options(options: Namespace, **names: str) -> dict[str, Any]:
-    """The options that were given, by the names that the settings have for them."""
+    """Returns the options that were given, by the names of the settings."""
     values = {name: getattr(options, option) for name, option in names.items()}
     return {name: value for name, value in values.items() if value is not None}
 
 
 def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None = None) -> Volume:
-    """Opens a volume; reading: options from a scene file, which given options override."""
+    """Opens a volume. reading: Options in a scene file; options of the command override them."""
     given = given_options(options, **{name: name for name in OPTIONS})
     return open_volume(source, **{**(reading or {}), **given})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Printing the results of commands; a closed stdout or stderr does not fail a finished command."""
+"""Prints the results of commands. A closed stdout or stderr does not fail a finished command."""
 
 import json
 import math
@@ -9,22 +9,24 @@ from argparse import Namespace
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TextIO
 
-# Return value of a command: its result, for --json, and sentences about it.
+# The return value of a command: its result, for --json, and sentences about it.
 Output = tuple[dict[str, Any], Sequence[str]]
 Command = Callable[[Namespace], Output]
 
 
 def print_lines(lines: Iterable[str]) -> bool:
-    """Prints to stdout; returns whether that took them."""
+    """Prints lines to stdout. Returns False if that failed."""
     if sys.stdout is None:
-        return True  # It was closed from the beginning.
+        return True  # stdout was closed when the program started.
     try:
         for line in lines:
             print(_printable(line, sys.stdout))
         sys.stdout.flush()
         return True
     except OSError as error:
-        print_error(f"The result cannot be printed: {error.strerror}; what was asked for is done.")
+        print_error(
+            f"The result cannot be printed: {error.strerror}; the command itself succeeded."
+        )
         _send_to_nowhere(sys.stdout)
         return False
 
@@ -40,12 +42,12 @@ def print_error(sentence: str) -> None:
 
 
 def json_line(result: Mapping[str, Any]) -> str:
-    """A result as one line of JSON, which has no infinite numbers: null stands for them."""
+    """Returns a result as one line of JSON, with null for infinite numbers."""
     return json.dumps(_finite(result), allow_nan=False)
 
 
 def _printable(text: str, stream: TextIO) -> str:
-    """Names of files need not be UTF-8, and a terminal need not have all letters."""
+    """Escapes characters that the stream cannot show, and names of files that are not UTF-8."""
     encoding = stream.encoding or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
 
@@ -59,7 +61,10 @@ def _finite(value: object) -> object:
 
 
 def _send_to_nowhere(stream: TextIO) -> None:
-    """Else Python fails once more when it flushes the stream at its end."""
+    """Redirects the stream to the null device.
+
+    Otherwise Python fails again when it flushes the stream at exit.
+    """
     try:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command render: the frames of a .blend by workers, and a video of them.
+"""The command render: renders the frames of a .blend by workers, and makes a video of them.
 
-Animation is keyframed in the .blend: isovalue, camera, anything. The machines of a scheduler see
-the same files and have a Blender with the add-on.
+The .blend has keyframes of the isovalue, the camera or anything else. Workers of a scheduler need
+the same shared files and a Blender with the add-on.
 """
 
 import os
@@ -48,7 +48,9 @@ def run_render(options: Namespace) -> Output:
         first, last, fps, *size = frames.ask(options.blender, blend)
         first, last = options.frames or (first, last)
         if first > last:
-            raise LeaflightError(f"Frames {first} to {last} are none: give the first one first.")
+            raise LeaflightError(
+                f"The frame range {first}..{last} is empty: give the first frame first."
+            )
         paths = {number: folder / f"{number:04}.png" for number in range(first, last + 1)}
         left = [number for number, path in paths.items() if not _is_rendered(path, blend)]
         progress.expect(len(paths))
@@ -58,18 +60,18 @@ def run_render(options: Namespace) -> Output:
                 assert workers is not None
                 _render_all(workers, options.blender, blend, paths, left, progress)
         for part in folder.glob(".frame_*.png"):
-            part.unlink(missing_ok=True)  # of a Blender that was killed
+            part.unlink(missing_ok=True)  # a killed Blender left it
         if is_video:
             progress.begin("Video")
             with replaced(out) as temporary:
                 frames.assemble(options.blender, list(paths.values()), temporary, fps, size)
         return {"out": str(out), "frames": len(paths), "rendered": len(left)}
 
-    goes_on = "cancelled; the same command goes on where it stopped."
+    goes_on = "cancelled; run the same command to continue."
     result = run_with_progress(work, "render", writes=True, cancelled=goes_on)
     there = result["frames"] - result["rendered"]
     return result, [
-        f"{out}: {result['frames']} frames, of which {there} were there already"
+        f"{out}: {result['frames']} frames, {there} of them already complete"
         + (f"; they are in {folder}" if is_video else "")
     ]
 
@@ -108,7 +110,7 @@ def _raise_what_failed(future: "Future") -> None:
         future.result()
     except (LeaflightError, Cancelled):
         raise
-    except Exception as error:  # Dask's own: the worker died, again and again
+    except Exception as error:  # Dask's own error: the worker died repeatedly
         raise LeaflightError(
-            f"A worker died ({type(error).__name__}); the same command goes on where it stopped."
+            f"A worker died ({type(error).__name__}): run the same command to continue."
         ) from None

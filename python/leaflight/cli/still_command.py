@@ -74,5 +74,5 @@ def _camera(baked: Bake, options: Namespace, isovalue: float) -> Camera:
         around, up = options.view or (None, None)
         return camera_around_bake(baked, around, up, zoom, isovalue, options.size)
     if options.zoom is not None:
-        raise SettingError("A camera from a file stands where it stands: leave it out.", "zoom")
+        raise SettingError("The zoom does not apply to a camera from a file: leave it out.", "zoom")
     return load_camera(options.camera)

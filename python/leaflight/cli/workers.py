@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The workers that the options --workers and --scheduler ask for."""
+"""Starts the workers for the options --workers and --scheduler."""
 
 import contextlib
 from argparse import Namespace
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 def workers_of(
     options: Namespace, progress: Progress, least: int = 0
 ) -> Iterator["Workers | None"]:
-    """Workers for as long as the context lasts; None where neither option was given.
+    """Yields the workers; None without either option.
 
-    least: how many processes of this machine work where neither was, instead of none.
+    least: Number of processes on this machine without either option; 0 gives None.
     """
     count = options.workers
     if options.scheduler is None and count is None:
@@ -26,7 +26,7 @@ def workers_of(
             yield None
             return
         count = least
-    # Not everywhere is Dask installed, and it takes a second to load.
+    # Import Dask only here: it may not be installed, and it takes a second to load.
     from ..cluster.workers import Workers
 
     progress.begin("Starting workers")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes on several processes or machines, by Dask (docs/clusters.md).
 
-Dask (Rocklin 2015, https://www.dask.org) starts workers, sends them what they need, moves the work
-of those that die to others and says who is there; what is done there, and why it makes no
-difference who does it, is ours.
+Dask (Rocklin 2015, https://www.dask.org) starts workers, sends data to them, and moves the work of
+dead workers to others. This package defines the work, which gives the same bits on any worker.
 """

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What runs in the processes of workers: blocks of the bake that they were asked for last.
+"""The work in the processes of workers: blocks of the latest bake.
 
-A worker keeps what one bake needs, and no more: its memory is that of one bake, however many there
-are.
+A worker holds the data of one bake only, which bounds its memory.
 """
 
 import threading
@@ -23,9 +22,11 @@ from ..volume.volume import Volume
 class Recipe:
     """The data of a bake that a worker needs.
 
-    key: different for each bake; arrays: of each volume, its values, or the file (.npy) on this
-    machine that holds them; smooth_normals: of each volume; settings: of the core, by their names;
-    the others as in Bake.
+    key: Unique key of the bake.
+    arrays: Values of each volume, or the file (.npy) on this machine with them.
+    smooth_normals: As in Volume, for each volume.
+    settings: Settings of the core, by name.
+    matrices, scene, isovalues: As in Volume and Bake.
     """
 
     key: str
@@ -49,14 +50,14 @@ class Recipe:
 
 @dataclass(frozen=True, eq=False)
 class LookedUp:
-    """The light that lines look up. name: different each time."""
+    """The light that lines look up. name: Unique name."""
 
     name: str
     state: bytes
 
 
 def load(array: Array | str) -> Array:
-    """The values of a volume; those of a file are shared by all processes that read it."""
+    """Returns the values of a volume. All processes that read a file share its memory."""
     import numpy as np
 
     if not isinstance(array, str):
@@ -71,8 +72,8 @@ class _Tracer:
     def __init__(self, recipe: Recipe) -> None:
         if recipe.version != __version__:
             raise LeaflightError(
-                f"A worker has Leaflight {__version__}, and this is {recipe.version}: install the "
-                "same on all machines."
+                f"A worker has Leaflight {__version__}, but this machine has {recipe.version}: "
+                "install the same version on all machines."
             )
         self.key, self.progress = recipe.key, Progress()
         settings = _core.BakeSettings()
@@ -95,9 +96,10 @@ _tracer: _Tracer | None = None
 
 
 def trace(recipe: Recipe, looked_up: LookedUp, number: int) -> bytes:
-    """One block of indirect light of a bake: bytes for _core.bake()'s workers.
+    """Returns one block of indirect light of a bake, as bytes for _core.bake().
 
-    looked_up: LookedUp. Raises LeaflightError, Cancelled after cancel().
+    looked_up: A LookedUp.
+    Raises LeaflightError, and Cancelled after cancel().
     """
     global _tracer
     # All blocks share one tracer, and each block uses all allowed threads.
@@ -110,14 +112,14 @@ def trace(recipe: Recipe, looked_up: LookedUp, number: int) -> bytes:
 
 
 def cancel(key: str) -> None:
-    """Ends what this worker does for a bake, from another thread."""
+    """Ends the work of this worker for a bake, from another thread."""
     tracer = _tracer
     if tracer is not None and tracer.key == key:
         tracer.progress.cancel()
 
 
 def forget(key: str) -> None:
-    """Frees what this worker keeps of a bake."""
+    """Frees the data of a bake in this worker."""
     global _tracer
     with _lock:
         if _tracer is not None and _tracer.key == key:

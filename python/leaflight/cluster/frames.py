@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a .blend, rendered by workers in Blenders without a window, and a video of them.
+"""Renders frames of a .blend by workers in background Blenders, and makes a video of them.
 
-Runs in the workers' processes. A frame is there as a whole or not at all.
+It runs in the processes of workers. A frame's file is complete or absent.
 """
 
 import json
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
 
-# Characters of Blender's output in front of its failure that a message quotes.
+# Number of last characters of Blender's output that an error quotes.
 _LAST_WORDS = 300
 
 _RENDER = """
@@ -72,11 +72,17 @@ print("FRAMES", [scene.frame_start, scene.frame_end, render.fps, *size])
 def ask(
     blender: str | os.PathLike[str], blend: str | os.PathLike[str]
 ) -> tuple[int, int, int, int, int]:
-    """(first frame, last, frames a second, width, height) of a .blend. Raises LeaflightError."""
+    """Returns (first frame, last frame, frames per second, width, height) of a .blend.
+
+    Raises LeaflightError.
+    """
     said = _run([blender, "--background", blend, "--python-expr", _ASK])
     line = next((line for line in said.splitlines() if line.startswith("FRAMES ")), None)
     if line is None:
-        raise LeaflightError(f"{blend}: Blender cannot open it.")
+        raise LeaflightError(
+            f"{blend}: Blender cannot open this file; check that it is a .blend of this version "
+            "or older."
+        )
     return tuple(json.loads(line.partition(" ")[2]))
 
 
@@ -86,14 +92,17 @@ def render(
     blend: str | os.PathLike[str],
     work: Sequence[tuple[int, str]],
 ) -> None:
-    """Renders frames: work holds (number, path of the .png) of each.
+    """Renders frames. work: (number, path of the .png) of each frame.
 
-    key: what cancel() is given. Raises LeaflightError, Cancelled.
+    key: Key for cancel().
+    Raises LeaflightError, Cancelled.
     """
     _run([blender, "--background", blend, "--python-expr", _RENDER, "--", json.dumps(work)], key)
     missing = [path for _, path in work if not Path(path).exists()]
     if missing:
-        raise LeaflightError(f"{missing[0]}: Blender has not rendered it.")
+        raise LeaflightError(
+            f"{missing[0]}: Blender did not render this frame; open the .blend and render it there."
+        )
 
 
 def assemble(
@@ -103,12 +112,15 @@ def assemble(
     fps: int,
     size: Sequence[int],
 ) -> None:
-    """Makes an .mp4 of pictures, all in one folder. Raises LeaflightError."""
+    """Makes an .mp4 of pictures in one folder. Raises LeaflightError."""
     work = json.dumps([[str(path) for path in frames], str(out), fps, size])
     options = ["--background", "--factory-startup", "--python-expr", _ASSEMBLE, "--", work]
     _run([blender, *options])
     if not Path(out).exists():
-        raise LeaflightError(f"{out}: this Blender writes no video; the frames are there.")
+        raise LeaflightError(
+            f"{out}: this Blender cannot write videos; make one from the frames, which are "
+            "complete."
+        )
 
 
 _lock = threading.Lock()
@@ -117,7 +129,7 @@ _cancelled: set[str] = set()
 
 
 def cancel(key: str) -> None:
-    """Ends the Blender that this process has started under a key, and starts no other."""
+    """Ends the Blender that this process started under a key, and starts no other."""
     with _lock:
         _cancelled.add(key)
         if key in _running:
@@ -149,8 +161,8 @@ def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> s
             )
         except OSError as error:
             raise LeaflightError(
-                f"{command[0]}: it cannot be started: {error.strerror}; give the path of Blender's "
-                "program."
+                f"{command[0]}: this program cannot be started: {error.strerror}; give the path "
+                "of Blender."
             ) from None
         _running[key] = process
     said, _ = process.communicate()

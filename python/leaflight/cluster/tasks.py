@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tasks at the workers of a cluster, until all are done or somebody cancels."""
+"""Runs tasks on the workers of a cluster until all are done or cancelled."""
 
 import contextlib
 import time
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 _Name = TypeVar("_Name")
 
 POLL_SECONDS = 0.2
-# A task whose worker dies is given to others so many times.
+# Number of times that a task is repeated after its worker died.
 RETRIES = 3
 
 
@@ -25,10 +25,11 @@ def at_workers(
     stop: Callable[..., object],
     *of_stop: object,
 ) -> Iterator[Iterator[tuple[_Name, Any]]]:
-    """Gives tasks to Workers: an iterator over (name, future), in the order in which they are done.
+    """Gives tasks to Workers. Yields an iterator over (name, future), in the order of completion.
 
-    tasks: (name, function, arguments) of each. Whatever ends the block before all are done ends the
-    others, by stop(*of_stop) in each worker. The iterator raises Cancelled.
+    tasks: (name, function, arguments) of each task.
+    If the context ends before all tasks are done, stop(*of_stop) ends the others in each worker.
+    The iterator raises Cancelled.
     """
     left = {
         workers.client.submit(function, *arguments, pure=False, retries=RETRIES): name

@@ -19,9 +19,9 @@ from ..volume.volume import Volume
 from . import block_tracer
 from .block_tracer import LookedUp, Recipe
 
-# How often a bake that waits for a block looks whether it was cancelled.
+# Seconds between two checks for a cancel while a bake waits for a block.
 POLL_SECONDS = 0.1
-# A block that is lost with its worker is traced again by others so many times.
+# Number of times that a block is traced again after its worker died.
 RETRIES = 3
 # Errors of Dask if the scheduler or the workers are gone.
 _GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
@@ -32,10 +32,12 @@ SETTINGS = ("resolution", "seed", "exposure", "both_sides", "walls")
 class Workers:
     """Processes that trace blocks for bakes: bake(volume, workers=Workers(4)).
 
-    count: of processes on this machine, which share its processors; or scheduler: the address of a
-    Dask scheduler, such as "tcp://10.0.0.1:8786", whose workers have the same Leaflight. Use as a
-    context manager, or call close(). traced: how many blocks they have brought; lost: how many the
-    bakes had to trace themselves. Raises LeaflightError where there is no Dask or no worker.
+    count: Number of processes on this machine, which share its processors.
+    scheduler: Address of a Dask scheduler instead, such as "tcp://10.0.0.1:8786". Its workers need
+        the same Leaflight.
+    Use it as a context manager, or call close(). `traced` is the number of blocks that workers
+    traced, `lost` the number that bakes had to trace themselves. Raises LeaflightError without Dask
+    or without workers.
     """
 
     def __init__(
@@ -47,7 +49,7 @@ class Workers:
         if (count is None) == (scheduler is None):
             raise LeaflightError("Give either a number of workers or the address of a scheduler.")
         if count is not None and count < 1:
-            raise LeaflightError(f"There must be one worker at least, not {count}.")
+            raise LeaflightError(f"The number of workers is {count}: give at least 1.")
         try:
             import cryptography  # noqa: F401 - for connections that nobody else can use
             from distributed import Client, LocalCluster
@@ -65,11 +67,12 @@ class Workers:
                 n_workers=count,
                 threads_per_worker=1,
                 processes=True,
-                # Traced blocks are as large as they are; the limit would kill, not save.
+                # Disable the memory limit, which would kill workers. Blocks cannot be smaller.
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",
                 local_directory=self._folder.name,
-                # Whoever reaches a scheduler runs what they like: other users here shall not.
+                # Require a certificate, because any client of a scheduler can run code as this
+                # user.
                 security=True,
             )
         else:
@@ -80,7 +83,7 @@ class Workers:
         except _GONE as error:
             self.close()
             raise LeaflightError(
-                f"{scheduler}: no Dask scheduler with workers answers there: {error}."
+                f"{scheduler}: no Dask scheduler with workers answers: {error}; check the address."
             ) from None
 
     def __enter__(self) -> "Workers":
@@ -97,7 +100,7 @@ class Workers:
         self._folder.cleanup()
 
     def processes(self) -> int:
-        """How many there are now."""
+        """Returns the number of processes now."""
         return len(self.client.scheduler_info()["workers"])
 
     def tracing(
@@ -108,7 +111,7 @@ class Workers:
         settings: BakeSettings,
         progress: Progress,
     ) -> "Tracing":
-        """The Tracing of a bake: what lit() gives to the core."""
+        """Returns the Tracing of a bake, which lit() gives to the core."""
         return Tracing(self, volumes, scene, isovalues, settings, progress)
 
     def shared(self, values: Array) -> Array | str:
@@ -120,14 +123,14 @@ class Workers:
             np.save(path, np.ascontiguousarray(values))
         except OSError as error:
             raise LeaflightError(
-                f"{path}: the workers' copy of the volume cannot be written: {error.strerror}; "
-                "make room there, or bake without workers."
+                f"{path}: the copy of the volume for workers cannot be written: {error.strerror}; "
+                "free disk space, or bake without workers."
             ) from None
         return str(path)
 
 
 class Tracing:
-    """The blocks of one bake at the workers, as _core.bake() asks for them; a context manager."""
+    """A context manager for the blocks of one bake, with the methods that _core.bake() calls."""
 
     def __init__(
         self,
@@ -157,7 +160,7 @@ class Tracing:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Whatever is still under way ends."""
+        """Ends all work that is left."""
         futures, self._futures = self._futures, {}
         try:
             if self._is_connected():
@@ -166,14 +169,14 @@ class Tracing:
                     self._client.run(block_tracer.cancel, self._recipe.key, on_error="ignore")
                 self._client.run(block_tracer.forget, self._recipe.key, on_error="ignore")
         except _GONE:
-            pass  # Who is not there has nothing to end.
+            pass  # A worker that is gone has nothing to end.
         self._fetching.shutdown(wait=False)
         for array in self._recipe.arrays:
             if isinstance(array, str):
                 Path(array).unlink(missing_ok=True)
 
     def begin(self, first: int, count: int, state: bytes) -> None:
-        """Has blocks traced; state: what their lines look up."""
+        """Starts tracing blocks. state: The data that their lines look up."""
         if not self._is_connected():
             return
         try:
@@ -186,16 +189,16 @@ class Tracing:
                     block_tracer.trace, self._sent, looked_up, number, pure=False, retries=RETRIES
                 )
         except _GONE:
-            # Nobody is there any more; the bake goes on by itself.
+            # All workers are gone; the bake continues in this process.
             self._sent = None
 
     def _is_connected(self) -> bool:
         return bool(self._client.status == "running")
 
     def take(self, number: int) -> bytes:
-        """A block, or b"" where no worker has it, since they are gone or keep dying.
+        """Returns a block, or b"" if the workers are gone or keep dying.
 
-        Raises LeaflightError for workers of another Leaflight, Cancelled.
+        Raises Cancelled, and LeaflightError for workers of another version.
         """
         future = self._futures.pop(number, None)
         if future is not None:
@@ -212,7 +215,7 @@ class Tracing:
             except (Cancelled, LeaflightError):
                 raise
             except Exception:
-                # However it was lost, the block is the same when it is traced here.
+                # The block has the same bits when this process traces it.
                 self._sent = None
         self._workers.lost += 1
         return b""

@@ -20,8 +20,9 @@ from .point_grid import point_grid
 def write_amira(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes the colors of a volume (its number) of a Bake. Raises LeaflightError.
 
-    Four bytes a point: sRGB at the scene's exposure, and 255. The box is the volume's in world
-    coordinates; where its axes are not the world's, a TransformationMatrix takes it there.
+    A point has four bytes: sRGB at the scene's exposure, and 255. The box of the file is the volume
+        in world coordinates. A TransformationMatrix places volumes whose axes are not those of the
+        world.
     """
     check_writable(path, ".am")
     grid = point_grid(bake, volume)
@@ -62,7 +63,7 @@ def _place(index_to_world: Array, count: Sequence[int]) -> list[str]:
         return [_numbers("BoundingBox", np.stack([origin, ends], axis=1))]
     ends = np.array(count) - 1.0
     return [
-        # Column by column, as OpenGL has it.
+        # Matrices are column by column, as in OpenGL.
         _numbers("TransformationMatrix", index_to_world.T),
         _numbers("BoundingBox", np.stack([np.zeros(3), ends], axis=1)),
     ]

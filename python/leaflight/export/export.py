@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""export(): a bake in the format that the suffix of a file names; export_page(): a web page."""
+"""export() writes a bake in the format of a file's suffix; export_page() writes a web page."""
 
 import os
 from collections.abc import Callable, Iterable, Sequence
@@ -21,8 +21,8 @@ from .page import PageOptions, write_page
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# Suffix -> (module of this room or of io, its function): a page of all, of the whole volume, of one
-# isosurface, or of one or a sequence.
+# Suffix -> (module, function), for a web page, the whole volume, one isosurface, and one or a
+# sequence.
 PAGE = ".html"
 OF_VOLUME = {".vti": ("vti", "write_vti"), ".am": ("amira", "write_amira")}
 OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("..io.ply", "write_ply")}
@@ -44,7 +44,7 @@ _LIBRARIES = {
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
     "meshio": "python3-meshio, or pip install meshio",
-    "pxr": "it by pip install usd-core",
+    "pxr": "it with pip install usd-core",
 }
 
 
@@ -61,13 +61,14 @@ def export(
 ) -> dict[float, Surface]:
     """Writes a Bake in another program's format (docs/export.md); leaves no incomplete file.
 
-    path: .vti and .am hold the volume with the light of all isosurfaces, .vtp and .ply one lit
-        isosurface, .glb, .usda, .usdc and .usd one or a sequence; an .html shows all of all
-        volumes, at first the isovalue that is given (docs/export.md).
-    isovalues: of the isosurfaces (of the common isovalue, see Bake), in their order; None is the
-        default one.
-    volume: the number of one of several; back: the back.
-    page: coarser, embed and lengths of an .html, see write_page() in page.py.
+    path: File whose suffix chooses the format. A .vti or .am holds the volume with the light of all
+        isosurfaces. A .vtp or .ply holds one lit isosurface. A .glb, .usda, .usdc or .usd holds one
+        or a sequence. An .html shows all isosurfaces of all volumes.
+    isovalues: Common isovalues of the isosurfaces, in their order. None is the default one. An
+        .html shows the given one first.
+    volume: Number of the volume, if there are several.
+    back: True writes the back.
+    page: Options coarser, embed and lengths of an .html, see write_page().
     Returns {isovalue: Surface} of the written surfaces, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
@@ -76,7 +77,9 @@ def export(
     _check(path, suffix, isovalues, back)
     if suffix != PAGE and any(page.values()):
         raise SettingError(
-            f"{path}: only a web page (.html) is written coarser or to embed.", "coarser", "embed"
+            f"{path}: coarser and embed apply only to a web page (.html): leave them out.",
+            "coarser",
+            "embed",
         )
     check_writable(path, suffix)
     if suffix == PAGE:
@@ -94,7 +97,7 @@ def export(
         surface = bake.surface(isovalue, volume, back)
         if len(surface.triangles) == 0:
             raise LeaflightError(
-                f"{path}: the isosurface of {isovalue:g} is empty: choose another."
+                f"{path}: the isosurface at {isovalue:g} is empty: choose another isovalue."
             )
         surfaces[isovalue] = surface
     exposure = bake.scene.exposure
@@ -117,7 +120,7 @@ def export_page(
     lengths: tuple[float, str] | None = None,
     progress: _core.Progress | None = None,
 ) -> Path:
-    """Writes a Bake as a web page, see write_page(); isovalue: None is the default one."""
+    """Writes a Bake as a web page, see write_page(). isovalue: None is the default one."""
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     return write_page(path, bake, isovalue, coarser, embed, progress, lengths)
 
@@ -132,7 +135,7 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
     """Raises LeaflightError unless the format exists and supports these options."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
-            f"{path}: the suffix {suffix or '(none)'} is not known; known are "
+            f"{path}: the suffix {suffix or '(none)'} is unknown: choose one of "
             f"{', '.join(SUFFIXES)}."
         )
     if suffix in OF_VOLUME or suffix == PAGE:
@@ -140,15 +143,15 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
         given = [name for name, value in (of_one, ("back", back)) if value not in (None, False)]
         if given:
             raise SettingError(
-                f"{path}: a {suffix} holds the light of all isosurfaces as it was baked; leave "
-                "out what asks for one.",
+                f"{path}: a {suffix} holds the baked light of all isosurfaces: leave out the "
+                "options for single ones.",
                 *given,
             )
     elif isovalues is not None and len(set(isovalues)) != len(isovalues):
-        raise SettingError(f"{path}: the isovalues must differ.", "isovalue")
+        raise SettingError(f"{path}: two isovalues are equal: give different ones.", "isovalue")
     elif suffix in OF_SURFACE and isovalues is not None and len(isovalues) != 1:
         raise SettingError(
-            f"{path}: a {suffix} holds one isosurface; give one isovalue, or write a sequence as "
+            f"{path}: a {suffix} holds one isosurface: give one isovalue, or write a sequence as "
             f"{', '.join(OF_SEQUENCE)}.",
             "isovalue",
         )
@@ -161,7 +164,7 @@ def _writer(path: Path, suffix: str) -> Callable[..., None]:
     try:
         loaded = import_module(relative, __package__)
         if suffix == ".ply":
-            import_module("meshio")  # which io.ply imports when it writes, after all the work
+            import_module("meshio")  # fail early; io.ply imports it only when it writes
     except ImportError as error:
         package = (error.name or "").partition(".")[0]
         raise LeaflightError(

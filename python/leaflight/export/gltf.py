@@ -18,7 +18,7 @@ from ..io.output import check_writable, replaced
 from ..version import __version__
 from ..volume.units import METERS
 
-# The world's z axis points up, glTF's y axis does: a quarter turn about x.
+# A quarter turn about x, because z points up in the world and y in glTF.
 _UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 _SECONDS = 0.1
 # Smallest size in meters that viewers do not clip. The unit of smaller objects becomes a meter.
@@ -29,7 +29,7 @@ _SHAPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 _VERTICES, _INDICES = {"target": 34962}, {"target": 34963}
 _MATERIAL = {
     "name": "lit by the bake",
-    # A viewer without the extension then adds as little light as possible.
+    # Viewers without the extension then add as little light as possible.
     "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0},
     "extensions": {"KHR_materials_unlit": {}},
     "doubleSided": True,
@@ -44,11 +44,11 @@ def write_glb(
 ) -> None:
     """Writes Surfaces, {isovalue: Surface}. Raises LeaflightError.
 
-    Their coordinates are the world's; the root node takes them to meters, with y up.
-    Vertices: POSITION, NORMAL, COLOR_0 (float RGBA, linear as glTF demands: radiance times the
-    exposure, clamped to 0..1) and _RADIANCE (float, W/(m^2 sr), linear RGB). Their material is
-    KHR_materials_unlit, for the light is in the colors. Several are the frames of an animation that
-    shows each for so many seconds; a viewer that plays none shows the first.
+    Coordinates are those of the world; the root node takes them to meters, with y up. Vertices have
+    POSITION, NORMAL, COLOR_0 and _RADIANCE. COLOR_0 is float RGBA, linear as glTF demands: radiance
+    times the exposure, clamped to 0..1. _RADIANCE is float, W/(m^2 sr), linear RGB. The material is
+    KHR_materials_unlit, because colors contain the light. Several surfaces are the frames of an
+    animation, each shown for `seconds`. Viewers without animation show the first.
     """
     check_writable(path, ".glb")
     file, frames = _File(), range(1, len(surfaces) + 1)
@@ -65,7 +65,7 @@ def write_glb(
 
 
 class _File:
-    """The arrays, one after the other in `body`, and the objects that refer to their numbers."""
+    """A file in memory: arrays in `body`, and the objects that refer to them by number."""
 
     def __init__(self) -> None:
         self.body = bytearray()
@@ -117,7 +117,7 @@ class _File:
 
 
 def _primitive(file: _File, surface: Surface, exposure: float) -> dict[str, Any]:
-    # Floats, since readers may take 16 bits for 8.
+    # Write floats, because some readers confuse 16 bits with 8.
     colors = np.ones((len(surface.radiance), 4), np.float32)
     colors[:, :3] = np.clip(surface.radiance * np.float32(exposure), 0.0, 1.0)
     attributes = {
@@ -131,7 +131,7 @@ def _primitive(file: _File, surface: Surface, exposure: float) -> dict[str, Any]
 
 
 def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, Any]:
-    """Shows the nodes one after the other, by a scale of one or nothing at all."""
+    """Shows the nodes one after the other: visible ones have the scale 1, others 0."""
     ends = seconds * np.arange(len(nodes) + 1, dtype=np.float32)
     channels, samplers = [], []
     for frame, node in enumerate(nodes):
@@ -140,7 +140,7 @@ def _animation(file: _File, nodes: Sequence[int], seconds: float) -> dict[str, A
             times, shown = [0.0, ends[frame]], [0.0, 1.0]
         times, shown = [*times, ends[frame + 1]], [*shown, 0.0]
         if frame == len(nodes) - 1:
-            # The last one stays until the animation starts again.
+            # The last node stays until the animation starts again.
             shown[-1] = 1.0
         scales = np.repeat(np.array(shown, np.float32)[:, None], 3, axis=1)
         given, found = file.add(np.array(times, np.float32), bounds=True), file.add(scales)
@@ -157,7 +157,7 @@ def _meters(surfaces: Collection[Surface]) -> float:
 
 
 def _unit(normals: Array) -> Array:
-    """Normalizes normals, as glTF demands; +z where a field is flat and has no direction."""
+    """Normalizes normals, as glTF demands; takes +z where a field is flat."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.maximum(length, 1e-30), [0.0, 0.0, 1.0]).astype(
         np.float32

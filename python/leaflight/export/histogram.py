@@ -17,7 +17,8 @@ _ROUNDING = 1e-5
 def histogram(bake: Bake) -> dict[str, Any]:
     """Returns the histogram of the first volume, from the lower end of the isovalue range.
 
-    {"counts": of bins, "width": of a bin as a share of the range}; the last bin may end beyond it.
+    The result is {"counts": of bins, "width": of a bin as a share of the range}. The last bin may
+    end beyond the range.
     """
     low, high = (bake.isovalue_of(0, c) for c in bake.isovalues)
     values = bake.volume.data()

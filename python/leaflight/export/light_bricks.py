@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texels as a texture of bricks, without those that hold no light.
+"""Stores texels in a texture of bricks, without bricks that hold no light.
 
-A brick of n^3 texels serves the n - 1 cells between them along each axis, so that neighbors share
-a layer and a graphics card interpolates within one brick. web/src/bricks.ts makes the texture.
+A brick of n^3 texels covers n - 1 cells along each axis. Neighbors share a layer of texels, so that
+a graphics card interpolates within one brick. web/src/bricks.ts makes the texture.
 """
 
 from dataclasses import dataclass
@@ -19,9 +19,13 @@ LARGEST_SIDE = 2048
 
 @dataclass(frozen=True, eq=False)
 class LightBricks:
-    """brick: (x, y, z) texels of each. table: uint8 (nz, ny, nx, 4), for each the place (x, y, z)
-    in the texture, in bricks, and 1; or zeros for one without light. shape: (x, y, z) bricks of
-    the texture."""
+    """The layout of a texture of bricks.
+
+    brick: Texels (x, y, z) of each brick.
+    table: Position (x, y, z) of each brick in the texture, in bricks, and 1; zeros for a brick
+        without light. The array is uint8 (nz, ny, nx, 4).
+    shape: Bricks (x, y, z) of the texture.
+    """
 
     brick: tuple[int, int, int]
     table: Array
@@ -29,8 +33,11 @@ class LightBricks:
 
 
 def light_bricks(lit: Array, layers: int = 1) -> LightBricks:
-    """The LightBricks that take the least memory. lit: bool [z, y, x], the texels with light;
-    layers: how many textures of their shape lie behind each other along z."""
+    """Returns the LightBricks that take the least memory.
+
+    lit: True for texels with light, bool [z, y, x].
+    layers: Number of textures of this shape, stacked along z.
+    """
     sides = (*SIDES, None) if layers * len(lit) <= LARGEST_SIDE else SIDES
     return min((_bricks(lit, side, layers) for side in sides), key=_texels)
 

@@ -27,9 +27,10 @@ LARGEST_IN_A_NOTEBOOK = 20e6
 
 
 def picture(bake: Bake, isovalue: float | None = None, **options: Any) -> "Image":
-    """Returns still() as an image of Pillow, RGBA, with the exposure of the command and the page.
+    """Returns still() as an RGBA image of Pillow, with the exposure of the command and the page.
 
-    isovalue: None is the default one; options: those of still().
+    isovalue: None is the default one.
+    options: Options of still().
     """
     from PIL import Image
 
@@ -49,8 +50,9 @@ def show(
 ) -> "Page":
     """Shows the web page of a Bake in the cell of a notebook, else in a browser.
 
-    height: of the cell, in pixels; coarser: as of export_page(), None is the finest that a notebook
-    holds well. Returns a Page.
+    height: Height of the cell in pixels.
+    coarser: As for export_page(). None is the finest page that suits a notebook.
+    Returns a Page.
     """
     if coarser is None:
         sizes = (estimated_bytes(bake, each) for each in range(MOST_COARSER + 1))
@@ -65,13 +67,13 @@ def show(
 
 @dataclass(frozen=True)
 class Page:
-    """A web page in a file, and as a cell of a notebook, so many pixels high."""
+    """A web page in a file, and as a cell of a notebook with a height in pixels."""
 
     path: Path
     height: int
 
     def _repr_html_(self) -> str:
-        # Embed the page, because a notebook that is sent to others brings no files.
+        # Embed the page, because a notebook that is sent to others has no files beside it.
         text = html.escape(self.path.read_text(encoding="utf-8"))
         return (
             f'<iframe srcdoc="{text}" width="100%" height="{self.height}" frameborder="0" '

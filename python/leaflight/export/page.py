@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake as a web page that shows every isosurface with its light, in one file and by itself."""
+"""Writes a bake as a web page in one file, which shows every isosurface with its light."""
 
 import base64
 import html
@@ -22,12 +22,12 @@ from .page_size import estimated_bytes
 from .page_template import read_template
 from .page_volume import dims_of, texels_of
 
-# Where the page's data, its first picture and its permissions go.
+# Places in the template for the page's data, its first picture and its permissions.
 _DATA, _POSTER = "<!--leaflight:data-->", "leaflight-poster"
 _POLICY = "leaflight-connect-src"
 # Size of the picture that is shown while the data load.
 POSTER_SIZE = (480, 320)
-# A browser reads the data in elements of so many bytes, one after the other.
+# Upper bound on the bytes of one script element with data. Browsers read them one by one.
 PART_BYTES = 3 << 19
 
 # Largest page that browsers open reliably.
@@ -54,12 +54,13 @@ def write_page(
 ) -> Path:
     """Writes a Bake as a web page, an .html that needs no server and loads nothing else.
 
-    isovalue: the common isovalue that is shown at first. coarser: how many times voxels and texels
-    are halved along each axis, 0 to 3. embed: a folder named as path without its suffix instead,
-    for an iframe: index.html, which fetches bake.bin beside it and so needs a server. lengths: how
-    long a unit of the world is, and in which unit, where that is not the bake's own. Returns the
-    path of the file, or of index.html. Raises LeaflightError, and names the coarser level that
-    would do where the page would be too large; Cancelled.
+    isovalue: Common isovalue that is shown at first.
+    coarser: Number of times that voxels and texels are halved along each axis, 0 to 3.
+    embed: True writes a folder for an iframe, named as path without its suffix. Its index.html
+        fetches bake.bin beside it, and so needs a server.
+    lengths: Length of a unit of the world, and its unit, if they differ from those of the bake.
+    Returns the path of the file, or of index.html. Raises Cancelled, and LeaflightError. If the
+    page would be too large, the error names the coarser level that fits.
     """
     path = Path(path)
     check_writable(path, ".html")
@@ -114,7 +115,7 @@ def _too_large(bake: Bake, coarser: int) -> str | None:
     for number in range(len(bake.volumes)):
         side = max(*dims_of(bake, number, coarser), *texels_of(bake, number, coarser))
         if side > LARGEST_SIDE:
-            return f"have {side} voxels or texels along one axis, of {LARGEST_SIDE} at most"
+            return f"have {side} voxels or texels along an axis, above the limit of {LARGEST_SIDE}"
     size = estimated_bytes(bake, coarser)
     return f"take about {size / 1e6:.0f} MB" if size > LARGEST_BYTES else None
 
@@ -142,9 +143,9 @@ def _write_folder(folder: Path, page: str, body: bytearray) -> Path:
         others = {item.name for item in folder.iterdir()} - {index.name, data.name}
     except OSError as error:
         raise LeaflightError(f"{folder}: cannot write it: {error.strerror}.") from None
-    # Hidden parts are left from a killed run and are removed.
+    # Remove hidden parts, which a killed run left.
     if any(not name.startswith(".leaflight-part-") for name in others):
-        raise LeaflightError(f"{folder}: this folder holds something else; choose another name.")
+        raise LeaflightError(f"{folder}: this folder holds other files; choose another name.")
     try:
         with replaced_together(index, data) as (index_file, data_file):
             index_file.write_text(page, encoding="utf-8")

@@ -39,9 +39,10 @@ STEP_BYTES = 1 << 22
 
 @dataclass
 class PageData:
-    """header: a JSON object; its "blocks": [first byte, bytes, bytes when inflated] of body.
+    """The header and the body of a page.
 
-    progress: _core.Progress, which counts bytes before they are deflated.
+    header: A JSON object. Its "blocks" are [first byte, bytes, bytes when inflated] of body.
+    progress: A _core.Progress, which counts bytes before they are deflated.
     """
 
     progress: Progress
@@ -77,10 +78,11 @@ def by_significance(raw: Array) -> Array:
 
 
 def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> PageData:
-    """Returns the PageData of a Bake; isovalue: the common isovalue that is shown at first.
+    """Returns the PageData of a Bake. Raises Cancelled.
 
-    coarser: how many times voxels and texels are halved along each axis. progress:
-    _core.Progress. Raises Cancelled.
+    isovalue: Common isovalue that is shown at first.
+    coarser: Number of times that voxels and texels are halved along each axis.
+    progress: A _core.Progress.
     """
     data = PageData(progress)
     numbers = range(len(bake.volumes))
@@ -142,7 +144,7 @@ def step_of(bake: Bake) -> float:
 
 
 def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
-    """Returns [(label, value as text)] of a bake."""
+    """Returns facts about a bake, [(label, value as text)]."""
     known = bake.statistics
     rows = []
     for volume in bake.volumes:
@@ -155,9 +157,9 @@ def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
     rows.append(("Isovalues lit", " to ".join(figures(*bake.isovalues))))
     rows.append(("Scene", bake.scene.name))
     if bake.scene.meshes and bake.walls is None:
-        rows.append(("Walls", "shaded locally; a bake with --walls lights them"))
+        rows.append(("Walls", "shaded locally; bake with --walls to light them"))
     if any(back_side(bake, number) == "local" for number in range(len(bake.volumes))):
-        rows.append(("backs", "not baked; a light at the camera shows their shape"))
+        rows.append(("backs", "not baked; lit from the camera to show their shape"))
     error = known.estimated_error_percent
     if error:
         rows.append(("Error of the bake", f"{error:.2g} % of the displayable range, estimated"))

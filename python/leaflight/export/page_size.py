@@ -22,14 +22,14 @@ from .visibility_levels import code_of, pairs_in, ranges_in_plane
 _SAMPLE, _PLANES = 1 << 18, 4
 # Bytes of the first picture of a page.
 _POSTER = 75_000
-# The text of base64 for a byte.
+# Characters of base64 for a byte.
 _TEXT = 4.0 / 3.0
 
 
 def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
-    """Returns about how large the file of a page will be: within a fifth, if it is not coarser.
+    """Returns the approximate size of a page in bytes: within a fifth, if it is not coarser.
 
-    coarser: as of write_page().
+    coarser: As for write_page().
     """
     total = _POSTER + _bytes_of_walls(bake)
     for number, grid in enumerate(bake.grids):
@@ -92,7 +92,7 @@ def _deflated_share(samples: list[Array]) -> float:
 
 
 def _planes_of(count: int) -> Iterator[int]:
-    """Numbers of planes at even distances within so many."""
+    """Returns the numbers of evenly spaced planes."""
     yield from sorted({round(count * (k + 0.5) / _PLANES) for k in range(_PLANES)} - {count})
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The web page without a bake, built by web/bundle.mjs as a part of the package."""
+"""The web page without a bake. web/bundle.mjs builds it as a part of the package."""
 
 import os
 from pathlib import Path
@@ -10,13 +10,13 @@ TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 
 
 def read_template(path: str | os.PathLike[str]) -> str:
-    """The page without a bake. Raises LeaflightError, which names path, where it was left out."""
+    """Returns the page without a bake. Raises LeaflightError for path if it is missing."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")
     except OSError:
         raise LeaflightError(
-            f"{path}: this installation was built without Node and has no web page to write; "
-            "install a wheel of Leaflight, or build it after scripts/setup."
+            f"{path}: this installation was built without Node, so it cannot write web pages: "
+            "install a wheel of Leaflight, or build it with scripts/setup."
         ) from None
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One volume of a web page: its values, the light of its texels, and its maps of direct light."""
+"""Writes one volume of a web page: values, light of texels, maps of direct light."""
 
 import math
 from collections.abc import Sequence
@@ -27,8 +27,12 @@ NO_DATA = 65535
 
 @dataclass(frozen=True)
 class ShownVolume:
-    """A volume of a bake as a page shows it: volume, one of the bake's or a coarser one; texels
-    along x, y and z; direct: the DirectLight that is added to their light, None: they hold all."""
+    """A volume of a bake as a page shows it.
+
+    volume: The volume of the bake, or a coarser one.
+    texels: Texels along x, y and z.
+    direct: The DirectLight to add to the light of texels. None if they contain it.
+    """
 
     bake: Bake
     number: int
@@ -62,7 +66,7 @@ class ShownVolume:
 
 
 def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress) -> ShownVolume:
-    """The ShownVolume of a Bake's volume, halved so often. Raises Cancelled."""
+    """Returns the ShownVolume of a volume of a Bake, halved `coarser` times. Raises Cancelled."""
     volume, direct = bake.volumes[number], bake.grids[number].direct
     for _ in range(coarser):
         volume = volume.coarser()
@@ -79,7 +83,7 @@ def shown_volume(bake: Bake, number: int, coarser: int, progress: _core.Progress
 
 
 def dims_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
-    """Voxels along x, y and z of the volume that is shown, without making it."""
+    """Returns the voxels along x, y and z of the volume that is shown, without making it."""
     dims = tuple(bake.volumes[number].field().dims)
     for _ in range(coarser):
         dims = tuple(n // 2 + 1 for n in dims)
@@ -87,12 +91,12 @@ def dims_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
 
 
 def texels_of(bake: Bake, number: int, coarser: int) -> tuple[int, ...]:
-    """Texels along x, y and z of the light that a page shows."""
+    """Returns the texels along x, y and z of the light that a page shows."""
     return dims_of(bake, number, coarser) if coarser else tuple(bake.grids[number].resolution)
 
 
 def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
-    """The part of a page's header about a ShownVolume; the blocks go into its PageData."""
+    """Returns the part of a page's header about a ShownVolume; adds its blocks to the PageData."""
     bake, number, volume = shown.bake, shown.number, shown.volume
     isosurfaces, field = bake.scene.isosurfaces[number], volume.field()
     codes, offset, scale = coded(np.asarray(volume.values))
@@ -117,9 +121,10 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
 
 
 def coded(values: Array) -> tuple[Array, float, float]:
-    """(codes uint8 or uint16, offset, scale): a value is offset + scale * code.
+    """Returns (codes uint8 or uint16, offset, scale): a value is offset + scale * code.
 
-    Exact for integers that span 16 bits; else to 1/65534 of the range, NaN being NO_DATA.
+    The codes are exact for integers that span 16 bits, else to 1/65534 of the range. NaN is
+    NO_DATA.
     """
     if values.dtype == np.uint8:
         return values, 0.0, 1.0
@@ -146,7 +151,7 @@ def _light_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
 def _direct_data(
     data: "PageData", shown: ShownVolume, codes: Array, offset: float, scale: float
 ) -> dict[str, Any] | None:
-    """The maps, or None; the page finds their ranges as they are found here."""
+    """Returns the part of the header about the maps, or None. The page computes the same ranges."""
     direct = shown.direct
     if direct is None or len(direct.light_points) == 0:
         return None
@@ -174,7 +179,10 @@ def _direct_data(
 def _texture(
     data: "PageData", active: Array, layers: int, sides: Sequence[int] | Sequence[list[int]]
 ) -> dict[str, Any]:
-    """active: bool [z, y, x], the texels that there are; sides: the block, or blocks, of each."""
+    """Returns the part of the header about a texture of texels.
+
+    active: True for stored texels, bool [z, y, x]. sides: The block, or blocks, of each side.
+    """
     bricks = light_bricks(active, layers)
     return {
         "texels": list(active.shape[::-1]),
@@ -189,7 +197,7 @@ def _texture(
 
 
 def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
-    """Radiance float32 (nz, ny, nx, 3) at texels evenly spaced from the first voxel to the last."""
+    """Returns radiance, float32 (nz, ny, nx, 3), at texels evenly spaced between outer voxels."""
     grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
     is_indirect = shown.has_maps(back)
     if not shown.is_coarser:
@@ -201,12 +209,12 @@ def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
         points = texel_places(shown.volume, shown.texels, z)
         planes.append(grid.lookup(field, points, back, is_indirect))
     light = np.stack(planes).reshape(*shown.texels[::-1], 3)
-    # A coarser isosurface lies slightly beside the one that was lit.
+    # Fill dark texels, because a coarser isosurface lies slightly beside the lit one.
     return spread(light)
 
 
 def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:
-    """World coordinates (ny nx, 3) of a plane of texels (x, y, z) that span a volume."""
+    """Returns world coordinates (ny nx, 3) of a plane of texels (x, y, z) that span a volume."""
     step = (np.array(volume.field().dims) - 1.0) / (np.array(texels) - 1.0)
     texel_to_world = np.asarray(volume.index_to_world) @ np.diag([*step, 1.0])
     y, x = np.mgrid[: texels[1], : texels[0]]
@@ -216,7 +224,7 @@ def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:
 
 
 def spread(light: Array) -> Array:
-    """The light (nz, ny, nx, 3), dark texels having the mean of their neighbors that are lit."""
+    """Returns the light (nz, ny, nx, 3). Dark texels get the mean of their lit neighbors."""
     lit = light.any(axis=-1)
     sums, counts = light * lit[..., None], lit.astype(np.float32)
     for axis in range(3):
@@ -243,7 +251,7 @@ def _stops(ramp: Ramp) -> list[list[Any]]:
 
 
 def bytes_each(bake: Bake, number: int) -> tuple[float, float, float]:
-    """Bytes of the light of a texel, of its maps, and of a voxel's value, before they deflate."""
+    """Returns the bytes of the light of a texel, of its maps, and of a voxel, before deflation."""
     direct = bake.grids[number].direct
     sides = 2 if back_side(bake, number) == "baked" else 1
     bytes_a_voxel = 1 if np.asarray(bake.volumes[number].values).dtype == np.uint8 else 2

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls of a web page.
+"""Writes the walls of a web page.
 
-Walls with baked light have indirect light at nodes of the isosurface coordinate. Their paths to
-light points give direct light at any coordinate (web/src/wall_light.ts). The page shades the other
-walls.
+Walls with baked light have indirect light at several common isovalues. Their light paths give
+direct light at any isovalue (web/src/wall_light.ts). The page shades the other walls.
 """
 
 from collections.abc import Sequence
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def walls_data(data: "PageData", bake: Bake) -> dict[str, Any]:
-    """The part of a page's header about a bake's walls; the blocks go into its PageData."""
+    """Returns the part of a page's header about the walls; adds their blocks to the PageData."""
     nodes: list[float] = []
     tints: list[Any] = []
     lights: list[int] = []
@@ -50,16 +49,16 @@ def _wall(data: "PageData", bake: Bake, strengths: Array | None, mesh: RoomMesh)
 
 
 def _light(data: "PageData", bake: Bake, strengths: Array, number: int) -> dict[str, Any]:
-    lit, exposure = bake.walls, np.float32(bake.scene.exposure)
-    assert lit is not None
+    radiance, exposure = bake.walls, np.float32(bake.scene.exposure)
+    assert radiance is not None
 
     def colors(light: Array) -> int | None:
         return data.add_colors(packed(light * exposure)) if light.any() else None
 
-    sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
+    sets, least, greatest, shares, *unshadowed = radiance.direct_ways(number)
     return {
-        "between": data.add(lit.between(number)),
-        "indirect": [colors(lit.indirect(number, back)) for back in (False, True)],
+        "between": data.add(radiance.between(number)),
+        "indirect": [colors(radiance.indirect(number, back)) for back in (False, True)],
         "unshadowed": [[colors(light) for light in side] for side in unshadowed],
         "sets": data.add(sets),
         "least": None if least is None else data.add(codes(least, bake.isovalues).T),
@@ -69,14 +68,19 @@ def _light(data: "PageData", bake: Bake, strengths: Array, number: int) -> dict[
 
 
 def codes(greatest: Array, isovalue_range: Sequence[float]) -> Array:
-    """Common isovalues as bytes: 1 to 253 over the range, rounded down, 0 below it, 254 above it,
-    255 where they are infinite."""
+    """Returns common isovalues as bytes: 1 to 253 over the range, rounded down.
+
+    A value below the range is 0, above it 254, and infinity 255.
+    """
     found = np.clip(np.floor(code_of(greatest, isovalue_range)), 0, 254)
     return np.where(np.isposinf(greatest), 255, found).astype(np.uint8)
 
 
 def weights(lights: Array) -> Array:
-    """int8: lights (n, points) over the greatest of a row and side, front positive, times 127."""
+    """Returns lights (n, points) as int8: over the greatest of a row and side, times 127.
+
+    The front is positive.
+    """
     sides = [np.maximum(sign * lights, 0.0) for sign in (1.0, -1.0)]
     front, back = (
         side / np.maximum(side.max(axis=1, keepdims=True, initial=0), 1e-30) for side in sides

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake as values and radiance at the points of one regular grid."""
+"""Samples a bake, values and radiance, at the points of one regular grid."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,11 +15,12 @@ from ..bake.baked import Bake
 class PointGrid:
     """The values and light of one volume of a bake, at points evenly spaced along three axes.
 
-    index_to_world: float64 (4, 4), takes the point (i, j, k, 1) to world coordinates.
-    values: float32 (nz, ny, nx), in data units, NaN where there are no data; radiance: float32
-    (nz, ny, nx, 3), W/(m^2 sr), linear RGB, of the isosurface through each point, 0 where none of
-    the isovalue range passes; error: float32 (nz, ny, nx), the standard error of its mean over the
-    channels; radiance_back: that of the backs, or None where these were not baked.
+    index_to_world: Matrix from the point (i, j, k, 1) to world coordinates, float64 (4, 4).
+    values: Values in data units, NaN where data are missing, float32 (nz, ny, nx).
+    radiance: Radiance of the isosurface through each point, W/(m^2 sr), linear RGB, float32 (nz,
+        ny, nx, 3). It is 0 outside the isovalue range.
+    error: Standard error of the mean of radiance over the channels, float32 (nz, ny, nx).
+    radiance_back: Radiance of the backs. None if they were not baked.
     """
 
     index_to_world: Array
@@ -30,8 +31,7 @@ class PointGrid:
 
 
 def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
-    """The PointGrid of a volume (its number) of a Bake: its voxels, or its texels if these are
-    finer."""
+    """Returns the PointGrid of a volume (its number) of a Bake: its voxels, or finer texels."""
     field, grid = bake.volumes[volume].field(), bake.grids[volume]
     voxels, texels = np.array(field.dims), np.array(grid.resolution)
     values = np.asarray(bake.volumes[volume].values, np.float32)
@@ -50,7 +50,7 @@ def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
 
 
 def _between_voxels(values: Array, texels: Array) -> Array:
-    """The trilinear interpolant at as many points (along x, y, z), the first and last voxels'."""
+    """Returns the trilinear interpolant at points (x, y, z) between the first and last voxels."""
     for axis, count in zip((2, 1, 0), texels):
         n = values.shape[axis]
         if count == n:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colors in four bytes: three mantissas of nine bits with one exponent.
+"""Packs colors into four bytes: three mantissas of nine bits and one exponent.
 
-As graphics cards read them (GL_RGB9_E5; OpenGL 4.6, 8.25 "Shared Exponent Texture Color
-Conversion"): half a percent exact, up to 65408.
+Graphics cards read this format, GL_RGB9_E5 (OpenGL 4.6, 8.25 "Shared Exponent Texture Color
+Conversion"). Its precision is half a percent, up to 65408.
 """
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array
 
 _BITS, _BIAS, _LARGEST = 9, 15, 65408.0
-# Between the least mantissas, a third of what a screen of 8 bits shows beside black. Less is noise,
+# Quantum of the least mantissas: a third of the darkest gray of an 8-bit screen. Less is noise,
 # which does not deflate.
 LEAST = 2.0**-13
 
@@ -35,8 +35,11 @@ def packed(colors: ArrayLike) -> Array:
 
 
 def planes(words: Array) -> Array:
-    """The same as bytes (4, n) that deflate: of the mantissas' lower eight bits green, red less
-    green and blue less green; the exponent and the highest bits of blue, green and red."""
+    """Returns the same as bytes (4, n) that deflate well.
+
+    The first three are the lower eight bits of the mantissas: green, red less green, blue less
+        green. The fourth is the exponent and the highest bits of blue, green and red.
+    """
     words = words.ravel()
     red, green, blue = (words >> np.uint32(9 * channel) for channel in range(3))
     high = words >> np.uint32(24) & np.uint32(0xF8)

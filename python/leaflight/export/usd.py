@@ -23,11 +23,11 @@ def write_usd(
 ) -> None:
     """Writes Surfaces, {isovalue: Surface}, in world coordinates, z up. Raises LeaflightError.
 
-    metersPerUnit is that of the world; 1 where it is not known.
-    One mesh /Leaflight/isosurface: points, normals, primvars displayColor (linear RGB: radiance
-    times the exposure, not clamped) and radiance (W/(m^2 sr), linear RGB), and the attribute
-    isovalue. Its material emits displayColor and reflects nothing. Several isovalues become time
-    samples, from frame 1 on, 24 per second.
+    metersPerUnit is that of the world, 1 if unknown. The mesh is /Leaflight/isosurface, with
+    points, normals, primvars and the attribute isovalue. The primvar displayColor is linear RGB:
+    radiance times the exposure, not clamped. The primvar radiance is linear RGB in W/(m^2 sr). The
+    material emits displayColor and reflects nothing. Several isovalues are time samples from frame
+    1 on, 24 per second.
     """
     path = Path(path)
     check_writable(path, path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0])
@@ -51,7 +51,7 @@ def write_usd(
         try:
             stage.GetRootLayer().Save()
         except Tf.ErrorException:
-            # It holds a line for each block that could not be written.
+            # The message has a line for each block that could not be written.
             raise OSError(errno.EIO, "it could not be written to its end") from None
         del stage
 
@@ -85,7 +85,7 @@ def _vectors(rows: Array) -> Vt.Vec3fArray:
 
 
 def _glowing(stage: Usd.Stage) -> UsdShade.Material:
-    """A material whose light is the mesh's own color alone."""
+    """Returns a material that emits the mesh's color and reflects nothing."""
     material = UsdShade.Material.Define(stage, "/Leaflight/lit")
     reader = UsdShade.Shader.Define(stage, "/Leaflight/lit/color")
     reader.CreateIdAttr("UsdPrimvarReader_float3")

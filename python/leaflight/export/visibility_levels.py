@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Visibility maps with four bits a light point, for a web page.
+"""Packs visibility maps into four bits a light point, for a web page.
 
-Near a texel only the isosurfaces of the values about it pass. So a code of a map (DirectLight) is
-kept as its place between the least and the greatest of these values, which the page finds itself.
+Only isosurfaces of nearby values pass a texel. So a code of a map (DirectLight) is stored relative
+to the least and the greatest of these values. The page computes both itself.
 """
 
 import math
@@ -13,14 +13,14 @@ import numpy as np
 from .._core import DirectLight
 from ..arrays import Array
 
-# Light paths blocked by no isosurface about the texel, by all of them, and by a mesh. Levels
+# Levels of light paths that no isosurface blocks, that all block, and that a mesh blocks. Levels
 # between are equal parts of the range of codes; the first and the last part are cut.
 LIT, HIDDEN, DARK = 0, 14, 15
-# Light points whose levels the graphics card reads at once.
+# Number of light points whose levels the graphics card reads at once.
 POINTS_A_TEXEL = 8
 _PARTS = HIDDEN - 2
-# The light points of a lamp have nearly the same codes. Each begins its parts at another place, so
-# that rounding does not move all of their shadows in one direction: a Kronecker sequence.
+# Offset of the parts of each light point (a Kronecker sequence). Light points of a lamp have
+# similar codes, and equal rounding would move all of their shadows in one direction.
 _SHIFT = 0.6180339887
 
 
@@ -33,11 +33,12 @@ def code_of(value: Array, isovalue_range: Sequence[float]) -> Array:
 def ranges(
     values: Array, missing: int | None, texels: Sequence[int], code: Callable[[Array], Array]
 ) -> tuple[Array, Array]:
-    """(least, greatest) code about each texel, uint8 [z, y, x].
+    """Returns (least, greatest) code of the voxels within one texel of each texel, uint8 [z, y, x].
 
-    values: array [z, y, x]; missing: the value of masked voxels, greater than all others, or None.
-    texels: (x, y, z) of the map; code: a function from values to codes that grow with them. About a
-    texel are the voxels within one texel of it.
+    values: Array [z, y, x].
+    missing: Value of masked voxels, greater than all others, or None.
+    texels: Texels (x, y, z) of the map.
+    code: Ascending function from values to codes.
     """
     least = greatest = values
     if missing is not None:
@@ -55,7 +56,7 @@ def ranges_in_plane(
     code: Callable[[Array], Array],
     z: int,
 ) -> tuple[Array, Array]:
-    """ranges() of the texels of one z, uint8 [y, x]."""
+    """Returns ranges() of the texels of one z, uint8 [y, x]."""
     first, end = _voxels_about(z, texels[2], len(values))
     slab = values[first:end]
     masked = slab if missing is None else np.where(slab == missing, slab.dtype.type(0), slab)
@@ -67,7 +68,7 @@ def ranges_in_plane(
 
 
 def levels(codes: Array, least: Array, greatest: Array, point: int) -> Array:
-    """The levels uint8 of codes between others, uint8 arrays of one shape, for a light point."""
+    """Returns the levels, uint8, of codes for a light point, between least and greatest codes."""
     part = np.clip(codes, least, greatest) - least
     place = (greatest - least).astype(np.uint16) * np.uint16(256) + part
     found: Array = _table(point * _SHIFT % 1.0).take(place)
@@ -76,8 +77,11 @@ def levels(codes: Array, least: Array, greatest: Array, point: int) -> Array:
 
 
 def pairs(direct: DirectLight, back: bool, least: Array, greatest: Array) -> Iterator[Array]:
-    """uint8 (n,) of the active texels for each two light points of a DirectLight: levels of the
-    first, and of the second times 16. least, greatest: codes about these texels."""
+    """Returns uint8 (n,) of the active texels for each pair of light points of a DirectLight.
+
+    A byte is the level of the first plus 16 times that of the second. least, greatest: Codes around
+    these texels.
+    """
     for point in range(0, len(direct.light_points), 2):
         both = levels(direct.codes(point, back), least, greatest, point)
         if point + 1 < len(direct.light_points):
@@ -86,7 +90,7 @@ def pairs(direct: DirectLight, back: bool, least: Array, greatest: Array) -> Ite
 
 
 def pairs_in(direct: DirectLight, least: Array, greatest: Array, part: slice) -> Array:
-    """The first of pairs() of the front for a part of the active texels."""
+    """Returns the first of pairs() of the front for a part of the active texels."""
     first = levels(direct.codes(0)[part], least, greatest, 0)
     if len(direct.light_points) > 1:
         first |= levels(direct.codes(1)[part], least, greatest, 1) << 4
@@ -103,7 +107,7 @@ def _by_texel(function: np.ufunc, values: Array, axis: int, count: int) -> Array
 
 
 def _voxels_about(texel: int, count: int, voxels: int) -> tuple[int, int]:
-    """The first voxel about a texel along an axis, and the one behind the last."""
+    """Returns the first voxel around a texel along an axis, and the one after the last."""
     width = (voxels - 1) / (count - 1)
     first = max(0, math.floor((texel - 1) * width))
     return first, min(voxels, math.ceil((texel + 1) * width) + 1)
@@ -114,7 +118,7 @@ def _byte(codes: Array) -> Array:
 
 
 def _table(shift: float) -> Array:
-    """[range of codes, part of it]: the level; shift: of the parts, 0 to 1."""
+    """Returns [range of codes, code in it]: the level. shift: Offset of the parts, 0 to 1."""
     span, part = np.mgrid[:256, :256]
     between = np.floor(part * _PARTS / np.maximum(span, 1) + 2.0 - shift)
     table = np.where(part == 0, LIT, np.where(part >= span, HIDDEN, between))

@@ -20,11 +20,11 @@ from .vtk_arrays import add_text_and_numbers, write
 def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
-    Point data: value (float, data units), radiance (W/(m^2 sr), linear RGB, of the isosurface
-    through the point, 0 where none of the range passes), radiance_error (the standard error of its
-    mean over the channels), radiance_back where backs were baked, and color (uchar, sRGB at
-    the scene's exposure). Field data: isovalues, exposure, bake_id, unit (of
-    lengths).
+    Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error,
+    color (uchar, sRGB at the scene's exposure), and radiance_back if backs were baked. The radiance
+    is that of the isosurface through the point, 0 outside the isovalue range. The error is the
+    standard error of its mean over the channels. Field data are isovalues, exposure, bake_id and
+    unit (of lengths).
     """
     check_writable(path, ".vti")
     grid = point_grid(bake, volume)
@@ -55,7 +55,7 @@ def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None
 
 
 def _place(path: str | os.PathLike[str], image: vtkImageData, index_to_world: Array) -> None:
-    """VTK has an origin, a spacing and a rotation; raises LeaflightError where these do not do."""
+    """Sets VTK's origin, spacing and rotation. Raises LeaflightError for other matrices."""
     axes = index_to_world[:3, :3]
     spacing = np.linalg.norm(axes, axis=0)
     directions = axes / spacing

@@ -32,7 +32,7 @@ def write(writer: "vtkXMLWriter", data: "vtkDataObject", path: Path) -> None:
     """Writes a data set by one of VTK's XML writers, compressed. Raises OSError."""
     writer.SetFileName(str(path))
     writer.SetInputData(data)
-    # Raw bytes behind the XML: smaller and faster than base64, and what ParaView itself writes.
+    # Append raw bytes to the XML, as ParaView does: smaller and faster than base64.
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
     # Suppress VTK's text about a full disk; the error below replaces it.

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes of flatland: walls and lamps around isolines, as plain data and as scene files.
 
-A scene file of flatland is a JSON object with the keys "name", "coordinates", "isosurface_albedo",
-"exposure" and "comment" of scene_file.py, and, with points [x, y],
+A scene file of flatland is a JSON object. It has the keys "name", "coordinates",
+"isosurface_albedo", "exposure" and "comment" of scene_file.py, and these. Points are [x, y].
 
-    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y], ...],
-                  "segments": [[i, j], ...]}
-    lights        list of {"name", "corner", "edge": [x, y], "radiance": [r, g, b] in W/(m rad)};
-                  each shines to the left of its edge
+meshes: List of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y], ...], "segments": [[i,
+    j], ...]}.
+lights: List of {"name", "corner", "edge": [x, y], "radiance": [r, g, b] in W/(m rad)}. Each emits
+    to the left of its edge.
 """
 
 import json
@@ -46,7 +46,7 @@ class Lamp:
 
 @dataclass(frozen=True, eq=False)
 class FlatScene:
-    """The material of isolines, and the scene around them; coordinates as in SceneDescription."""
+    """The material of isolines, and the scene around them. See SceneDescription for coordinates."""
 
     name: str
     isosurfaces: Isosurfaces

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flatland: all isolines of an image, lit within the plane (thesis chapter 3).
 
-The height field is a Volume of two dimensions: arrays are [y, x] with y up, points (n, 2). Light
-is that of the plane: radiance is per length and angle, and a diffuse line of albedo a sends a / 2
-of its irradiance in every direction, where a surface in space sends a / pi.
+The height field is a Volume of two dimensions: arrays are [y, x] with y up, points (n, 2). Radiance
+    is per length and angle. A diffuse line of albedo a reflects a / 2 of its irradiance in every
+    direction; a surface in space reflects a / pi.
 """
 
 import os
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from PIL.Image import Image
     from typing_extensions import Unpack
 
-# Factor that makes a scene of the plane about as bright as the same scene in space (thesis 3.4.3).
+# Factor for about the same brightness of a scene in the plane and in space (thesis 3.4.3).
 BRIGHTNESS_CORRECTION = 2.0 / np.pi
-# Constants of a picture: thickness of isolines, in longer sides; brightness of the image behind;
-# brightness of isolines, and the share of their points that does not exceed it.
+# Constants of a picture: thickness of isolines, in longer sides; brightness of the image behind
+# them; brightness of isolines, and the share of their points below it.
 LINE_SHARE = 0.007
 DIM = 0.5
 BRIGHT, BRIGHT_SHARE = 0.8, 0.95
@@ -55,8 +55,9 @@ class Isolines:
 class FlatBake:
     """A height field, the scene in world coordinates, and the radiance of all its isolines.
 
-    isovalues: (lo, hi), the baked range; grid: _core.RadianceGrid2; statistics, provenance, id: as
-    of a Bake.
+    isovalues: The baked range (lo, hi).
+    grid: A _core.RadianceGrid2.
+    statistics, provenance, id: As in a Bake.
     """
 
     volume: Volume
@@ -71,7 +72,7 @@ class FlatBake:
         return self.provenance.id
 
     def texture(self) -> Array:
-        """Radiance, linear float32 [y, x, RGB]; zero where no isoline of the range passes."""
+        """Returns radiance, linear float32 [y, x, RGB]; zero outside the isovalue range."""
         return self.grid.dense("radiance")
 
     def isolines(self, isovalue: float) -> Isolines:
@@ -108,8 +109,8 @@ class FlatBake:
 def read_image(path: str | os.PathLike[str]) -> Volume:
     """Reads an image as a height field with a longest side of 1, a Volume of two dimensions.
 
-    PNG, JPEG, TIFF or EXR; colors become their luminance (Rec. 709) in the numbers that the file
-    stores, 0..255 for 8 bits. Raises LeaflightError.
+    The image is PNG, JPEG, TIFF or EXR. Colors become their luminance (Rec. 709) in the stored
+    numbers, 0..255 for 8 bits. Raises LeaflightError.
     """
     values = np.ascontiguousarray(luminance(read_pixels(path))[::-1])
     step = 1.0 / max(max(values.shape) - 1, 1)
@@ -133,13 +134,13 @@ def bake_flatland(
     checkpoint: Checkpoint | None = None,
     **settings: "Unpack[BakeOptions]",
 ) -> FlatBake:
-    """Computes the radiance of every isoline of a height field whose isovalue lies in the range.
+    """Computes the radiance of every isoline of a height field within the isovalue range.
 
-    scene: FlatScene, fitted around the height field; None is flat_box().
-    settings: BakeSettings by their names, as of leaflight.bake, but for both_sides and walls.
-    resolution: texels along the longest axis, or (nx, ny). on_pass, progress, checkpoint: as of
-        leaflight.bake.
-    Returns a FlatBake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    scene: A FlatScene, fitted around the height field. None is flat_box().
+    settings: Fields of BakeSettings by name, as for leaflight.bake, except both_sides and walls.
+    resolution: Texels along the longest axis, or (nx, ny).
+    on_pass, progress, checkpoint: As for leaflight.bake.
+    Returns a FlatBake. Raises Cancelled, and LeaflightError for input that cannot be baked.
     """
     asked = BakeSettings(**settings)
     refuse_sides(asked)
@@ -148,14 +149,16 @@ def bake_flatland(
     of_core = asked.core(_core.BakeSettings2, volume.flat_field().dims, exposure)
     provenance = flat_provenance(volume, scene, isovalue_range, of_core)
 
-    def whole(baked: _core.Baked2) -> FlatBake:
+    def as_bake(baked: _core.Baked2) -> FlatBake:
         statistics = statistics_of(baked)
         known = provenance.after(baked.grids, statistics.passes, statistics.blocks)
         return FlatBake(volume, scene, isovalue_range, baked.grids[0], statistics, known)
 
-    look = None if on_pass is None else lambda baked: on_pass(whole(baked))
+    on_core_pass = None if on_pass is None else lambda baked: on_pass(as_bake(baked))
     rest = checkpoint.arguments(provenance) if checkpoint else {}
-    return whole(_core.bake2(core, of_core, progress or _core.Progress(), on_pass=look, **rest))
+    return as_bake(
+        _core.bake2(core, of_core, progress or _core.Progress(), on_pass=on_core_pass, **rest)
+    )
 
 
 def flat_provenance(
@@ -175,7 +178,7 @@ def refuse_sides(asked: CommonSettings) -> None:
     for name, wished in (("both_sides", asked.both_sides), ("walls", asked.walls)):
         if wished:
             raise SettingError(
-                f"Flatland bakes the fronts of isolines alone, without {name}: leave it out.", name
+                f"Flatland bakes only the fronts of isolines, not {name}: leave it out.", name
             )
 
 
@@ -184,7 +187,10 @@ def flat_placed(
 ) -> tuple[FlatScene, tuple[float, float], _core.Scene2]:
     """Returns (FlatScene, range, _core.Scene2) for the arguments of bake_flatland()."""
     if np.ndim(volume.values) != 2:
-        raise LeaflightError(f"{volume.name}: flatland needs an image, not a volume.")
+        raise LeaflightError(
+            f"{volume.name}: this is a volume, but flatland needs an image: read one with "
+            "read_image()."
+        )
     scene = fit_flat_scene(scene or flat_box(), volume)
     isovalue_range = range_to_bake(isovalues, [volume], [scene.isosurfaces])
     return scene, isovalue_range, core_flat_scene(scene, volume.flat_field(), isovalue_range)
@@ -237,5 +243,5 @@ def _dim_image(volume: Volume, size: Array) -> "Image":
 
 def _exposure(radiances: Sequence[Array]) -> float:
     brightest = np.concatenate(radiances).max(axis=1)
-    lit = brightest[brightest > 0]
-    return BRIGHT / np.quantile(lit, BRIGHT_SHARE) if len(lit) else 1.0
+    positive = brightest[brightest > 0]
+    return BRIGHT / np.quantile(positive, BRIGHT_SHARE) if len(positive) else 1.0

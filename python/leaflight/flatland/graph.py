@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The graph of a height field as a surface in space, lit by ordinary light (thesis Fig. 3.2).
 
-Flattened light stays in the plane of its isovalue; ordinary light crosses planes. The two are
-compared on the same graph: walls and lamps of the plane become as high as the graph, and the lamps
-have the same power, so that their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
+Flattened light stays in the plane of its isovalue; ordinary light crosses planes. Both are compared
+on the same graph. Walls and lamps of the plane are raised to the height of the graph. Lamps keep
+their power, so their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
 """
 
 import leaflight._core as _core
@@ -29,10 +29,11 @@ def graph_radiance(
 ) -> tuple[Array, Array]:
     """Computes path-traced radiance of the graph under ordinary light.
 
-    bake: a FlatBake with the height field and the scene; height: of the graph, which rises from its
-    lowest value by that many longest sides; spp: paths per point.
-    Returns (radiance, standard_error), float32 (ny - 1, nx - 1, 3) each, at the middles of the
-    cells. Raises LeaflightError, Cancelled.
+    bake: A FlatBake with the height field and the scene.
+    height: Height of the graph above its lowest value, in longest sides.
+    spp: Paths per point.
+    Returns (radiance, standard_error), float32 (ny - 1, nx - 1, 3) each, in the middle of each
+    cell. Raises LeaflightError, Cancelled.
     """
     vertices, triangles = graph_mesh(bake.volume, height)
     scene = _scene_in_space(bake, vertices, triangles)
@@ -69,7 +70,9 @@ def _scene_in_space(bake: FlatBake, vertices: Array, triangles: Array) -> _core.
     top = float(vertices[:, 2].max())
     albedo = bake.scene.isosurfaces.albedo
     if not is_color(albedo):
-        raise LeaflightError("The graph has one colour: give isolines one, not several.")
+        raise LeaflightError(
+            "The isolines have several colors, but their graph has only one: give them one color."
+        )
     meshes = [_core.Mesh("graph", vertices, triangles, albedo)]
     for wall in bake.scene.walls:
         flat = np.asarray(wall.vertices, np.float32)
@@ -84,7 +87,7 @@ def _scene_in_space(bake: FlatBake, vertices: Array, triangles: Array) -> _core.
         _core.AreaLight(
             lamp.name,
             (*lamp.corner, 0.0),
-            # The other way round, this faces the left of the edge in the plane.
+            # In the reverse order, the lamp faces the left of the edge in the plane.
             (0.0, 0.0, top),
             (*lamp.edge, 0.0),
             tuple(BRIGHTNESS_CORRECTION * np.asarray(lamp.radiance)),

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files: readers of volumes, images, point clouds, scene files, and sources by name."""
+"""Files: readers of volumes, images, point clouds, scene files, and volumes by name."""

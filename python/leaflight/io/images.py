@@ -19,14 +19,16 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
 def read_pixels(path: str | os.PathLike[str]) -> Array:
-    """The numbers as the file stores them: [row, column] or [row, column, RGB], top row first.
+    """Returns the numbers as stored: [row, column] or [row, column, RGB], top row first.
 
-    uint8, uint16 or floating point; alpha is left out. Raises LeaflightError.
+    The type is uint8, uint16 or floating point. Alpha is left out. Raises LeaflightError.
     """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise LeaflightError(f"{path}: an image must end in one of {', '.join(SUFFIXES)}.")
+        raise LeaflightError(
+            f"{path}: the suffix is not that of an image: choose one of {', '.join(SUFFIXES)}."
+        )
     try:
         if not path.is_file():
             raise LeaflightError(f"{path}: there is no such image; check the path.")
@@ -46,7 +48,8 @@ def read_pixels(path: str | os.PathLike[str]) -> Array:
 
 
 def read_texture(path: str | os.PathLike[str]) -> Array:
-    """Linear RGB, float32 [row, column, 3], bottom row first; integers are taken as sRGB.
+    """Returns linear RGB, float32 [row, column, 3], bottom row first. Integers are sRGB in the
+    file.
 
     Raises LeaflightError.
     """
@@ -61,7 +64,9 @@ def read_texture(path: str | os.PathLike[str]) -> Array:
 
 
 def luminance(pixels: Array) -> Array:
-    """Gray of RGB by the weights of Rec. 709, float32 [row, column]; gray stays what it is."""
+    """Returns the luminance of RGB by the weights of Rec. 709, float32 [row, column]; gray as it
+    is.
+    """
     # Values beyond single precision become infinite, which volumes refuse.
     with np.errstate(over="ignore", invalid="ignore"):
         grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
@@ -69,7 +74,7 @@ def luminance(pixels: Array) -> Array:
 
 
 def display_colours(radiance: ArrayLike, exposure: float) -> Array:
-    """Radiance (..., 3) to uint8 sRGB: times the exposure, clamped to 0..1, encoded."""
+    """Returns uint8 sRGB of radiance (..., 3): times the exposure, clamped to 0..1, encoded."""
     linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
     curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
@@ -78,14 +83,14 @@ def display_colours(radiance: ArrayLike, exposure: float) -> Array:
 
 
 def png_bytes(path: str | os.PathLike[str], pixels: Array) -> bytes:
-    """uint8 [row, column, RGB or RGBA], top row first, as PNG; path: of the file that holds it."""
+    """Returns uint8 [row, column, RGB or RGBA], top row first, as PNG. path: Name in errors."""
     buffer = io.BytesIO()
     _pillow(path).fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
 def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
-    """Writes png_bytes() as a whole or not at all."""
+    """Writes a complete PNG or none."""
     content = png_bytes(path, pixels)
     with replaced(path) as temporary:
         temporary.write_bytes(content)
@@ -99,13 +104,13 @@ def _read_tiff(path: Path) -> Array:
             pixels = read_page(path, file.pages[0])
     except ImportError as error:
         raise LeaflightError(
-            f"{path}: this needs the Python package {error.name}, which is not installed; save the "
-            "image without compression."
+            f"{path}: this compression needs the Python package {error.name}, which is not "
+            "installed; save the image uncompressed."
         ) from None
     if pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uf":
         raise LeaflightError(
-            f"{path}: the image must be grey or RGB, of unsigned integers or floating point; "
-            "convert it first."
+            f"{path}: the image is neither gray nor RGB, or not of unsigned integers or floating "
+            "point: convert it first."
         )
     return pixels
 
@@ -115,8 +120,8 @@ def _pillow(path: str | os.PathLike[str]) -> Any:
         from PIL import Image
     except ImportError:
         raise LeaflightError(
-            f"{path}: this needs the Python package Pillow, which is not installed; "
-            "install python3-pil."
+            f"{path}: images need the Python package Pillow, which is not installed; install "
+            "python3-pil."
         ) from None
     return Image
 
@@ -124,7 +129,8 @@ def _pillow(path: str | os.PathLike[str]) -> Any:
 def _read_with_pillow(path: Path) -> Array:
     Image = _pillow(path)
     try:
-        # A warning of a large image is harmless; of a far too large one Pillow raises an error.
+        # Ignore Pillow's warning of a large image; it raises an error for one that is far too
+        # large.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path, formats=("PNG", "JPEG")) as image:
@@ -138,7 +144,7 @@ def _read_with_pillow(path: Path) -> Array:
     except MemoryError:
         raise
     except Exception:
-        # On damaged files Pillow fails with whatever comes first, from OSError to struct.error.
+        # On damaged files Pillow raises many types, from OSError to struct.error.
         raise LeaflightError(
             f"{path}: this is not a readable image, or it is truncated or damaged; fetch it again."
         ) from None

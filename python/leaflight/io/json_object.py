@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects of a JSON file, read with checks whose errors say where and what is wrong."""
+"""Checked reading of JSON objects. Errors name the object and the fault."""
 
 import json
 import os
@@ -15,7 +15,7 @@ from ..scene.scene import Color, Ramp, Vector
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """The text of a scene file. Raises LeaflightError."""
+    """Returns the text of a scene file. Raises LeaflightError."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -24,7 +24,10 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def parse(text: str, source: str) -> "JsonObject":
-    """The JsonObject of a file's text; source names the file in errors. Raises LeaflightError."""
+    """Returns the JsonObject of a file's text. source: The file's name in errors.
+
+    Raises LeaflightError.
+    """
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -38,7 +41,7 @@ def parse(text: str, source: str) -> "JsonObject":
 
 
 class JsonObject:
-    """One object {...} and how errors call it. Every method raises LeaflightError."""
+    """One object {...} and its name in errors. Every method raises LeaflightError."""
 
     def __init__(self, data: Any, where: str) -> None:
         self.data: dict[str, Any] = data
@@ -54,10 +57,12 @@ class JsonObject:
         return LeaflightError(f"{self.where}: {what}.")
 
     def only(self, *keys: str) -> None:
-        """Refuses every other key."""
+        """Raises LeaflightError for every other key."""
         for key in self.data:
             if key not in keys:
-                raise self.error(f'unknown key "{key[:40]}"; known are {", ".join(keys)}')
+                raise self.error(
+                    f'the key "{key[:40]}" is unknown; choose one of {", ".join(keys)}'
+                )
 
     def get(self, key: str) -> Any:
         if key not in self.data:
@@ -69,7 +74,7 @@ class JsonObject:
         if not isinstance(value, str):
             raise self.error(f'"{key}" must be text')
         if any("\ud800" <= letter <= "\udfff" for letter in value):
-            raise self.error(f'"{key}" holds half a character; write it again')
+            raise self.error(f'"{key}" holds an incomplete Unicode character; write it again')
         return value
 
     def choice(self, key: str, choices: Sequence[str], default: str | None = None) -> str:
@@ -80,7 +85,7 @@ class JsonObject:
         return value
 
     def flag(self, key: str) -> bool:
-        """True or false; false where it is missing."""
+        """Returns true or false; false if the key is missing."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
             raise self.error(f'"{key}" must be true or false')
@@ -93,11 +98,11 @@ class JsonObject:
         return value
 
     def child(self, key: str) -> "JsonObject":
-        """The object under a key."""
+        """Returns the object under a key."""
         return JsonObject(self.get(key), f"{self.where}: {key}")
 
     def named(self, key: str, kind: str) -> list["JsonObject"]:
-        """The objects of a list, each with a "name" by which errors call it."""
+        """Returns the objects of a list. Errors call each by its "name"."""
         children = []
         for i, data in enumerate(self.items(key)):
             child = JsonObject(data, f"{self.where}: {kind} {i + 1}")
@@ -107,7 +112,7 @@ class JsonObject:
         return children
 
     def array(self, key: str) -> Array:
-        """Finite numbers in rows of equal length, float64."""
+        """Returns finite numbers in rows of equal length, float64."""
         try:
             array = np.array(self.get(key), dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
@@ -117,7 +122,7 @@ class JsonObject:
         return array
 
     def number(self, key: str, low: float, high: float, default: float | None = None) -> float:
-        """A number in low..high."""
+        """Returns a number in low..high."""
         if default is not None and key not in self:
             return default
         value = self.array(key)
@@ -144,7 +149,7 @@ class JsonObject:
         return tuple(array.tolist())
 
     def points(self, key: str, least: int, axes: str = "xyz") -> Array:
-        """At least so many points, float32 (n, axes)."""
+        """Returns at least this many points, float32 (n, axes)."""
         array = self.array(key)
         if array.ndim != 2 or array.shape[1] != len(axes) or len(array) < least:
             point = ", ".join(axes)
@@ -154,10 +159,13 @@ class JsonObject:
             return array.astype(np.float32)
 
     def faces(self, key: str, lengths: Sequence[int], count: int) -> list[list[int]]:
-        """A list of lists, as long as one of lengths, of indices in 0..count - 1; not empty."""
+        """Returns a list that is not empty, of lists of indices in 0..count - 1.
+
+        lengths: The allowed lengths of a list of indices.
+        """
         faces = self.items(key)
         if not faces:
-            raise self.error(f'"{key}" is empty, so there is nothing to see: leave the mesh out')
+            raise self.error(f'"{key}" is empty, so the mesh is invisible: leave it out')
         for face in faces:
             if (
                 not isinstance(face, list)
@@ -171,17 +179,17 @@ class JsonObject:
         return faces
 
     def direction(self, key: str) -> Color:
-        """A vector of length 1; a longer or shorter one is normalised."""
+        """Returns a vector of length 1; normalizes any other."""
         vector = np.array(self.vector(key))
         length = np.linalg.norm(vector)
         if not length > 0:
             raise self.error(f'"{key}" must be a direction, but its length is zero')
-        # One that is of length 1 already must be read as it was written.
+        # Keep a vector of length 1 bit by bit.
         unit = vector if abs(length - 1) < 1e-12 else vector / length
         return tuple(unit.tolist())
 
     def color(self, key: str, largest: float = np.inf, default: Color | None = None) -> Color:
-        """Three linear numbers in 0..largest."""
+        """Returns three linear numbers in 0..largest."""
         if default is not None and key not in self:
             return default
         color = self.vector(key)
@@ -191,7 +199,7 @@ class JsonObject:
         return color
 
     def ramp(self, key: str, largest: float = np.inf, default: Color | None = None) -> Ramp:
-        """A color, or stops [isovalue, [r, g, b]] in ascending order, as a list of pairs."""
+        """Returns a color, or a list of pairs (isovalue, color) in ascending order."""
         if default is not None and key not in self:
             return default
         value = self.get(key)
@@ -207,5 +215,5 @@ class JsonObject:
             stops.append((stop.number("isovalue", -np.inf, np.inf), stop.color("color", largest)))
         positions = [position for position, _ in stops]
         if any(high <= low for low, high in zip(positions, positions[1:])):
-            raise self.error(f'the isovalues of "{key}" must ascend from stop to stop')
+            raise self.error(f'the isovalues of the stops of "{key}" must ascend')
         return stops

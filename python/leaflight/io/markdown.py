@@ -6,7 +6,7 @@ from typing import Any
 
 
 def table(rows: Sequence[Mapping[str, Any]], formats: Mapping[str, str]) -> list[str]:
-    """Lines of a Markdown table; formats: of each column, by its name."""
+    """Returns the lines of a Markdown table. formats: Format of each column, by its name."""
     if not rows:
         return []
     lines = [_line(rows[0]), "|" + "---|" * len(rows[0])]

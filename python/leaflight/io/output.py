@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Output files: checked before the long work begins, and written as a whole or not at all."""
+"""Output files: checked before long work begins, and written completely or not at all."""
 
 import os
 import tempfile
@@ -18,25 +18,25 @@ def check_writable(
     """Raises LeaflightError unless path can be written, has this suffix and is none of inputs."""
     path = Path(path)
     if path.suffix.lower() != suffix:
-        raise LeaflightError(f"{path}: the output file must end in {suffix}.")
+        raise LeaflightError(f"{path}: the suffix is wrong: the output file must end in {suffix}.")
     try:
         try:
-            # Raises whatever is wrong with the name itself.
+            # Raises an OSError or a ValueError if no file can have this name.
             os.lstat(path)
         except FileNotFoundError:
             pass
         if path.is_dir():
-            raise LeaflightError(f"{path}: this is a folder; give the name of a file to write.")
+            raise LeaflightError(f"{path}: this is a folder: give the name of a file.")
         exists = path.exists()
         for given in inputs:
             if exists and os.path.exists(given) and os.path.samefile(path, given):
                 raise LeaflightError(
-                    f"{path}: the output would overwrite the input; choose another name."
+                    f"{path}: the output would overwrite an input: choose another name."
                 )
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except (OSError, ValueError) as error:
-        # A ValueError is of a name with a NUL, or with half a character of two.
+        # A ValueError means that the name has a NUL or half a surrogate pair.
         why = getattr(error, "strerror", None) or "no file can have this name"
         raise LeaflightError(
             f"{_shown(path)}: cannot write into the folder {_shown(path.parent)}: {why}; "
@@ -46,9 +46,9 @@ def check_writable(
 
 @contextmanager
 def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path of the same suffix, which takes the place of path at the end.
+    """Yields a temporary path of the same suffix, which replaces path at the end.
 
-    Raises LeaflightError, with path as it was.
+    Raises LeaflightError and leaves path as it was if writing fails.
     """
     with replaced_together(path) as (temporary,):
         yield temporary
@@ -56,7 +56,7 @@ def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextmanager
 def replaced_together(*paths: str | os.PathLike[str]) -> Iterator[list[Path]]:
-    """The same of several files: all take their places at the end, or none."""
+    """Yields temporary paths for several files: all of them are replaced at the end, or none."""
     files = _core.ReplacedFiles([Path(path) for path in paths])
     temporaries = [files.temporary(index) for index in range(len(paths))]
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limits of memory and time that a process sets itself, by the means of its system."""
+"""Limits on memory and time that a process sets itself, for each operating system."""
 
 import ctypes
 import os
@@ -9,9 +9,9 @@ from .._core import machine_memory
 
 
 def limit_process(seconds: int) -> None:
-    """Ends this process once it takes more memory than the machine has, or too much time.
+    """Ends this process if it takes more memory than the machine has, or too much processor time.
 
-    seconds: of a processor.
+    seconds: Limit on processor time.
     """
     if sys.platform == "win32":
         _limit_by_job(seconds)
@@ -68,7 +68,7 @@ _NO_CRASH_DIALOG = 0x2  # SEM_NOGPFAULTERRORBOX
 
 
 def _limit_by_job(seconds: int) -> None:
-    """By a job object with this process alone in it. Raises OSError."""
+    """Limits the process by a job object that holds this process alone. Raises OSError."""
     kernel = ctypes.WinDLL("kernel32", use_last_error=True)  # type: ignore[attr-defined]
     kernel.SetErrorMode(_NO_CRASH_DIALOG)
     kernel.CreateJobObjectW.restype = kernel.GetCurrentProcess.restype = ctypes.c_void_p
@@ -78,7 +78,7 @@ def _limit_by_job(seconds: int) -> None:
     )
     job = ctypes.c_void_p(kernel.CreateJobObjectW(None, None))
     process = ctypes.c_void_p(kernel.GetCurrentProcess())
-    # The job lasts as long as a process is in it, so that its handle may stay open.
+    # The job ends with its only process, so its handle may stay open.
     done = (
         job
         and kernel.SetInformationJobObject(

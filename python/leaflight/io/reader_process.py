@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that a compiled library reads: in a process of their own.
+"""Runs the readers of compiled libraries in a subprocess.
 
-A damaged file can end the process that opens it with OpenVDB or HDF5, or keep it busy for hours.
-This one has limits of time and memory, and what it does, Blender survives. It is also the only one
-that imports h5py, numcodecs, imagecodecs and the plug-ins of pydicom: their copies of libraries
-would clash with those that Blender's own process has loaded.
+A damaged file can crash OpenVDB or HDF5, or keep them busy for hours. The subprocess has limits on
+time and memory, and Blender survives its end. Only the subprocess imports h5py, numcodecs,
+imagecodecs and the plug-ins of pydicom. Their copies of libraries would clash with those in
+Blender.
 """
 
 import io
@@ -30,18 +30,18 @@ from ..volume.setting_error import SettingError
 from ..volume.voxels import bytes_of
 from .process_limits import limit_process
 
-# Seconds of a processor for any file, and bytes that are read in one more.
+# Limit on processor time: seconds for any file, and bytes for each second more.
 LEAST_SECONDS = 60
 BYTES_PER_SECOND = 1e6
 ENDLESS = 10**12
-# A processor is not always there for us alone.
+# Limit on wall-clock time over processor time, because other programs use the processor, too.
 WAIT = 5
-# Bytes of an answer, and of what is filled between looks at the progress.
+# Upper bounds on the bytes of an answer, and on those filled between two progress reports.
 _MOST_ANSWER, _PIECE = 1 << 24, 1 << 22
 _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
 _CHILD += "from leaflight.io.reader_process import child; child()"
-# Folders beside this package, whose packages these processes import before all others: whatever
-# else is installed, and without Blender's own process finding them.
+# Folders of packages that the subprocess imports before installed ones. Blender's process does not
+# find them.
 PACKAGES = [
     str(Path(__file__).parents[2] / name) for name in ("leaflight_readers", "leaflight_codecs")
 ]
@@ -53,12 +53,16 @@ def has_package(name: str) -> bool:
 
 
 class ReaderProcess:
-    """A process that calls function(path, *options) of a module of this package; a context manager.
+    """A context manager: a subprocess that calls function(path, *options) of a module of this
+        package.
 
-    kind: of file, for people. The function returns (answer, pieces): what JSON can hold, and the
-    arrays, C-contiguous, which fill() and array() get. options: what JSON can hold. size: bytes
-    that are read, None for those of the file; ENDLESS for a function that answers requests(), each
-    of which has a time of its own.
+    The function returns (answer, pieces): JSON data, and C-contiguous arrays for fill() and
+        array().
+
+    kind: Kind of file, for messages.
+    options: JSON data.
+    size: Bytes to read. None is the size of the file. ENDLESS is for a function that answers
+        requests(), each with its own limit.
     """
 
     def __init__(
@@ -84,7 +88,7 @@ class ReaderProcess:
             )
         except OSError as error:
             raise LeaflightError(
-                f"{path}: the process that is to read it cannot start: {error.strerror}; close "
+                f"{path}: the subprocess that reads it cannot start: {error.strerror}; close "
                 "other programs and try again."
             ) from None
         output = self._process.stdout
@@ -110,7 +114,7 @@ class ReaderProcess:
         self._process.wait()
 
     def ask(self, path: str | os.PathLike[str], most: int, *request: object) -> Array:
-        """Returns the answer to a request about a file, an array of at most so many bytes."""
+        """Returns the answer to a request about a file: an array of at most `most` bytes."""
         self.path, self.seconds = path, _seconds(most)
         self._timer.cancel()
         self._timer = self._started_timer()
@@ -127,8 +131,8 @@ class ReaderProcess:
     def answer(self) -> Any:
         """Returns the answer of the function.
 
-        Raises LeaflightError and ModuleNotFoundError as it does, and ValueError where it raises
-        anything else; so do fill() and array().
+        Raises its LeaflightError and ModuleNotFoundError. Other exceptions become ValueError.
+        fill() and array() do the same.
         """
         return self._message()["answer"]
 
@@ -144,7 +148,7 @@ class ReaderProcess:
             left = left[size:]
 
     def array(self, most: int) -> Array:
-        """The next piece, of at most so many bytes."""
+        """Returns the next array, of at most `most` bytes."""
         shape, dtype = self._piece()
         if prod(shape) * dtype.itemsize > most:
             raise self.died()
@@ -186,9 +190,8 @@ class ReaderProcess:
 
     def died(self) -> LeaflightError:
         return LeaflightError(
-            f"{self.path}: this {self.kind} is damaged, or needs too much memory or more than "
-            f"{self.seconds} s: the process that read it did not live to its end; fetch the file "
-            "again."
+            f"{self.path}: the subprocess that read this {self.kind} crashed or exceeded its "
+            f"limits of memory or {self.seconds} s: fetch the file again, or use a smaller one."
         )
 
 
@@ -198,7 +201,7 @@ def _seconds(size: int) -> int:
 
 
 def _python() -> str:
-    """The interpreter: where Python is part of a program, sys.executable may be another one."""
+    """Returns the Python interpreter. In Blender, sys.executable may be another program."""
     names = ("bin/python{}.{}", "bin/python3", "python.exe", "bin/python.exe")
     for name in names:
         path = Path(sys.prefix, name.format(*sys.version_info))
@@ -208,13 +211,13 @@ def _python() -> str:
 
 
 def requests() -> Iterator[list[Any]]:
-    """Within the process: [path, ...] of each request, which one piece is to answer."""
+    """Yields [path, ...] of each request in the subprocess. One array answers each."""
     for line in sys.stdin.buffer:
         yield json.loads(line)
 
 
 def child() -> NoReturn:
-    """Calls the function and answers with a line of JSON; one more precedes each piece."""
+    """Calls the function in the subprocess. Writes a line of JSON for the answer and each array."""
     path, seconds, module, function, *options = json.loads(sys.argv[2])
     limit_process(seconds)
     out = sys.stdout.buffer
@@ -237,7 +240,7 @@ def child() -> NoReturn:
     except ImportError as error:
         tell({"missing": error.name or str(error)})
     except Exception as error:
-        # On damaged files libraries fail with whatever comes first.
+        # On damaged files libraries raise many types of exceptions.
         tell({"failure": type(error).__name__})
     out.flush()
     # Skip the exit handlers of libraries.

@@ -1,39 +1,48 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene files: a SceneDescription as one JSON object.
+"""Scene files: a SceneDescription as one JSON object with these keys.
 
-    name          text
-    coordinates   "world": the numbers are world coordinates; or "box": they are relative to the
-                  volumes, the longest side of whose common box runs from -1 to 1 around its
-                  center, so that the scene fits any volume
-    isosurface_albedo   of every isosurface of every volume: [r, g, b] in 0..1, or stops
-                  [[isovalue, [r, g, b]], ...] in ascending isovalues
-    isosurface_emission, isosurface_scattering, isosurface_ior, capped
-                  optional, as "emission", "scattering", "ior", "capped" of a volume
-    volumes       instead of isosurface_* and capped, a list of {"name", "albedo", and optionally
-                  "emission": as albedo, but radiance in W/(m^2 sr),
-                  "scattering": "diffuse", "mirror" or "glass", "ior": of glass (1.5),
-                  "isovalues": [lo, hi], what the common isovalues 0 and 1 show,
-                  "capped": true closes the isosurfaces at the border of the volume,
-                  "source": file, relative to the scene file, or generated volume,
-                  "reading": {"frame": 1, ...}, options of read_volume() for it}
-    exposure      positive factor from radiance to the color on the screen
-    meshes        list of {"name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...],
-                  "faces": [[i, j, k] or [i, j, k, l], ...], and optionally "scattering", "ior",
-                  "emission": [r, g, b], "texture": image file, relative to the scene file, that
-                  multiplies the albedo, "uv": [[[u, v] for each corner] for each face]}
-    lights        list of {"name", "type", ...}; none blocks or reflects light:
-                  "area" (default): "corner", "edge_u", "edge_v", "radiance" towards
-                  cross(edge_u, edge_v) in W/(m^2 sr), "ellipse": true for the inscribed ellipse
-                  "point": "position", "radius" (0), "intensity" in W/sr
-                  "spot": as point, and "axis", "angle" of the cone in degrees, "blend" of its
-                  edge in 0..1 (0), "cosine_falloff" (false)
-                  "sun": "direction" in which light travels, "irradiance" in W/m^2, "angle" of its
-                  disc in degrees (0)
-    environment   optional {"radiance": [r, g, b], "name", "image": latitude-longitude image file,
-                  "rotation" of the image about +z in degrees, or "world_to_image": 3 x 3}
-    comment       optional text
+name: Text.
+coordinates: "world" for world coordinates, or "box". In "box" the longest side of the box around
+    all volumes is from -1 to 1 around its center, so that the scene fits any volume.
+isosurface_albedo: Albedo of every isosurface of every volume. It is [r, g, b] in 0..1, or stops
+    [[isovalue, [r, g, b]], ...] in ascending isovalues.
+isosurface_emission, isosurface_scattering, isosurface_ior, capped: Optional, as "emission",
+    "scattering", "ior" and "capped" of a volume.
+volumes: List of volumes, in place of isosurface_* and capped.
+exposure: Positive factor from radiance to the color on the screen.
+meshes: List of meshes.
+lights: List of lights. They neither block nor reflect light.
+environment: Optional {"radiance": [r, g, b], "name", "image"}. The image is a latitude-longitude
+    image file. Its optional "rotation" is about +z in degrees, or "world_to_image" is a 3 x 3
+    matrix.
+comment: Optional text.
 
-Colors are linear RGB. Images may be embedded: {"width", "height", "pixels"}, the pixels being
+A volume has "name" and "albedo", and these optional keys.
+
+"emission": As albedo, but radiance in W/(m^2 sr).
+"scattering": "diffuse", "mirror" or "glass".
+"ior": Refractive index of glass (1.5).
+"isovalues": Isovalues [lo, hi] at the common isovalues 0 and 1.
+"capped": True closes the isosurfaces at the border of the volume.
+"source": File, relative to the scene file, or a generated volume.
+"reading": Options of read_volume() for the source, such as {"frame": 1}.
+
+A mesh has "name", "albedo": [r, g, b] in 0..1, "vertices": [[x, y, z], ...] and "faces": [[i, j, k]
+or [i, j, k, l], ...]. Optional keys are "scattering", "ior", "emission": [r, g, b], "texture" and
+"uv". The texture is an image file, relative to the scene file, that multiplies the albedo. "uv" is
+[[[u, v] for each corner] for each face].
+
+A light has "name", "type" and the keys of its type.
+
+"area": The default. "corner", "edge_u", "edge_v", and "radiance" towards cross(edge_u, edge_v) in
+W/(m^2 sr). "ellipse": True is the inscribed ellipse.
+"point": "position", "radius" (0), and "intensity" in W/sr.
+"spot": As point. Also "axis", "angle" of the cone in degrees, "blend" of its edge in 0..1 (0), and
+"cosine_falloff" (false).
+"sun": "direction" in which light travels, "irradiance" in W/m^2, and "angle" of its disc in degrees
+(0).
+
+Colors are linear RGB. An image may be embedded: {"width", "height", "pixels"}. The pixels are
 little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 """
 
@@ -82,21 +91,21 @@ def load_scene(path: str | os.PathLike[str]) -> SceneDescription:
 
 
 def cornell_box() -> SceneDescription:
-    """The default walls, in box coordinates: scenes/cornell.json."""
+    """Returns the default walls, in box coordinates: scenes/cornell.json."""
     return packaged_scene("cornell.json")
 
 
 def packaged_scene(name: str) -> SceneDescription:
-    """The SceneDescription of a file of the package's scenes. Raises LeaflightError."""
+    """Returns the SceneDescription of a scene file of the package. Raises LeaflightError."""
     return load_scene(Path(__file__).parent.parent / "scenes" / name)
 
 
 def scene_from_json(
     text: str, source: str = "scene", folder: str | os.PathLike[str] = "."
 ) -> SceneDescription:
-    """Parses the text of a scene file; source names it in errors. Raises LeaflightError.
+    """Parses the text of a scene file. Raises LeaflightError.
 
-    folder: what the names of files in it are relative to.
+    source: The file's name in errors. folder: Folder of the files that it names.
     """
     root = parse(text, source)
     both = ("name", "coordinates", "exposure", "meshes", "lights", "environment", "comment")
@@ -106,15 +115,15 @@ def scene_from_json(
         if not isosurfaces:
             raise root.error('"volumes" must name at least one volume')
     else:
-        own = (
+        single = (
             "isosurface_albedo",
             "isosurface_emission",
             "isosurface_scattering",
             "isosurface_ior",
             "capped",
         )
-        root.only(*own, *both)
-        isosurfaces = [_look(root, "isosurfaces", "isosurface_")]
+        root.only(*single, *both)
+        isosurfaces = [_material(root, "isosurfaces", "isosurface_")]
     return SceneDescription(
         name=root.text("name"),
         isosurfaces=isosurfaces,
@@ -128,8 +137,8 @@ def scene_from_json(
     )
 
 
-def _look(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
-    """The Isosurfaces of an object whose keys begin with a prefix."""
+def _material(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
+    """Returns the Isosurfaces of an object whose keys have this prefix."""
     return Isosurfaces(
         name=name,
         albedo=item.ramp(prefix + "albedo", largest=1.0),
@@ -145,7 +154,7 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
         "capped",
     )
-    look = _look(item, item.name)
+    material = _material(item, item.name)
     isovalues = source = None
     if "isovalues" in item:
         lo_hi = item.array("isovalues")
@@ -160,7 +169,7 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
     if "reading" in item:
         item.child("reading").only(*OPTIONS)
         reading = item.get("reading")
-    return replace(look, isovalues=isovalues, source=source, reading=reading)
+    return replace(material, isovalues=isovalues, source=source, reading=reading)
 
 
 def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
@@ -170,8 +179,8 @@ def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
     vertices = item.points("vertices", 3)
     faces = item.faces("faces", (3, 4), len(vertices))
     if ("texture" in item) != ("uv" in item):
-        there, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
-        raise item.error(f'"{there}" needs "{missing}" too')
+        present, missing = ("texture", "uv") if "texture" in item else ("uv", "texture")
+        raise item.error(f'"{present}" also needs "{missing}"')
     textured = "texture" in item
     return Mesh(
         item.name,
@@ -187,7 +196,7 @@ def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
 
 
 def _triangles(faces: list[list[Any]]) -> list[list[Any]]:
-    """Each face of 3 or 4 corners as one or two triangles."""
+    """Splits each face of 3 or 4 corners into one or two triangles."""
     return [[face[0], face[i], face[i + 1]] for face in faces for i in range(1, len(face) - 1)]
 
 
@@ -197,10 +206,10 @@ def _uv(item: JsonObject, faces: list[list[int]]) -> Array:
         not isinstance(uv, list) or len(uv) != len(face) for uv, face in zip(corners, faces)
     ):
         raise item.error('"uv" must hold a list for each face, with [u, v] for each of its corners')
-    whole = JsonObject({"uv": _triangles(corners)}, item.where).array("uv")
-    if whole.shape[1:] != (3, 2):
+    coordinates = JsonObject({"uv": _triangles(corners)}, item.where).array("uv")
+    if coordinates.shape[1:] != (3, 2):
         raise item.error('"uv" must hold [u, v], two numbers, for each corner')
-    return whole.astype(np.float32)
+    return coordinates.astype(np.float32)
 
 
 def _light(item: JsonObject) -> Light:
@@ -279,7 +288,7 @@ def _environment(item: JsonObject, folder: str | os.PathLike[str]) -> Environmen
 
 
 def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
-    """An image file or an embedded image, float32 [row, column, 3], bottom row first."""
+    """Returns an image file or an embedded image, float32 [row, column, 3], bottom row first."""
     value = item.get(key)
     if isinstance(value, str):
         try:
@@ -298,12 +307,12 @@ def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
         raise image.error('"pixels" is not zlib in base64; embed the image again') from None
     if len(pixels) != size or not decompressor.eof:
         raise image.error(f'"pixels" does not hold {width} x {height} float32 RGB values')
-    # A copy, because what comes from bytes cannot be written to.
+    # Copy the array, because one over bytes is read-only.
     return np.frombuffer(pixels, dtype="<f4").reshape(height, width, 3).astype(np.float32)
 
 
 def scene_to_json(description: SceneDescription) -> str:
-    """The text that scene_from_json turns into the same description again."""
+    """Returns a text that scene_from_json turns into the same description again."""
     data = _plain(description) | {"coordinates": description.coordinates}
     data["volumes"] = [_plain(isosurfaces) for isosurfaces in description.isosurfaces]
     data["meshes"] = [_plain(mesh) for mesh in description.meshes]
@@ -314,12 +323,12 @@ def scene_to_json(description: SceneDescription) -> str:
     return json.dumps(data, separators=(",", ":"))
 
 
-# How the keys of a scene file are called where they differ from the fields.
+# Keys of a scene file whose names differ from the fields.
 KEYS = {"triangles": "faces"}
 
 
 def _plain(item: Any) -> dict[str, Any]:
-    """The fields of a dataclass that differ from their defaults, as JSON holds them."""
+    """Returns the fields of a dataclass that differ from their defaults, as JSON data."""
     data = {}
     for field in fields(item):
         value = _json(getattr(item, field.name))
@@ -330,7 +339,7 @@ def _plain(item: Any) -> dict[str, Any]:
 
 def _json(value: object) -> object:
     if isinstance(value, np.ndarray):
-        # The floating-point arrays of three dimensions whose last is color are images; uv has two.
+        # Floating-point arrays [row, column, 3] are images; the last axis of uv is 2.
         return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
     if isinstance(value, (list, tuple)):
         return [_json(item) for item in value]
@@ -341,7 +350,7 @@ def _json(value: object) -> object:
 
 def _embedded(image: Array) -> dict[str, object]:
     height, width, _ = image.shape
-    # More effort hardly makes floating-point numbers shorter.
+    # Higher levels hardly compress floating-point numbers more.
     pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4").data, level=1)
     return {"width": width, "height": height, "pixels": base64.b64encode(pixels).decode()}
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Differences between versions of Blender in building, reading and animating scenes.
 
-It serves the add-on and cycles_scene.py, which runs in a Blender without either of our packages: so
-it imports neither these nor Blender itself.
+The add-on uses it, and cycles_scene.py in a Blender that has neither the add-on nor the package. So
+it imports neither of them, nor Blender itself.
 """
 
 import math
@@ -32,12 +32,13 @@ class LightUnits:
     sun_disc: bool
 
     def sun(self, angle: float) -> float:
-        """Irradiance of a sun of this angle, per unit of its strength."""
-        cosine = math.cos(0.5 * angle)  # the mean cosine over the disc follows
+        """Returns the irradiance of a sun of this angle, per unit of its strength."""
+        cosine = math.cos(0.5 * angle)  # computes the mean cosine over the disc below
         return 2.0 * cosine / (1.0 + cosine) if self.sun_disc else 1.0
 
 
-# Units from a version on. They changed between 3.4 and 4.2; PyPI has no Blender in between to test.
+# Units from each version on. They changed between 3.4 and 4.2; PyPI has no version in between to
+# test.
 _LIGHT_UNITS = (
     ((3, 4), LightUnits(area=1 / 4, spot_cosine=True, soft_points=True, sun_disc=True)),
     ((4, 2), LightUnits(area=1 / math.pi, spot_cosine=False, soft_points=None, sun_disc=False)),
@@ -48,31 +49,34 @@ CHECKED = ((3, 4), (4, 2), (4, 3), (4, 5), (5, 0), (5, 1), (5, 2))
 
 
 def light_units(version: Sequence[int]) -> LightUnits | None:
-    """The LightUnits of a version, None before the first."""
+    """Returns the LightUnits of a version, None before the first."""
     rows = [units for since, units in _LIGHT_UNITS if tuple(version[:2]) >= since]
     return rows[-1] if rows else None
 
 
 def node_tree(owner: Any) -> Any:
-    """The nodes of a material, world or light that renders, None where it has none in use."""
+    """Returns the node tree of a material, world or light that renders; None if it uses none."""
     return owner.node_tree if _always_has_nodes(owner) or owner.use_nodes else None
 
 
 def give_nodes(owner: Any) -> Any:
-    """The same, after letting it use nodes."""
+    """Returns the node tree, after enabling nodes."""
     if not _always_has_nodes(owner):
         owner.use_nodes = True
     return owner.node_tree
 
 
 def _always_has_nodes(owner: Any) -> bool:
-    """Materials and worlds from 5.0 on, lights from 5.2 on; 6.0 drops the property."""
+    """Returns True for materials and worlds from 5.0 on, and lights from 5.2 on.
+
+    Blender 6.0 drops the property use_nodes.
+    """
     switch = owner.bl_rna.properties.get("use_nodes")
     return switch is None or getattr(switch, "is_deprecated", False)
 
 
 def fcurves(owner: Any) -> list[Any]:
-    """The curves that animate a data-block; from 4.4 on those of its slot in the action."""
+    """Returns the curves that animate a data-block; from 4.4 on those of its slot in the action."""
     data = owner.animation_data
     if data is None or data.action is None:
         return []
@@ -85,21 +89,21 @@ def fcurves(owner: Any) -> list[Any]:
 
 
 def set_normals(mesh: Any, normals: ArrayLike) -> None:
-    """Custom normals (n, 3) of the vertices; until 4.0 they show only where a switch is set."""
+    """Sets custom normals (n, 3) of the vertices. Until 4.0 they need auto smooth."""
     if hasattr(mesh, "use_auto_smooth"):
         mesh.use_auto_smooth = True
     mesh.normals_split_custom_set_from_vertices(normals)
 
 
 def set_loop_starts(mesh: Any, starts: Sequence[int] | NDArray[Any], corners: int) -> None:
-    """Polygons of so many corners each; from 4.0 on their starts are enough."""
+    """Creates polygons with this many corners each. From 4.0 on their starts are enough."""
     mesh.polygons.foreach_set("loop_start", starts)
     if not mesh.polygons[0].bl_rna.properties["loop_total"].is_readonly:
         mesh.polygons.foreach_set("loop_total", np.full(len(starts), corners, np.int32))
 
 
 def polish(bsdf: Any) -> None:
-    """Makes a Glossy or Glass node perfectly smooth: until 3.6 only one distribution is."""
+    """Makes a Glossy or Glass node perfectly smooth. Until 3.6 this needs another distribution."""
     if "SHARP" in bsdf.bl_rna.properties["distribution"].enum_items:
         bsdf.distribution = "SHARP"
     for socket in bsdf.inputs:

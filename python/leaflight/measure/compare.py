@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a bake is from the path-traced truth on one isosurface, or on a mesh around it."""
+"""Computes the error of a bake on one isosurface, or on a mesh around it, by a reference."""
 
 import time
 from dataclasses import astuple
@@ -30,37 +30,40 @@ def compare(
 ) -> dict[str, Any]:
     """Compares baked with path-traced radiance at random points of one volume's isosurface.
 
-    back: on its back; mesh: the name of a mesh of the walls to compare on instead,
-    back then being the side from which its normals point away. reference: "path", the core's own
-    path tracer, or "cycles" (cycles.py). progress: as of leaflight.bake.
-    sampling: Sampling by its names: points (3000), spp, paths a point (1024), seed, threads.
-    `isovalue` is the common isovalue, as everywhere in a Bake.
+    isovalue: The common isovalue, as everywhere in a Bake.
+    back: True for the back.
+    mesh: Name of a mesh of the walls to compare instead. Its back is the side that its normals
+        point away from.
+    reference: "path", the path tracer of the core, or "cycles" (cycles.py).
+    progress: As for bake().
+    sampling: Fields of Sampling by name: points (3000), spp (paths per point, 1024), seed, threads.
+    Returns a dict, as follows. Raises LeaflightError, Cancelled.
 
-    The points are distributed by area over the marching-cubes triangles; the bake is looked up
-    where the mesh is, the core's reference is traced from the isosurface itself. Points inside
-    another volume's isosurface do not count. Returns a dict with
+    Points are uniform over the area of the marching-cubes triangles. The bake is looked up on the
+    mesh; the path tracer starts on the isosurface itself. Points inside another volume's isosurface
+    do not count.
 
-    rms_percent              RMS error of the colors in percent (thesis Eq. 4.11, corrected: a
-                             color is radiance times exposure, clamped to 0..1)
-    relative_rms             RMS error of the radiance over the mean radiance, nothing clamped;
-                             None where all is dark
-    reference_noise_percent  what the reference's own noise adds to rms_percent (RMS standard error)
-    mean_radiance            mean of the reference colors before clamping
-    mean_ratio               mean of the baked radiance over that of the reference; None where all
-                             is dark
-    mean_ratio_error         its standard error from the noise of the reference
-    exposed                  the same six, and their points, over the points that can be seen from
-                             outside the volume; a scan hides most of an isosurface in the dark;
-                             None of the back and of meshes
-    parts                    noise_percent, texture_percent and mesh_percent, of which rms_percent
-                             and the reference's noise are the sum of squares (truth.py); None of
-                             the back and of meshes
-    and points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds.
-    Raises LeaflightError, Cancelled.
+    rms_percent: RMS error of the colors in percent (thesis Eq. 4.11, corrected). A color is
+        radiance times exposure, clamped to 0..1.
+    relative_rms: RMS error of the radiance over the mean radiance, nothing clamped. None if all is
+        dark.
+    reference_noise_percent: Contribution of the reference's noise to rms_percent (RMS standard
+        error).
+    mean_radiance: Mean of the reference colors before clamping.
+    mean_ratio: Mean of the baked radiance over that of the reference. None if all is dark.
+    mean_ratio_error: Its standard error from the noise of the reference.
+    exposed: The same six, and the number of points, over points that can be seen from outside the
+        volume. Most of an isosurface of a scan is hidden in the dark. None for backs and meshes.
+    parts: Dict of noise_percent, texture_percent and mesh_percent (truth.py). Their squares and
+        that of the reference's noise add up to that of rms_percent. None for backs and meshes.
+    points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds: Further facts.
     """
     points, spp, seed, threads = astuple(Sampling(**sampling))
     if points < 1 or spp < 2:
-        raise LeaflightError("compare needs at least 1 point and 2 samples per point.")
+        raise LeaflightError(
+            "The number of points or samples is too small: give at least 1 point and 2 samples "
+            "per point."
+        )
     side: IsosurfaceSide | MeshSide
     if mesh is None:
         side = IsosurfaceSide(bake, isovalue, volume, back)

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An independent judge: the radiance that Cycles, Blender's path tracer, finds in a scene.
+"""An independent reference: radiance by Cycles, Blender's path tracer.
 
-A background Blender builds the very same scene: the marching-cubes mesh of each volume with the
-core's normals as custom split normals, hence shaded smoothly; the walls flat; the lights in
-Blender's units; mirrors and glass of roughness 0. Cycles then measures points of one mesh with
-nothing that would trade noise for bias (cycles_scene.py).
+A background Blender builds the same scene. Volumes become marching-cubes meshes with the core's
+normals as custom split normals, so they are shaded smoothly. Walls are flat, lights have Blender's
+units, and mirrors and glass have roughness 0. Cycles then measures points of one mesh without
+options that trade noise for bias (cycles_scene.py).
 
-Where the two models differ:
-- Cycles sees triangles instead of the trilinear surface.
-- Where the shading normal sees a light but the triangle faces away from it, Cycles asks for the
-  light through the triangle. In a closed hollow it finds about a thousandth of the light outside.
-- It does not scale radiance with the square of the refractive index within glass.
-- A point lamp of Blender 3.4 is a disc that faces what it lights, 1 + (radius / distance)^2 times
-  weaker than the sphere of the core.
+The two models differ in these points. Cycles sees triangles instead of the trilinear surface. If
+the shading normal faces a light but the triangle does not, Cycles traces the shadow ray through the
+triangle. In a closed cavity it finds about a thousandth of the light outside. Cycles does not scale
+radiance with the square of the refractive index within glass. A point lamp of Blender 3.4 is a disc
+that faces the shaded point. It is 1 + (radius / distance)^2 times weaker than the sphere of the
+core.
 """
 
 import json
@@ -36,7 +35,7 @@ from ..volume.setting_error import SettingError
 from .sampling import Sampling, Target
 
 SCRIPT = Path(__file__).with_name("cycles_scene.py")
-# Runs with different seeds, whose spread gives the standard error.
+# Number of runs with different seeds. Their spread gives the standard error.
 PASSES = 8
 POLL_SECONDS = 0.1
 
@@ -45,8 +44,10 @@ POLL_SECONDS = 0.1
 class Probes:
     """Points of a mesh, spread over its area.
 
-    points: float64 (n, 3), world; facets: int (n,); coordinates: float64 (n, 2), barycentric, of
-    the second and third vertex of the facet; weights: float64 (n,), shares of the area.
+    points: World positions, float64 (n, 3).
+    facets: Triangle numbers, int (n,).
+    coordinates: Barycentric coordinates of the second and third vertex, float64 (n, 2).
+    weights: Shares of the area, float64 (n,).
     """
 
     points: Array
@@ -57,7 +58,7 @@ class Probes:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What Cycles found at the probes: passes, float64 [pass, probe, RGB] in W/(m^2 sr)."""
+    """Radiance by Cycles at the probes: passes, float64 [pass, probe, RGB] in W/(m^2 sr)."""
 
     probes: Probes
     passes: Array
@@ -73,27 +74,31 @@ def measure(
     detail: int = 1,
     progress: Progress | None = None,
 ) -> Measured:
-    """Radiance by Cycles on the isosurface of a volume, or on a mesh of the walls: a Measured.
+    """Measures radiance by Cycles on the isosurface of a volume, or on a mesh of the walls.
 
-    description: in world coordinates, with one Isosurfaces for each of the fields (_core.Field); c:
-    the common isovalue. detail: marching cubes runs on cells cut into detail^3; 1 is the mesh that
-    users see. Raises LeaflightError, Cancelled.
+    description: Scene in world coordinates, with one Isosurfaces for each of the fields
+        (_core.Field).
+    c: The common isovalue.
+    detail: Marching cubes uses cells cut into detail^3. 1 gives the mesh that users see.
+    Returns a Measured. Raises LeaflightError, Cancelled.
     """
-    # A finer mesh is no better judge of diffuse isosurfaces: the trilinear isosurface has kinks at
-    # the faces of cells, where the smooth normal sees light that the facet faces away from (see
-    # above). At isovalue 100.5 of nucleon.raw the core's path tracer differs by 0.44 % from the
-    # mesh itself, of which 0.36 % is noise, and by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass,
-    # which bends light by its facets, needs the finer mesh.
+    # A finer mesh is not a better reference for diffuse isosurfaces. The trilinear isosurface has
+    # kinks at the faces of cells, where normals and facets face different lights (see above). At
+    # isovalue 100.5 of nucleon.raw the core's path tracer differs by 0.44 % from the mesh itself;
+    # 0.36 % is noise. It differs by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass refracts at
+    # facets and needs the finer mesh.
     isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
     meshes = [_mesh(mesh) for mesh in description.meshes]
-    lit = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
-    if len(lit.corners["triangles"]) == 0:
-        raise LeaflightError(f'"{lit.look["name"]}" has no surface here; choose another value.')
+    surface = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
+    if len(surface.corners["triangles"]) == 0:
+        raise LeaflightError(
+            f'"{surface.material["name"]}" has no surface at this isovalue: choose another.'
+        )
     seed = sampling.seed
-    probes, pixels, size, lit.corners["target_uv"] = _lay_out(lit, sampling.points, seed)
+    probes, pixels, size, surface.corners["target_uv"] = _lay_out(surface, sampling.points, seed)
     if target.back:
-        lit.flip()
-    settings, arrays = _scene(description, isosurfaces + meshes, lit, sampling.threads)
+        surface.flip()
+    settings, arrays = _scene(description, isosurfaces + meshes, surface, sampling.threads)
     settings["image_size"] = size
     each = -(-sampling.spp // PASSES)
     settings["passes"] = [(each, seed * PASSES + number) for number in range(PASSES)]
@@ -103,10 +108,12 @@ def measure(
 
 @dataclass(frozen=True, eq=False)
 class VertexBakes:
-    """The light that Cycles baked into the vertices of one isosurface, pass by pass.
+    """The light that Cycles baked into the vertices of one isosurface, by pass.
 
-    radiance: float32 [pass, vertex, RGB] in W/(m^2 sr); of each pass, [pass]: seconds by the clock,
-    processor_seconds of all threads together, and peaks, the most bytes that Blender held so far.
+    radiance: Radiance in W/(m^2 sr), float32 [pass, vertex, RGB].
+    seconds: Wall-clock time of each pass.
+    processor_seconds: Processor time of all threads for each pass.
+    peaks: Peak memory of Blender so far, in bytes.
     """
 
     radiance: Array
@@ -126,9 +133,11 @@ def bake_vertices(
 ) -> VertexBakes:
     """Bakes one isosurface into its mesh's vertices by Cycles, the alternative in plain Blender.
 
-    description: in world coordinates, with one Isosurfaces; isovalue: which; mesh: (vertices,
-    normals, triangles) of it; passes: (samples, seed) of each, samples being paths at each corner
-    of a triangle. Returns VertexBakes. Raises LeaflightError, Cancelled.
+    description: Scene in world coordinates, with one Isosurfaces.
+    isovalue: Isovalue of the mesh.
+    mesh: Its (vertices, normals, triangles).
+    passes: (samples, seed) of each pass. Samples are paths at each corner of a triangle.
+    Returns VertexBakes. Raises LeaflightError, Cancelled.
     """
     isosurfaces = description.isosurfaces[0]
     albedo, emission = (
@@ -136,7 +145,7 @@ def bake_vertices(
     )
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
-    target = _Object(_look(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
+    target = _Object(_material(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
@@ -148,10 +157,10 @@ def bake_vertices(
 def _scene(
     description: SceneDescription, objects: Sequence["_Object"], target: "_Object", threads: int
 ) -> tuple[dict[str, Any], dict[str, Array]]:
-    """The settings and arrays that cycles_scene.py reads, save what is particular to the target."""
+    """Returns the settings and arrays for cycles_scene.py, except those of the target."""
     environment = description.environment
     settings: dict[str, Any] = {
-        "objects": [one.look for one in objects],
+        "objects": [one.material for one in objects],
         "lights": [{"type": type(light).__name__, **asdict(light)} for light in description.lights],
         "environment": environment
         and {"radiance": environment.radiance, "world_to_image": environment.world_to_image},
@@ -168,11 +177,11 @@ def _scene(
 
 @dataclass(eq=False)
 class _Object:
-    """A mesh for Blender: its look as JSON holds it, and what it has by vertex and by corner."""
+    """A mesh for Blender: its material as JSON data, and arrays by vertex and by corner."""
 
-    look: dict[str, Any]
-    vertices: dict[str, Array]  # vertices and perhaps normals, float32 (n, 3)
-    corners: dict[str, Array]  # triangles, (m, 3), and perhaps uv and target_uv, float32 (m, 3, 2)
+    material: dict[str, Any]
+    vertices: dict[str, Array]  # vertices, optionally normals, float32 (n, 3)
+    corners: dict[str, Array]  # triangles, (m, 3), optionally uv and target_uv, float32 (m, 3, 2)
 
     def arrays(self) -> dict[str, Array]:
         return self.vertices | self.corners
@@ -193,12 +202,12 @@ def _isosurface(
     albedo, emission = (
         ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
     )
-    look = _look(isosurfaces, albedo, emission)
-    return _Object(look, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
+    material = _material(isosurfaces, albedo, emission)
+    return _Object(material, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
 
 
 def _finer(field: Field, detail: int) -> Field:
-    """The same trilinear field with each cell cut into detail^3."""
+    """Returns the same trilinear field with each cell cut into detail^3."""
     values = field.values.astype(np.float32, copy=False)
     for _ in range(3):
         fine = np.empty((detail * (len(values) - 1) + 1, *values.shape[1:]), np.float32)
@@ -206,16 +215,16 @@ def _finer(field: Field, detail: int) -> Field:
         for i in range(1, detail):
             step = np.float32(i / detail) * (values[1:] - values[:-1])
             fine[i::detail] = values[:-1] + step
-        # After three turns the axes are in their order again.
+        # Three turns restore the order of the axes.
         values = np.moveaxis(fine, 0, -1)
     index_to_world = field.index_to_world @ np.diag([1 / detail] * 3 + [1.0])
     return _core.Field(np.ascontiguousarray(values), index_to_world)
 
 
 def _mesh(mesh: Mesh) -> _Object:
-    look = _look(mesh, mesh.albedo, mesh.emission)
+    material = _material(mesh, mesh.albedo, mesh.emission)
     corners = {"triangles": mesh.triangles.astype(np.int32)}
-    one = _Object(look, {"vertices": mesh.vertices}, corners)
+    one = _Object(material, {"vertices": mesh.vertices}, corners)
     if mesh.texture is not None:
         assert mesh.uv is not None
         one.vertices["texture"] = mesh.texture
@@ -223,21 +232,21 @@ def _mesh(mesh: Mesh) -> _Object:
     return one
 
 
-def _look(
+def _material(
     item: Isosurfaces | Mesh, albedo: Iterable[float], emission: Iterable[float]
 ) -> dict[str, Any]:
-    look: dict[str, Any] = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
-    return look | {"albedo": tuple(albedo), "emission": tuple(emission)}
+    material: dict[str, Any] = {"name": item.name, "scattering": item.scattering, "ior": item.ior}
+    return material | {"albedo": tuple(albedo), "emission": tuple(emission)}
 
 
 def _lay_out(
     target: _Object, points: int, seed: int
 ) -> tuple[Probes, Array, tuple[int, int], Array]:
-    """Probes on a mesh, and the pixels into which Cycles bakes them.
+    """Returns Probes on a mesh, and the pixels into which Cycles bakes them.
 
-    A facet with k of the points, by lot in proportion to its area, is cut into n x n pieces, as few
-    as have k upright ones among them; each of those has its centroid at the center of a pixel of
-    the square that the facet gets in the image.
+    Each facet gets a random number k of points in proportion to its area. It is cut into n x n
+    pieces, as few as contain k upright ones. The centroid of each piece lies at the center of a
+    pixel in the facet's square of the image.
     Returns (Probes, pixel numbers (n,), image size (width, height), uv float32 (m, 3, 2)).
     """
     vertices, triangles = target.vertices["vertices"], target.corners["triangles"]
@@ -245,7 +254,7 @@ def _lay_out(
     counts = np.bincount(chosen, minlength=len(triangles))
     cuts = np.ceil((np.sqrt(8 * counts + 1) - 1) / 2).astype(int)
     places, (width, height) = _pack(cuts)
-    # Nowhere, for facets without a probe.
+    # Facets without a probe lie outside the image.
     uv = np.full((len(triangles), 3, 2), -9.0)
     facets, coordinates, weights, pixels = [], [], [], []
     for facet, (x, y) in places.items():
@@ -266,7 +275,7 @@ def _lay_out(
 
 
 def _pack(sides: Array) -> tuple[dict[int, tuple[int, int]], tuple[int, int]]:
-    """Places (x, y) by number for all squares with a side above 0, and the size that holds them."""
+    """Returns positions (x, y) of all squares with a side above 0, and the image size."""
     order = [number for number in np.argsort(-sides, kind="stable") if sides[number] > 0]
     width = int(max(sides.max(), np.ceil(np.sqrt((sides**2).sum()))))
     places: dict[int, tuple[int, int]] = {}
@@ -280,12 +289,12 @@ def _pack(sides: Array) -> tuple[dict[int, tuple[int, int]], tuple[int, int]]:
 
 
 def find_blender() -> str:
-    """The path of Blender. Raises LeaflightError."""
+    """Returns the path of Blender. Raises LeaflightError."""
     blender = shutil.which("blender")
     if blender is None:
         raise SettingError(
-            "There is no Blender on the search path: install the Debian package blender, or "
-            "compare with the path tracer instead.",
+            "Blender is not on the search path: install the Debian package blender, or compare "
+            "with the path tracer.",
             "reference path",
         )
     return blender
@@ -294,7 +303,7 @@ def find_blender() -> str:
 def _run(
     settings: dict[str, Any], arrays: Mapping[str, Array], progress: Progress | None
 ) -> tuple[Array, Array]:
-    """The radiance and the costs that cycles_scene.py writes."""
+    """Returns the radiance and the costs that cycles_scene.py writes."""
     blender = find_blender()
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
         np.savez(Path(folder) / "scene.npz", settings=json.dumps(settings), **arrays)

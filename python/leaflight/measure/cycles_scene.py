@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds a scene in a background Blender and lets Cycles measure the light on one of its meshes.
+"""Builds a scene in a background Blender and measures light on one of its meshes by Cycles.
 
-cycles.py starts it within Blender, `blender -b --factory-startup --python cycles_scene.py --
-FOLDER`. It reads FOLDER/scene.npz, where "settings" is JSON (see cycles.py), and writes
-FOLDER/radiance.npy, float32 [pass, probe, RGB] in W/(m^2 sr), and FOLDER/costs.npy, float64
-[pass, 3]: seconds by the clock and of a processor, and the most bytes held so far.
+cycles.py starts it: `blender -b --factory-startup --python cycles_scene.py -- FOLDER`. It reads
+FOLDER/scene.npz, where "settings" is JSON (see cycles.py). It writes FOLDER/radiance.npy, float32
+[pass, probe, RGB] in W/(m^2 sr). It also writes FOLDER/costs.npy, float64 [pass, 3]: wall-clock
+seconds, processor seconds, and peak memory in bytes.
 
-Cycles bakes COMBINED into an image, one pixel a probe. Baking into a color attribute measures the
-same, at every corner of every triangle: six times a vertex, and where triangles meet. It is what
-users do, and what the report compares with; the probes are then the vertices.
+Cycles bakes COMBINED into an image, one pixel for each probe. Baking into a color attribute gives
+the same values at every corner of every triangle, about six times per vertex. That is the way of
+users, so the report compares with it; its probes are the vertices.
 """
 
 import json
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[Any]
 
-# In a Blender that may have no package of ours, so by its path.
+# Load the file by its path, because this Blender may not have the package.
 versions = SimpleNamespace(**runpy.run_path(str(Path(__file__).with_name("blender_versions.py"))))
 
-# Neither cut paths short nor any of the shortcuts that trade noise for bias.
+# Disable limits on paths and all options that trade noise for bias.
 UNBIASED = {
     "max_bounces": 1024,
     "diffuse_bounces": 1024,
@@ -67,8 +67,8 @@ def main(folder: Path) -> None:
         _light(scene, light)
     _world(scene, settings["environment"], arrays.get("environment"))
     if settings["image_size"] is None:
-        # A row of all corners of a mesh would be cut into thousands of tiles. Each of them goes
-        # through a file and keeps one thread busy.
+        # Disable tiles. A row of all corners of a mesh would be cut into thousands of them, and
+        # each is written to a file by one thread.
         scene.cycles.use_auto_tile = False
     target = _Target(objects[settings["target"]], settings["image_size"], arrays.get("pixels"))
     radiance, costs = [], []
@@ -86,7 +86,7 @@ def main(folder: Path) -> None:
 
 
 def _peak_memory() -> float:
-    """The most memory that this process has held, in bytes; NaN on Windows."""
+    """Returns the peak memory of this process in bytes; NaN on Windows."""
     try:
         import resource
     except ImportError:
@@ -116,7 +116,7 @@ def _empty_scene(threads: int) -> bpy.types.Scene:
 def _object(
     scene: bpy.types.Scene, item: dict[str, Any], arrays: Mapping[str, Array]
 ) -> bpy.types.Object:
-    """An object of a mesh: smooth with the normals where there are any, and otherwise flat."""
+    """Creates an object of a mesh: smooth if it has normals, else flat."""
     mesh = _filled_mesh(item["name"], arrays["vertices"], arrays["triangles"])
     smooth = "normals" in arrays and len(mesh.polygons) > 0
     mesh.polygons.foreach_set("use_smooth", np.full(len(mesh.polygons), smooth))
@@ -128,7 +128,7 @@ def _object(
     mesh.materials.append(_material(item, arrays.get("texture")))
     obj = bpy.data.objects.new(item["name"], mesh)
     scene.collection.objects.link(obj)
-    # Shadows are those of the triangles, without a shift towards the smooth surface.
+    # Cast shadows from the triangles, without a shift towards the smooth surface.
     obj.cycles.shadow_terminator_geometry_offset = 0.0
     obj.cycles.shadow_terminator_offset = 0.0
     return obj
@@ -192,7 +192,7 @@ def _texture(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket, pixels: Arr
 
 
 def _image(name: str, pixels: Array) -> bpy.types.Image:
-    """Linear colors, float32 [row, column, RGB], bottom row first."""
+    """Creates an image of linear colors, float32 [row, column, RGB], bottom row first."""
     height, width = pixels.shape[:2]
     image = bpy.data.images.new(name, width, height, float_buffer=True, is_data=True)
     image.use_half_precision = False
@@ -229,7 +229,7 @@ def _area_light(item: dict[str, Any]) -> bpy.types.Object:
     light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
     area = light.size * light.size_y * (0.25 * math.pi if item["ellipse"] else 1.0)
     _set_energy(light, item["radiance"], area / _units().area)
-    # Its local axes are u, -v and -(u x v): it shines along its local -Z.
+    # The local axes are u, -v and -(u x v), because an area light shines along its local -Z.
     return _placed(light, np.array(item["corner"]) + 0.5 * (u + v), u, -v)
 
 
@@ -250,7 +250,10 @@ def _point_light(item: dict[str, Any]) -> bpy.types.Object:
 
 
 def _correct_fading(light: bpy.types.Light, axis: Sequence[float], fades: bool) -> None:
-    """Undoes that Blender lets a spot fade with the cosine to its axis, or does it instead."""
+    """Adds or removes the fading of a spot by the cosine to its axis.
+
+    Versions of Blender differ in it.
+    """
     tree = versions.give_nodes(light)
     emission = next(node for node in tree.nodes if node.type == "EMISSION")
     geometry = tree.nodes.new("ShaderNodeNewGeometry")
@@ -286,7 +289,7 @@ def _set_energy(light: bpy.types.Light, amount: Sequence[float], factor: float) 
 def _placed(
     light: bpy.types.Light, position: ArrayLike, x: ArrayLike, y: ArrayLike
 ) -> bpy.types.Object:
-    """An object with its local X and Y along two vectors at right angles."""
+    """Creates an object with local X and Y along two perpendicular vectors."""
     u, v = np.array(x) / np.linalg.norm(x), np.array(y) / np.linalg.norm(y)
     obj = bpy.data.objects.new(light.name, light)
     rotation = mathutils.Matrix(np.array([u, v, np.cross(u, v)]).T.tolist()).to_4x4()
@@ -315,7 +318,7 @@ def _world(scene: bpy.types.Scene, item: dict[str, Any] | None, pixels: Array | 
 
 
 def _turned(tree: bpy.types.NodeTree, matrix: Sequence[Sequence[float]]) -> bpy.types.NodeSocket:
-    """The socket of the direction of view, turned by a matrix (3 x 3)."""
+    """Returns the socket of the view direction, rotated by a matrix (3 x 3)."""
     direction = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
     combined = tree.nodes.new("ShaderNodeCombineXYZ")
     for row, socket in zip(matrix, combined.inputs):
@@ -328,9 +331,9 @@ def _turned(tree: bpy.types.NodeTree, matrix: Sequence[Sequence[float]]) -> bpy.
 
 
 class _Target:
-    """What Cycles bakes into: pixels of an image of a size, or the object's vertices if it is None.
+    """The target of baking: pixels of an image, or the object's vertices.
 
-    The image is laid out by the coordinates target_uv of the object's mesh.
+    The UV map target_uv of the object's mesh gives the pixels.
     """
 
     def __init__(
@@ -351,7 +354,7 @@ class _Target:
         )
 
     def read(self) -> Array:
-        """The radiance float32 [probe, RGB]."""
+        """Returns radiance, float32 [probe, RGB]."""
         if self._image is None:
             colours = np.empty(4 * len(self._mesh.vertices), np.float32)
             self._mesh.color_attributes["target"].data.foreach_get("color", colours)
@@ -362,7 +365,7 @@ class _Target:
 
 
 def _target_image(obj: bpy.types.Object, size: tuple[int, int]) -> bpy.types.Image:
-    """An image that the object's material names as the one to bake into."""
+    """Creates an image that the object's material names as the target of baking."""
     image = bpy.data.images.new("target", *size, float_buffer=True, is_data=True)
     obj.data.uv_layers.active = obj.data.uv_layers["target_uv"]
     nodes = obj.data.materials[0].node_tree.nodes

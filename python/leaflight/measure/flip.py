@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""FLIP: how different two pictures look to one who flips between them (Andersson et al. 2020)."""
+"""FLIP: the visible difference of two pictures that a viewer alternates (Andersson et al. 2020)."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,11 @@ from ..arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Flip:
-    """map: (height, width), 0 (no difference is seen) to 1; its mean and its 95th percentile."""
+    """The difference of two pictures.
+
+    map: Visible difference of each pixel, 0 to 1, (height, width). mean and percentile_95 are its
+        mean and its 95th percentile.
+    """
 
     map: Array
 
@@ -25,10 +29,11 @@ class Flip:
 
 
 def flip(image: Array, reference: Array, exposure: float = 1.0) -> Flip:
-    """The Flip of two pictures of linear radiance (height, width, 3), exposed and clamped to 0..1.
+    """Returns the Flip of two pictures of linear radiance (height, width, 3).
 
-    The viewer sees 67 pixels a degree, the default of the method: a screen 0.7 m wide with 3840
-    pixels, 0.7 m away. Raises LeaflightError if flip-evaluator is not installed.
+    Colors are exposed and clamped to 0..1. The viewer sees 67 pixels per degree, the default: a
+    screen 0.7 m wide with 3840 pixels, 0.7 m away. Raises LeaflightError if flip-evaluator is not
+    installed.
     """
     try:
         import flip_evaluator

@@ -6,7 +6,7 @@ from typing import TypedDict
 
 
 class SamplingOptions(TypedDict, total=False):
-    """Sampling by its names."""
+    """The fields of Sampling by name."""
 
     points: int
     spp: int
@@ -16,7 +16,12 @@ class SamplingOptions(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Sampling:
-    """points: about how many; spp: paths a point; seed, threads: as of leaflight.bake."""
+    """The points and paths of a measurement.
+
+    points: Approximate number of points.
+    spp: Paths per point.
+    seed, threads: As for bake().
+    """
 
     points: int = 3000
     spp: int = 1024
@@ -26,9 +31,9 @@ class Sampling:
 
 @dataclass(frozen=True)
 class Target:
-    """The isosurface of a volume, or a mesh of the walls if one is given, by their numbers.
+    """The isosurface of a volume, or a mesh of the walls if one is given, by number.
 
-    back: the back of the isosurface, or the side of the mesh from which its normals point away.
+    back: True for the back of the isosurface, or the side that the mesh's normals point away from.
     """
 
     volume: int = 0

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One side of an isosurface, or of a mesh around it: what a bake shows and what references find.
+"""One side of an isosurface, or of a mesh around it: its baked light and its references.
 
-isovalue always is the common isovalue. spp: paths a point; seed, threads, progress: see bake.py.
+isovalue is always the common isovalue. spp: Paths per point. seed, threads, progress: As for
+bake().
 """
 
 from dataclasses import replace
@@ -18,17 +19,18 @@ from .cycles import measure
 from .sampling import Sampling, Target
 from .truth import Truth, parts_of
 
-# Random rays by which a point shows itself to the outside.
+# Number of random rays that test if a point can be seen from outside.
 EXPOSURE_RAYS = 32
-# The path tracer's samples of a point are spread evenly; so many sets of them estimate their error.
+# Number of independent sets of samples per point, which estimate the error of stratified samples.
 PASSES = 8
 
 
 class IsosurfaceSide:
-    """The isosurface of a volume; back: its back. Raises LeaflightError.
+    """The isosurface of a volume, or its back. Raises LeaflightError.
 
-    Points are those of its marching-cubes mesh, float64 (n, 3), world; triangles: how many it has.
-    The mesh is as fine as texels are, but hangs on no light: bakes are compared at the same points.
+    Points are those of its marching-cubes mesh, float64 (n, 3), world. The mesh is as fine as the
+    texels, but does not depend on light, so that bakes are compared at the same points. triangles:
+    Number of triangles.
     """
 
     def __init__(self, bake: Bake, isovalue: float, volume: int = 0, back: bool = False) -> None:
@@ -38,25 +40,25 @@ class IsosurfaceSide:
         _check_diffuse(bake.scene.isosurfaces[volume])
         mesh = bake.grids[volume].lit_contour(self._field(), self._own(), front=False)
         self._vertices, _, self._triangles, *_ = mesh
-        # That side may not have been baked.
+        # Raise an error if that side was not baked.
         self.baked(self._vertices[:1])
         self.triangles = len(self._triangles)
         if self.triangles == 0:
             raise LeaflightError(
-                f"Isovalue {isovalue:g} has no surface inside the data; choose another one."
+                f"Isovalue {isovalue:g} has no surface inside the data: choose another isovalue."
             )
 
     def path_traced(
         self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:
-        """The Truth of the core's path tracer at so many random points."""
+        """Returns the Truth of the core's path tracer at `count` random points."""
         on_mesh = random_points(self._vertices, self._triangles, count, seed)
         return self.path_traced_at(on_mesh, spp, seed, threads, progress)
 
     def path_traced_at(
         self, on_mesh: Array, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:
-        """The same for given points of the mesh, traced from the isosurface next to them."""
+        """Returns the same at given points of the mesh, traced from the nearby isosurface."""
         passes = min(PASSES, spp)
         on_isosurface = np.tile(self._projected(on_mesh), (passes, 1))
         radiance, _ = self.bake.reference(
@@ -74,18 +76,19 @@ class IsosurfaceSide:
     def by_cycles(
         self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:
-        """The Truth of Cycles at about so many random points."""
+        """Returns the Truth of Cycles at about `count` random points."""
         target, sampling = Target(self.volume, None, self.back), Sampling(count, spp, seed, threads)
         return self._of_visible(_by_cycles(self.bake, self.isovalue, target, sampling, progress))
 
     def _of_visible(self, truth: Truth) -> Truth:
-        """The same; points inside another volume's isosurface, which are hidden, have no weight."""
+        """Returns the Truth without weight for points inside another volume's isosurface."""
         fields = [volume.field() for volume in self.bake.volumes]
         hidden = covered(self.bake.scene, fields, self.volume, self.isovalue, truth.points)
         weights = np.where(hidden, 0, truth.weights)
         if not weights.any():
             raise LeaflightError(
-                f"Isovalue {self.isovalue:g} lies inside another volume; choose another one."
+                f"The surface at isovalue {self.isovalue:g} is inside another volume: choose "
+                "another isovalue."
             )
         return replace(truth, weights=weights)
 
@@ -93,7 +96,7 @@ class IsosurfaceSide:
         return self.bake.radiance(points, self.volume, self.back)
 
     def parts(self, truth: Truth, path: Truth) -> dict[str, float | None]:
-        """parts_of() what the bake errs by, against the truth; path: see there."""
+        """Returns parts_of() the error of the bake. path: See there."""
         error = self.bake.radiance_error(truth.points, self.volume)
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
@@ -115,9 +118,9 @@ class IsosurfaceSide:
 
 
 class MeshSide:
-    """The mesh of that name around the volumes; back: seen against its normals.
+    """The mesh of that name around the volumes. back: True for the side against its normals.
 
-    As IsosurfaceSide, without parts.
+    The methods are those of IsosurfaceSide, without parts().
     """
 
     def __init__(self, bake: Bake, name: str, isovalue: float, back: bool = False) -> None:
@@ -163,11 +166,11 @@ def _of_passes(points: Array, radiance: Array, passes: int) -> Truth:
     return Truth.of_passes(points, np.ones(len(points)), radiance.reshape(passes, -1, 3))
 
 
-def _check_diffuse(look: Isosurfaces | Mesh) -> None:
-    if look.scattering != "diffuse":
+def _check_diffuse(item: Isosurfaces | Mesh) -> None:
+    if item.scattering != "diffuse":
         raise LeaflightError(
-            f'What "{look.name}" shows depends on the view, since it is of {look.scattering}: '
-            "choose something diffuse."
+            f'"{item.name}" is {item.scattering}, so its appearance depends on the view: choose a '
+            "diffuse material."
         )
 
 

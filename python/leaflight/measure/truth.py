@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Radiance that a reference finds at points, and the errors of what is compared with it."""
+"""Radiance of a reference at points, and errors of other radiance against it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,10 +22,11 @@ FIGURES = (
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """The radiance of a reference at points, and its standard error: (n, 3) each, float64.
+    """The radiance of a reference at points, and its standard error: float64 (n, 3) each.
 
-    weights: (n,), by which means over the points are taken. mean_error: function of a mask (n,),
-    the standard error of the mean radiance over its points.
+    weights: Weights of means over the points, (n,).
+    mean_error: Function from a mask (n,) to the standard error of the mean radiance over its
+        points.
     """
 
     points: Array
@@ -47,10 +48,10 @@ class Truth:
 
     @classmethod
     def of_passes(cls, points: Array, weights: Array, passes: Array) -> "Truth":
-        """The mean of independent passes, [pass, n, RGB], and errors by their spread.
+        """Returns the mean of independent passes, [pass, n, RGB], with errors by their spread.
 
-        So they hold for samples that are spread evenly within a pass, which err less than random
-        ones would.
+        So the errors also hold for stratified samples within a pass, which have less noise than
+        random ones.
         """
         passes = passes.astype(np.float64)
 
@@ -75,14 +76,16 @@ def parts_of(
 ) -> dict[str, float | None]:
     """Splits the error of radiance (n, 3) against the truth into parts: a dict of percents.
 
-    error: (n,), the standard error that the bake reports for its radiance; path: Truth of the path
-    tracer at the same points of the isosurface, which may be the truth itself. Squares add up:
+    error: Standard error that the bake reports for its radiance, (n,).
+    path: Truth of the path tracer at the same points of the isosurface, which may be the truth.
 
-    noise_percent    the reported error
-    texture_percent  what else the bake differs by from the path tracer: its resolution, and the
-                     bias of its estimator
-    mesh_percent     what the path tracer differs by from the truth: a mesh stands for the
-                     isosurface; None where the path tracer is the truth
+    Squares of these parts add up:
+
+    noise_percent: The reported error.
+    texture_percent: The other difference of bake and path tracer: limited resolution, and bias of
+        the estimator.
+    mesh_percent: The difference of path tracer and truth, which sees a mesh instead of the
+        isosurface. None if the path tracer is the truth.
     """
     weights = truth.weights
     noise = noise_percent(radiance, error[:, None], exposure, weights)
@@ -100,30 +103,31 @@ def parts_of(
     }
 
 
-def without(whole: float, *parts: float) -> float:
+def without(total: float, *parts: float) -> float:
     """Returns the root of whole^2 minus the squares of the parts, at least 0."""
-    return float(np.sqrt(max(0.0, whole**2 - sum(part**2 for part in parts))))
+    return float(np.sqrt(max(0.0, total**2 - sum(part**2 for part in parts))))
 
 
 def errors_of(
     radiance: Array, truth: Truth, exposure: float, mask: Array | None = None
 ) -> dict[str, float | None]:
-    """Errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
+    """Returns errors of radiance (n, 3) against the truth at its points, or those of a mask (n,).
 
-    A dict of points and the six figures that compare() documents, None where there are no points.
+    The result is a dict of points and the six figures that compare() documents, None without
+    points.
     """
     counted = truth.weights > 0
     mask = counted if mask is None else mask & counted
     if not mask.any():
         return {"points": 0, **dict.fromkeys(FIGURES)}
-    own, true = radiance[mask].astype(np.float64), truth.radiance[mask]
+    compared, true = radiance[mask].astype(np.float64), truth.radiance[mask]
     weights = truth.weights[mask]
     mean = _mean(true, weights)
-    ratio = _mean(own, weights) / mean if mean > 0 else None
+    ratio = _mean(compared, weights) / mean if mean > 0 else None
     return {
-        "points": len(own),
-        "rms_percent": rms_percent(own, true, exposure, weights),
-        "relative_rms": rms(own - true, weights) / mean if mean > 0 else None,
+        "points": len(compared),
+        "rms_percent": rms_percent(compared, true, exposure, weights),
+        "relative_rms": rms(compared - true, weights) / mean if mean > 0 else None,
         "reference_noise_percent": noise_percent(
             true, truth.standard_error[mask], exposure, weights
         ),

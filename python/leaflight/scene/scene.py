@@ -2,11 +2,11 @@
 """Scenes as plain data: isosurfaces, meshes, lights and environment.
 
 A color is (r, g, b), linear. A ramp is one color for all isovalues, or a list of stops (isovalue,
-color) in ascending isovalue of that volume, in data units. It is linear between stops and constant
-beyond. Scene files hold the same data (scene_file.py).
+color). Stops ascend in the isovalue of that volume, in data units. A ramp is linear between stops
+and constant beyond. Scene files hold the same data (scene_file.py).
 
 The common isovalue c selects the isosurfaces that are seen together. With one volume it is the
-isovalue. With several it runs over 0..1, and a volume with the isovalues (lo, hi) shows lo + c (hi
+isovalue. With several it is within 0..1, and a volume with the isovalues (lo, hi) shows lo + c (hi
 - lo).
 """
 
@@ -37,13 +37,16 @@ IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 class Isosurfaces:
     """The material of all isosurfaces of one volume.
 
-    albedo: a ramp in 0..1, also the color of a mirror or of glass; emission: a ramp of radiance in
-    W/(m^2 sr), from both sides; scattering: "diffuse", "mirror" or "glass"; ior: of the inside.
-    isovalues: (lo, hi) in data units at the common isovalues 0 and 1 of several volumes; of a
-    single volume, the isovalue range to bake; None is default_isovalue_range(volume).
-    capped: closes the isosurfaces at the border of the volume (Volume.capped).
-    source: path of the volume, as on the command line; None if the caller gives the volume.
-    reading: options of read_volume() for the source, by name; or None.
+    albedo: Ramp in 0..1. It is also the color of a mirror or of glass.
+    emission: Ramp of radiance in W/(m^2 sr), from both sides.
+    scattering: "diffuse", "mirror" or "glass".
+    ior: Refractive index of the inside.
+    isovalues: Isovalues (lo, hi), in data units, at the common isovalues 0 and 1 of several
+        volumes. For a single volume it is the isovalue range to bake. None is
+        default_isovalue_range(volume).
+    capped: True closes the isosurfaces at the border of the volume (Volume.capped).
+    source: Path of the volume, as on the command line. None if the caller gives the volume.
+    reading: Options of read_volume() for the source, by name; or None.
     """
 
     name: str
@@ -61,11 +64,15 @@ class Isosurfaces:
 class Mesh:
     """A mesh of the walls, with the same material on both sides.
 
-    vertices: float32 (n, 3); triangles: uint32 (m, 3); albedo: a color in 0..1, of a mirror or of
-    glass too; scattering: "diffuse", "mirror" or "glass"; ior: of glass; emission: radiance in
-    W/(m^2 sr), from both sides; texture: float32 [row, column, 3] in 0..1, linear, bottom row
-    first, multiplies the albedo; uv: float32 (m, 3, 2), texture coordinates of each triangle's
-    corners.
+    vertices: Positions, float32 (n, 3).
+    triangles: Vertex numbers, uint32 (m, 3).
+    albedo: Color in 0..1. It is also that of a mirror or of glass.
+    scattering: "diffuse", "mirror" or "glass".
+    ior: Refractive index of glass.
+    emission: Radiance in W/(m^2 sr), from both sides.
+    texture: Image that multiplies the albedo, linear in 0..1, float32 [row, column, 3], bottom row
+        first.
+    uv: Texture coordinates of each triangle's corners, float32 (m, 3, 2).
     """
 
     name: str
@@ -83,7 +90,8 @@ class Mesh:
 class AreaLight:
     """A rectangle, or the ellipse inscribed in it, that emits towards cross(edge_u, edge_v).
 
-    radiance: a color in W/(m^2 sr). The light neither blocks nor reflects light.
+    radiance: Color in W/(m^2 sr).
+    It neither blocks nor reflects light.
     """
 
     name: str
@@ -96,10 +104,12 @@ class AreaLight:
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """The cone of a spot: about a unit axis, angle radians from edge to edge, at most pi.
+    """The cone of a spot.
 
-    blend: 0..1, the part of the cone over which its edge is soft; cosine_falloff: the intensity
-    also falls with the cosine to the axis.
+    axis: Unit vector.
+    angle: Angle from edge to edge in radians, at most pi.
+    blend: Part of the cone over which its edge is soft, 0..1.
+    cosine_falloff: True if the intensity also falls with the cosine to the axis.
     """
 
     axis: Vector
@@ -112,7 +122,8 @@ class Cone:
 class PointLight:
     """A sphere that emits equally in all directions, or within a cone.
 
-    intensity: a color in W/sr, on a spot's axis. The light neither blocks nor reflects light.
+    intensity: Color in W/sr; on the axis of a spot.
+    It neither blocks nor reflects light.
     """
 
     name: str
@@ -124,9 +135,11 @@ class PointLight:
 
 @dataclass(frozen=True, eq=False)
 class SunLight:
-    """Parallel light: direction (unit) of travel, irradiance in W/m^2 on a surface facing it.
+    """Parallel light.
 
-    angle: diameter of the sun's disc in radians, below pi.
+    direction: Unit vector in which light travels.
+    irradiance: Irradiance in W/m^2 on a surface facing it.
+    angle: Diameter of the sun's disc in radians, below pi.
     """
 
     name: str
@@ -142,9 +155,9 @@ Light = AreaLight | PointLight | SunLight
 class Environment:
     """Light from infinity: a radiance in W/(m^2 sr) that multiplies the image, if there is one.
 
-    image: float32 [row, column, 3], latitude-longitude, bottom row first. Its center column is seen
-    along +x, its upper rows towards +z, after world_to_image (3 x 3, nested tuples) rotates the
-    direction.
+    image: Latitude-longitude image, float32 [row, column, 3], bottom row first. Its center column
+        is seen along +x, its upper rows towards +z.
+    world_to_image: Rotation of a direction before lookup, 3 x 3 as nested tuples.
     """
 
     name: str
@@ -157,11 +170,13 @@ class Environment:
 class SceneDescription:
     """A scene without its volumes.
 
-    isosurfaces: one Isosurfaces for each volume, or a single one for all. exposure: positive factor
-    from radiance to the displayed color. meshes: list of Mesh. lights: list of AreaLight,
-    PointLight and SunLight. environment: Environment or None.
-    coordinates: "world" or "box". In "box" the longest side of the box around all volumes runs from
-    -1 to 1 around its center, and intensities are at this scale (see fit_scene).
+    isosurfaces: One Isosurfaces for each volume, or a single one for all.
+    exposure: Positive factor from radiance to the displayed color.
+    meshes: List of Mesh.
+    lights: List of AreaLight, PointLight and SunLight.
+    environment: An Environment or None.
+    coordinates: "world" or "box". In "box" the longest side of the box around all volumes is from
+        -1 to 1 around its center, and intensities are at this scale (see fit_scene).
     """
 
     name: str
@@ -185,7 +200,7 @@ def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) 
     if len(isosurfaces) != len(volumes):
         raise LeaflightError(
             f'The scene "{description.name}" describes {len(isosurfaces)} volumes, but '
-            f"{len(volumes)} are given: give as many as the scene describes."
+            f"{len(volumes)} are given: give as many."
         )
     if len(volumes) > 1:
         isosurfaces = [
@@ -200,8 +215,9 @@ def fit_scene(
 ) -> SceneDescription:
     """Returns the description in world coordinates; box coordinates are fitted to the volumes.
 
-    volumes: a Volume or a list of them. Radiances do not change; a point light's intensity grows
-        with the square of the scale. Scenes of any size are then equally bright.
+    volumes: A Volume or a list of them.
+    Radiances do not change. A point light's intensity grows with the square of the scale, so that
+    scenes of any size are equally bright.
     """
     if description.coordinates == "world":
         return description
@@ -299,8 +315,8 @@ def covered(
 ) -> Array:
     """Returns a mask (n,) of world points (n, 3) inside other isosurfaces, except glass."""
     hidden = np.zeros(len(points), bool)
-    for other, (field, look) in enumerate(zip(fields, description.isosurfaces, strict=True)):
-        if other != volume and look.scattering != "glass":
+    for other, (field, material) in enumerate(zip(fields, description.isosurfaces, strict=True)):
+        if other != volume and material.scattering != "glass":
             hidden |= field.sample(points) >= isovalue_at(description, other, c)
     return hidden
 

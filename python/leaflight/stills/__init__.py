@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of a bake without Blender: the core's own rays."""
+"""Pictures of a bake without Blender, by rays of the core."""

@@ -22,9 +22,11 @@ _LARGEST = sys.float_info.max
 
 @dataclass(frozen=True)
 class Camera:
-    """A perspective camera. position, target: world; up: the direction that is upright.
+    """A perspective camera.
 
-    angle: of view, across the shorter side of the picture, in degrees.
+    position, target: World positions of the camera and of the center of the picture.
+    up: Direction that is upright in the picture.
+    angle: Angle of view across the shorter side of the picture, in degrees.
     """
 
     position: Vector
@@ -33,19 +35,22 @@ class Camera:
     angle: float = ANGLE
 
     def axes(self) -> Array:
-        """Unit vectors to the right, up and forward: (3, 3)."""
+        """Returns unit vectors to the right, up and forward: (3, 3)."""
         forward = _unit(np.subtract(self.target, self.position))
         right = np.cross(forward, self.up)
         if not np.linalg.norm(right) > 1e-9:
-            raise LeaflightError("The camera looks along its own up direction: choose another.")
+            raise LeaflightError(
+                "The camera looks along its up direction: choose another up direction."
+            )
         right = _unit(right)
         return np.array([right, np.cross(right, forward), forward])
 
     def directions(self, width: int, height: int, rows: range, samples: int = 1) -> Array:
-        """Returns unit directions of rays through pixels, float64 (len(rows) samples, width
-        samples, 3).
+        """Returns unit directions of rays through pixels.
 
-        rows: a range, from the top. samples: along each side of a pixel, evenly spread.
+        rows: A range of rows from the top.
+        samples: Evenly spaced rays along each side of a pixel.
+        The result is float64 (len(rows) samples, width samples, 3).
         """
         right, up, forward = self.axes()
         scale = 2.0 * math.tan(math.radians(0.5 * self.angle)) / min(width, height)
@@ -58,7 +63,7 @@ class Camera:
 
 
 def bounds_of(bake: Bake) -> tuple[Array, Array]:
-    """(low, high) of the box, float64 (3,) each, that the volumes of a Bake fill in the world."""
+    """Returns the corners (low, high) of the box around a Bake's volumes, float64 (3,) each."""
     bounds = np.array([volume.field().bounds for volume in bake.volumes])
     return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
 
@@ -75,12 +80,12 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
     right = isinstance(angle, (int, float)) and 0.0 < angle < 180.0
     for value in known.values():
         right = right and isinstance(value, (list, tuple)) and len(value) == 3
-        # JSON's integers may be larger than any number of the renderer's.
+        # Integers in JSON may be too large for floating point.
         right = right and all(isinstance(x, (int, float)) and abs(x) <= _LARGEST for x in value)
     if not right:
         raise LeaflightError(
-            f'{path}: this is no camera: give {{"position": [x, y, z], "target": [x, y, z]}} and '
-            'if needed "up" and the "angle" of view in degrees.'
+            f'{path}: this is not a camera: give {{"position": [x, y, z], "target": [x, y, z]}}, '
+            'and optionally "up" and the "angle" of view in degrees.'
         )
     return Camera(**given)
 
@@ -88,6 +93,6 @@ def load_camera(path: str | os.PathLike[str]) -> Camera:
 def _unit(vector: Array) -> Array:
     length = np.linalg.norm(vector)
     if not length > 0.0:
-        raise LeaflightError("The camera stands where it looks: move it.")
+        raise LeaflightError("The camera's position equals its target: move one of them.")
     unit: Array = vector / length
     return unit

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first view of a bake: isovalue, direction and distance.
 
-A room that is open on one side is looked into from there. A patient is seen from the front, and any
-other object from where its silhouette is largest. The picture is framed around the isosurface.
+The camera looks into a room from its open side, at a patient from the front, and at other objects
+from where their silhouette is largest. The isosurface fills the picture.
 """
 
 import math
@@ -25,7 +25,7 @@ ELEVATION, ELEVATION_OF_FLAT = 10.0, 50.0
 FILLED = 0.8
 # Share of the vertices on each side that may be dust; the frame ignores them.
 DUST = 0.002
-# Ratios by which another silhouette must be larger.
+# Ratios by which another silhouette must be larger to be chosen.
 CLEARLY_LARGER, FLAT = 1.2, 2.5
 
 _MOST_POINTS = 200_000
@@ -39,9 +39,11 @@ _FRONT = 180.0
 class Framing:
     """The position of an isosurface in a picture of any size.
 
-    target: its middle, in the world; back: the unit direction from there to the viewer; up: a
-    direction that is upright; half: half its extents to the right, up and towards the viewer;
-    angle: of view, across the picture's shorter side, in degrees.
+    target: Middle of the isosurface in the world.
+    back: Unit direction from the middle to the viewer.
+    up: Upright direction.
+    half: Half extents to the right, up and towards the viewer.
+    angle: Angle of view across the picture's shorter side, in degrees.
     """
 
     target: Vector
@@ -51,7 +53,7 @@ class Framing:
     angle: float = ANGLE
 
     def camera(self, size: tuple[int, int] = (1, 1), zoom: float = 1.0) -> Camera:
-        """The Camera from which the isosurface fills its share of a picture of that size."""
+        """Returns the Camera for which the isosurface fills its share of a picture of this size."""
         if not zoom > 0.0:
             raise LeaflightError(f"The zoom is {zoom:g}: choose a positive number.")
         width, height = np.maximum(size, 1)
@@ -63,7 +65,7 @@ class Framing:
 
 
 def default_isovalue_of(bake: Bake, volume: int = 0) -> float:
-    """The isovalue (common isovalue) of a Bake that is shown at first, within the range."""
+    """Returns the common isovalue of a Bake that is shown first, within the range."""
     low, high = bake.isovalues
     middle = 0.5 * (low + high)
     if len(bake.volumes) > 1:
@@ -80,7 +82,7 @@ def camera_around_bake(
     isovalue: float | None = None,
     size: tuple[int, int] = (1, 1),
 ) -> Camera:
-    """A Camera that has the isosurface of a Bake in a picture of a size, see framing()."""
+    """Returns a Camera with the isosurface of a Bake in a picture of this size, see framing()."""
     return framing(bake, isovalue, azimuth, elevation).camera(size, zoom)
 
 
@@ -90,9 +92,11 @@ def framing(
     azimuth: float | None = None,
     elevation: float | None = None,
 ) -> Framing:
-    """The Framing of the isosurfaces of a Bake's volumes; isovalue: None is the default one.
+    """Returns the Framing of the isosurfaces of a Bake's volumes.
 
-    azimuth: degrees around +z, 0 from -y; elevation: degrees above the horizon; None chooses.
+    isovalue: None is the default one.
+    azimuth: Degrees around +z, 0 from -y. None chooses.
+    elevation: Degrees above the horizon. None chooses.
     Raises LeaflightError.
     """
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
@@ -108,7 +112,9 @@ def framing(
         is_flat = not is_patient and top > FLAT * side
         elevation = ELEVATION_OF_FLAT if is_flat else ELEVATION
     if not -90.0 < elevation < 90.0:
-        raise LeaflightError(f"The view is {elevation:g} degrees high: choose between -90 and 90.")
+        raise LeaflightError(
+            f"The elevation of the view is {elevation:g} degrees: choose between -90 and 90."
+        )
     back = _back(azimuth, elevation)
     axes = Camera(tuple(back), (0.0, 0.0, 0.0)).axes() * [[1.0], [1.0], [-1.0]]
     low, high = np.quantile(points @ axes.T, (DUST, 1.0 - DUST), axis=0)
@@ -118,7 +124,10 @@ def framing(
 
 
 def _points(bake: Bake, isovalue: float) -> Array:
-    """Vertices (n, 3) of the isosurfaces, not all of many; corners where there are none."""
+    """Returns vertices (n, 3) of the isosurfaces, thinned if there are many.
+
+    Empty isosurfaces give the corners of the volumes.
+    """
     found = [
         _core.contour(volume.field(), bake.isovalue_of(number, isovalue), normals=False)[0]
         for number, volume in enumerate(bake.volumes)
@@ -159,7 +168,7 @@ def _largest(candidates: Sequence[tuple[float, float]]) -> float:
 
 
 def _silhouette(points: Array, back: Array) -> int:
-    """The area that points cover as seen from a direction, in squares of one size."""
+    """Returns the area that points cover as seen from a direction, in equal squares."""
     size = float(np.ptp(points, axis=0).max()) / _CELLS
     right, up, _ = Camera(tuple(back), (0.0, 0.0, 0.0)).axes()
     seen = points @ np.stack([right, up], axis=1)

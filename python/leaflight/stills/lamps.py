@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Local shading: lamps on a surface without shadows, and no light between surfaces.
+"""Local shading: lamps on a surface, without shadows or light between surfaces.
 
-Viewers of isosurfaces shade like this, and the thesis compares with it. Lamps with an extent become
-a few points.
+Viewers of isosurfaces shade in this way, and the thesis compares with it. A lamp with an extent
+becomes a few points.
 """
 
 import math
@@ -20,12 +20,15 @@ _SUN, _POINT, _ONE_SIDED, _TWO_SIDED = range(4)
 
 @dataclass(frozen=True, eq=False)
 class Lamps:
-    """rows: float64 (n, 12), of each lamp: position, kind; axis, cosine where a spot's cone ends;
-    intensity, cosine up to which it is bright. Kinds: 0 a sun, whose position is the direction to
-    it and whose intensity its irradiance; 1 a point or spot; 2 a piece of a surface that shines
-    along its axis; 3 of one that does so to both sides. ambient: mean radiance from all around.
-    lights: int (n,), the number of the scene's light that each belongs to, or -1. headlight: there
-    is no other light.
+    """Lamps for local shading.
+
+    rows: Position, kind; axis, cosine at the end of a spot's cone; intensity, cosine at the end of
+        its bright part. The array is float64 (n, 12). Kind 0 is a sun with the direction to it as
+        position and its irradiance as intensity. Kind 1 is a point or spot. Kind 2 is a piece of a
+        surface that emits along its axis, kind 3 one that emits to both sides.
+    ambient: Mean radiance from all directions.
+    lights: Number of the scene's light of each lamp, or -1, int (n,).
+    headlight: True if there is no other light.
     """
 
     rows: Array
@@ -40,12 +43,12 @@ class Lamps:
         total = np.zeros((len(points), 3))
         for row in self.rows:
             position, kind, axis, end, intensity, bright = np.split(row, [3, 4, 7, 8, 11])
-            way = np.broadcast_to(position, points.shape) - (0.0 if kind == _SUN else points)
-            squared = (way * way).sum(axis=1)
-            way = way / np.sqrt(np.maximum(squared, 1e-30))[:, None]
-            share = np.maximum((way * normals).sum(axis=1), 0.0)
+            to_lamp = np.broadcast_to(position, points.shape) - (0.0 if kind == _SUN else points)
+            squared = (to_lamp * to_lamp).sum(axis=1)
+            to_lamp = to_lamp / np.sqrt(np.maximum(squared, 1e-30))[:, None]
+            share = np.maximum((to_lamp * normals).sum(axis=1), 0.0)
             if kind != _SUN:
-                cosine = -(way @ axis)
+                cosine = -(to_lamp @ axis)
                 share = share / np.maximum(squared, 1e-30)
                 if kind == _POINT:
                     share = share * np.clip((cosine - end) / max(bright - end, 1e-6), 0.0, 1.0)
@@ -57,13 +60,13 @@ class Lamps:
 
 def headlight(points: Array, normals: Array, eye: Array) -> Array:
     """Returns light of a lamp at the camera that a white surface reflects, float64 (n, 3)."""
-    way = eye - points
-    cosine = (normals * way).sum(axis=1) / np.linalg.norm(way, axis=1)
+    to_eye = eye - points
+    cosine = (normals * to_eye).sum(axis=1) / np.linalg.norm(to_eye, axis=1)
     return np.repeat(np.maximum(cosine, 0.0)[:, None], 3, axis=1)
 
 
 def lamps_of(description: SceneDescription) -> Lamps:
-    """The Lamps of a SceneDescription in world coordinates, the brightest if there are many."""
+    """Returns the Lamps of a SceneDescription in world coordinates, or the brightest of many."""
     rows = [(k, row) for k, light in enumerate(description.lights) for row in _rows(light)]
     for mesh in description.meshes:
         if max(mesh.emission) > 0.0:

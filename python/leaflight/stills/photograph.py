@@ -12,8 +12,8 @@ from ..io.images import display_colours
 from .first_view import default_isovalue_of
 from .still import still
 
-# Khronos PBR Neutral (2024) without its offset for specular reflection: colors up to START stay
-# what they are, those beyond approach white and lose their color by degrees.
+# Khronos PBR Neutral (2024) without its offset for specular reflection. Colors up to START are
+# unchanged. Brighter colors approach white and are desaturated gradually.
 START = 0.8
 DESATURATION = 0.15
 # The scene's exposure is kept if the 99th percentile of brightness is within these limits.
@@ -22,7 +22,7 @@ MOST_STOPS = 4.0
 
 
 def tone_mapped(linear: ArrayLike) -> Array:
-    """Exposed colors (..., 3) as they are shown, linear, below 1."""
+    """Returns exposed colors (..., 3) as they are shown, linear, below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
     rest = 1.0 - START
@@ -33,7 +33,7 @@ def tone_mapped(linear: ArrayLike) -> Array:
 
 
 def photographed(picture: Array, exposure: float) -> Array:
-    """The picture of still() as uint8 RGBA, alpha not multiplied in."""
+    """Returns the picture of still() as uint8 RGBA with straight alpha."""
     alpha = picture[..., 3:]
     radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
     colors = display_colours(tone_mapped(radiance * np.float32(exposure)), 1.0)
@@ -43,7 +43,7 @@ def photographed(picture: Array, exposure: float) -> Array:
 def metered_stops(bake: Bake, isovalue: float | None = None) -> float:
     """Returns the stops by which a Bake is shown brighter than the scene's exposure, to a tenth.
 
-    Zero where the first view of its isovalue, None is the default one, is neither dim nor burnt.
+    It is zero if the first view is neither dark nor overexposed. isovalue: None is the default one.
     """
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     picture = still(bake, isovalue, size=(128, 72), samples=1)

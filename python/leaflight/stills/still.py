@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""still(): one isosurface with its baked light, seen by a camera, ray by ray."""
+"""still(): ray-traces one isosurface with its baked light."""
 
 from collections.abc import Sequence
 
@@ -38,25 +38,31 @@ def still(
 ) -> Array:
     """Renders a picture of a Bake, float32 [row, column, RGBA], top row first.
 
-    RGB is linear radiance in W/(m^2 sr), times alpha, the share of a pixel that something fills.
-    Rays hit the isosurface itself, not a mesh of it, and look up the light there. A back
-    that was not baked is shaded by a light at the camera, which shows its shape alone.
+    RGB is linear radiance in W/(m^2 sr), times alpha, the covered share of a pixel. Rays hit the
+    isosurface itself, not a mesh of it, and look up the light there. Backs that were not baked are
+    shaded by a light at the camera, which shows only their shape.
 
-    isovalue: the common isovalue (see Bake), of all volumes. camera: a Camera; None frames the
-    isosurface (first_view.py). size: (width, height); samples: rays along each side of a pixel.
-    walls: whether the scene's meshes are shown, those that would hide the volumes left out; without
-    baked light they are shaded locally. local: all by local shading (lamps.py) instead.
-    progress: as of bake().
+    isovalue: The common isovalue (see Bake), of all volumes.
+    camera: A Camera. None frames the isosurface (first_view.py).
+    size: Size (width, height) in pixels.
+    samples: Number of rays along each side of a pixel.
+    walls: True shows the scene's meshes, except those that hide the volumes. Without baked light
+        they are shaded locally.
+    local: True uses local shading (lamps.py) for everything.
+    progress: As for bake().
     Raises LeaflightError, Cancelled.
     """
     width, height = size
     if not (0 < width <= _LARGEST and 0 < height <= _LARGEST):
         raise SettingError(
-            f"A picture of {width} x {height} pixels is not possible: choose 1 to {_LARGEST}.",
+            f"The size of the picture is {width} x {height} pixels: choose 1 to {_LARGEST} for "
+            "each side.",
             "size",
         )
     if not 1 <= samples <= 16:
-        raise SettingError(f"{samples} rays a pixel's side: choose 1 to 16.", "samples")
+        raise SettingError(
+            f"The number of rays per side of a pixel is {samples}: choose 1 to 16.", "samples"
+        )
     check_diffuse(bake)
     bake.check_isovalue(isovalue)
     camera = camera or camera_around_bake(bake, isovalue=isovalue, size=size)
@@ -83,8 +89,8 @@ def check_diffuse(bake: Bake) -> None:
     for isosurfaces in bake.scene.isosurfaces:
         if isosurfaces.scattering != "diffuse":
             raise LeaflightError(
-                f'"{isosurfaces.name}" is a mirror or glass, whose look depends on the view: '
-                "render it in Blender."
+                f'"{isosurfaces.name}" is a mirror or glass, so its appearance depends on the '
+                "view: render it in Blender."
             )
 
 
@@ -106,7 +112,7 @@ class SeenIsosurface:
         self._isosurfaces, self._lamps = bake.scene.isosurfaces[volume], lamps_of(bake.scene)
 
     def hits(self, origins: Array, directions: Array) -> tuple[Array, Array]:
-        """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
+        """Returns (distances (n,), infinite for none; radiance (n, 3)) for rays (n, 3)."""
         distances, is_back = _core.isosurface_hits(self._field, origins, directions, self._own)
         radiance = np.zeros((len(origins), 3))
         hit = np.isfinite(distances)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls of a bake, without those that stand between the viewer and the volumes.
+"""The walls of a bake, without those between the viewer and the volumes.
 
-A viewer around a box of walls would see some from behind. As in a doll's house, the walls in front
-are left out. Walls without baked light are shaded locally, so that one sees where their colors on
-the isosurface come from.
+Outside a room, a viewer would see some walls from behind. The walls in front are left out, as in a
+doll's house. Walls without baked light are shaded locally, so that their colors explain those on
+the isosurface.
 """
 
 from dataclasses import dataclass
@@ -19,10 +19,13 @@ from .lamps import lamps_of
 
 @dataclass(frozen=True, eq=False)
 class RoomMesh:
-    """A mesh of the scene that is shown: its number there, vertices float32 (n, 3) and triangles.
+    """A mesh of the scene that is shown.
 
-    is_of_room: it is flat, as a wall is, or goes around the volumes' middle; is_lit: it has baked
-    light at its vertices. albedo, emission: colors.
+    number: Number of the mesh in the scene.
+    vertices, triangles: float32 (n, 3), and triangles.
+    is_of_room: True for a flat wall, or a mesh around the middle of the volumes.
+    is_lit: True if it has baked light at its vertices.
+    albedo, emission: Colors.
     """
 
     number: int
@@ -35,7 +38,7 @@ class RoomMesh:
 
 
 def room_meshes(bake: Bake) -> list[RoomMesh]:
-    """The RoomMesh of each diffuse mesh of a Bake's scene; mirrors and glass are left out."""
+    """Returns the RoomMesh of each diffuse mesh of a Bake's scene, without mirrors and glass."""
     middle = np.mean(bounds_of(bake), axis=0)
     walls, found = bake.walls, []
     for number, mesh in enumerate(bake.scene.meshes):
@@ -64,9 +67,9 @@ def _is_of_room(vertices: Array, middle: Array) -> bool:
 
 
 class SeenWalls:
-    """The walls that are seen from a point, with the light of one isosurface (common isovalue).
+    """The walls seen from a point, with the light of one isosurface (common isovalue).
 
-    local: by local shading, as if no light of them were baked.
+    local: True uses local shading, as if no light of walls were baked.
     """
 
     def __init__(self, bake: Bake, isovalue: float, eye: Array, local: bool = False) -> None:
@@ -74,7 +77,7 @@ class SeenWalls:
         self._lamps = lamps_of(bake.scene)
         self._mesh: _core.Mesh | None = None
         sides: tuple[list[Array], list[Array]] = ([], [])
-        vertices, triangles, looks, count = [], [], [], 0
+        vertices, triangles, colors, count = [], [], [], 0
         walls = None if local else bake.walls
         for mesh in room_meshes(bake):
             facets = mesh.triangles.astype(np.int64)
@@ -83,20 +86,20 @@ class SeenWalls:
             vertices.append(mesh.vertices)
             triangles.append(facets + count)
             count += len(mesh.vertices)
-            looks += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
+            colors += [np.concatenate([mesh.albedo, mesh.emission])] * len(facets)
             if walls is not None:
                 for back in (False, True):
                     sides[back].append(walls.radiance(mesh.number, isovalue, back=back))
-        if not looks:
+        if not colors:
             return
         self._vertices = np.concatenate(vertices).astype(np.float32)
         self._triangles = np.concatenate(triangles).astype(np.uint32)
-        self._looks = np.array(looks)
+        self._colors = np.array(colors)
         self._sides = None if walls is None else [np.concatenate(side) for side in sides]
         self._mesh = _core.Mesh("walls", self._vertices, self._triangles, (0.0, 0.0, 0.0))
 
     def hits(self, origins: Array, directions: Array) -> tuple[Array, Array]:
-        """(distances (n,), infinite for none; radiance (n, 3)) of rays (n, 3)."""
+        """Returns (distances (n,), infinite for none; radiance (n, 3)) for rays (n, 3)."""
         distances, radiance = np.full(len(origins), np.inf), np.zeros((len(origins), 3))
         if self._mesh is None:
             return distances, radiance
@@ -111,8 +114,8 @@ class SeenWalls:
             normals[behind] *= -1.0
             points = origins[hit] + distances[hit, None] * directions[hit]
             light = self._lamps.irradiance(points, normals, origins[hit])
-            looks = self._looks[facets[hit]]
-            radiance[hit] = looks[:, :3] * light + looks[:, 3:]
+            colors = self._colors[facets[hit]]
+            radiance[hit] = colors[:, :3] * light + colors[:, 3:]
             return distances, radiance
         weights = np.stack([1.0 - u - v, u, v], axis=1)[hit]
         for back in (False, True):

@@ -30,15 +30,19 @@ def bake(
 ) -> Bake:
     """Computes the Bake of volumes by a fixed number of samples.
 
-    volumes, scene, isovalues, seed, threads, both_sides, walls, progress: as of
-        leaflight.bake. resolution: texels as there; None is one texel a node.
-    settings: FixedSamples by their names. samples: rays per texel (32); photons: number of
-        photons (2 million); caustic_photons: of those that come by mirrors and glass (as many as
-        photons); estimator: "gather" (the default), "volumetric", "path" or "thesis"; photon_map:
-        PhotonMap of the last (the thesis's); scattered: Scattered, for samples scattered over the
-        domain instead of in each texel, with `samples` rays each; only_at: world points (n, 3), to
-        bake only the texels that lookups there use, with the estimator "path".
-    Returns a Bake. Raises LeaflightError for input that cannot be baked, Cancelled.
+    volumes, scene, isovalues, seed, threads, both_sides, walls, progress: As for leaflight.bake.
+    resolution: Texels along the longest axis, or (nx, ny, nz). None is one texel per node.
+    settings: Fields of FixedSamples by name, as follows.
+    samples: Rays per texel (32).
+    photons: Number of photons (2 million).
+    caustic_photons: Number of photons by mirrors and glass. The default is that of photons.
+    estimator: "gather" (default), "volumetric", "path" or "thesis".
+    photon_map: PhotonMap of the estimator "thesis". The default is the one of the thesis.
+    scattered: Scattered, for samples over the domain instead of in each texel, with `samples` rays
+        each.
+    only_at: World points (n, 3). Only texels that lookups there use are baked; the estimator is
+        "path".
+    Returns a Bake. Raises Cancelled, and LeaflightError for input that cannot be baked.
     """
     fixed = FixedSamples(**settings)
     volumes, description, isovalue_range = placed(volumes, scene, fixed.isovalues)

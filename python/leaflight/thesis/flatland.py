@@ -26,9 +26,10 @@ def bake_flatland(
 ) -> FlatBake:
     """Computes the FlatBake of a height field by a fixed number of samples.
 
-    volume, scene, progress: as of leaflight.flatland.bake_flatland. settings: those of
-    FixedSamples by their names, as of leaflight.thesis.bake, but for both_sides and walls.
-    Raises LeaflightError for input that cannot be baked, Cancelled.
+    volume, scene, progress: As for leaflight.flatland.bake_flatland.
+    settings: Fields of FixedSamples by name, as for leaflight.thesis.bake, except both_sides and
+        walls.
+    Raises Cancelled, and LeaflightError for input that cannot be baked.
     """
     fixed = FixedSamples(**settings)
     refuse_sides(fixed)

@@ -20,8 +20,10 @@ _Settings = TypeVar("_Settings", _core.FixedSettings, _core.FixedSettings2)
 class PhotonMap:
     """The settings of the photon map of the estimator "thesis" (thesis 4.3.5).
 
-    k: photons per estimate; radius: its upper bound, in longest sides of the volumes, 0 for no
-        limit; g: length of a unit of the range, in units of the domain;
+    k: Number of photons per estimate.
+    radius: Upper bound on the radius of an estimate, in longest sides of the volumes; 0 is no
+        limit.
+    g: Length of a unit of the isovalue range, in units of the domain.
     region: "sphere", "clipped_sphere", "box", "cylinder" or "graph".
     """
 
@@ -33,12 +35,13 @@ class PhotonMap:
 
 @dataclass(frozen=True)
 class Scattered:
-    """Samples scattered over the domain and interpolated into texels (thesis 3.4, 4.4 and 4.5).
+    """Samples scattered over the domain and interpolated to texels (thesis 3.4, 4.4 and 4.5).
 
-    strategy: "uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular";
-    count: samples, each of them with all the rays; isovalues: of "level_set", how many, chosen
-    adaptively, or a sequence of them; filter: "shepard" (Eq. 3.11), "tent" or "box"; radius:
-    texels that it reaches.
+    strategy: "uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular".
+    count: Number of samples, each with all rays.
+    isovalues: Isovalues of "level_set": a sequence, or a number of adaptively chosen ones.
+    filter: "shepard" (Eq. 3.11), "tent" or "box".
+    radius: Radius of the filter in texels.
     """
 
     strategy: str
@@ -84,7 +87,7 @@ class FixedSamples(CommonSettings):
         settings.estimator = self.estimator
         if self.only_at is not None:
             if np.shape(self.only_at)[0] == 0:
-                raise LeaflightError("only_at holds no points: give some, or None for all texels.")
+                raise LeaflightError("only_at is empty: give points, or None for all texels.")
             settings.set_only_at(np.ascontiguousarray(self.only_at, dtype=np.float64))
         if self.photon_map is not None:
             if self.estimator != "thesis":

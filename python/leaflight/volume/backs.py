@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which side of isosurfaces is seen from outside: the front, towards lower values, or the back.
+"""Finds which side of isosurfaces is seen from outside: front (lower values) or back.
 
 The inside of a level set is low, and so are negative lobes: their backs are seen.
 """
@@ -14,18 +14,18 @@ from .._core import LeaflightError
 from ..arrays import Array
 from .volume import Volume
 
-# Above this share of what is seen, an isosurface is seen from its back.
+# If backs are more than this share of the visible area, the isosurface is seen from its back.
 MOSTLY = 0.6
 # Parallel rays along each side of a square around the volume, from 14 directions.
 _ACROSS = 32
-# Larger volumes are thinned to this many voxels, and at least so many along each axis.
+# Larger volumes are thinned to the first number of voxels, and at least the second along each axis.
 _MOST_VOXELS, _LEAST = 1 << 20, 8
 
 
 def back_shares(values: Array, index_to_world: Array, isovalues: Sequence[float]) -> list[float]:
-    """The share of each isosurface, seen from all around, that shows its back; 0 of what is empty.
+    """Returns the share of backs in the visible area of each isosurface, seen from all around.
 
-    values: [z, y, x]; index_to_world: as of a Volume.
+    An empty isosurface has 0. values: [z, y, x]; index_to_world: as in a Volume.
     """
     most = max(1, round((values.size / _MOST_VOXELS) ** (1 / 3)))
     steps = [min(most, max(1, n // _LEAST)) for n in values.shape]
@@ -34,7 +34,7 @@ def back_shares(values: Array, index_to_world: Array, isovalues: Sequence[float]
     try:
         field = Volume(some, matrix).field()
     except LeaflightError:
-        # All kept voxels have one value.
+        # All voxels that were kept are equal.
         return [0.0] * len(isovalues)
     origins, directions = _rays_around(np.asarray(field.bounds, np.float64))
     shares = []
@@ -46,7 +46,7 @@ def back_shares(values: Array, index_to_world: Array, isovalues: Sequence[float]
 
 
 def _rays_around(bounds: Array) -> tuple[Array, Array]:
-    """(origins (n, 3), directions (n, 3)) from the axes and the diagonals, towards a box."""
+    """Returns rays from the axes and the diagonals towards a box: origins and directions (n, 3)."""
     low, high = bounds
     middle, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     places = radius * ((np.arange(_ACROSS) + 0.5) / _ACROSS * 2.0 - 1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often the values of a volume occur: counted plane by plane, without a copy of all."""
+"""The distribution of the values of a volume, counted plane by plane to save memory."""
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -11,7 +11,7 @@ from ..arrays import Array
 from .labels import are_labels
 from .voxels import as_voxels
 
-# Different values that are counted one by one; those that are not whole numbers.
+# Upper bounds on different values that are counted one by one: whole numbers, and others.
 MOST_LEVELS, FEW_LEVELS = 4096, 32
 # A range with fewer steps of single precision is counted from its lowest value on.
 _STEPS = 1 << 16
@@ -20,25 +20,26 @@ _STEPS = 1 << 16
 class Distribution:
     """The distribution of the values in an array [z, y, x] that are not NaN.
 
-    data_range: the lowest and the highest. count: their number.
+    data_range: The lowest and the highest value. count: Number of values.
     """
 
     def __init__(self, values: Array, data_range: tuple[float, float]) -> None:
         # float32 gives the same edges of bins with any NumPy.
         self._range: Any = tuple(np.float32(end) for end in data_range)
         low, high = self._range
-        # Steps of which edges of bins would be the same; 0 where they are not.
+        # Offset of the bins, where their edges would otherwise be equal in single precision; else
+        # 0.
         self._least = low if high - low < _STEPS * np.spacing(max(-low, high)) else np.float32(0)
         self._data = values
-        whole = as_voxels(values[:1]).dtype != np.float32
-        self._counted = self._count_whole() if whole else None
+        is_integer = as_voxels(values[:1]).dtype != np.float32
+        self._counted = self._count_whole() if is_integer else None
         if self._counted is not None:
             self.count = int(self._counted[1].sum())
         else:
             self.count = sum(plane.size for plane in self._planes())
 
     def _count_whole(self) -> tuple[Array, Array]:
-        """(values float32, numbers of voxels that have them) of whole numbers."""
+        """Returns the different values, float32, and the voxels of each, for whole numbers."""
         limits = np.iinfo(as_voxels(self._data[:1]).dtype)
         least, voxels = int(limits.min), np.zeros(limits.max - limits.min + 1, np.int64)
         for plane in self._data:
@@ -48,21 +49,21 @@ class Distribution:
         return (present + least).astype(np.float32), voxels[present]
 
     def _planes(self) -> Iterator[Array]:
-        """The values float32, without those that are NaN, plane by plane."""
+        """Yields the values of each plane, float32, without NaN."""
         for plane in self._data:
             plane = as_voxels(plane).ravel()
             known = np.isfinite(plane)
             yield plane if known.all() else plane[known]
 
     def voxels_of(self, value: float) -> int:
-        """How many have this value."""
+        """Returns the number of voxels with this value."""
         if self._counted is not None:
             values, voxels = self._counted
             return int(voxels[values == np.float32(value)].sum())
         return sum(int(np.count_nonzero(plane == np.float32(value))) for plane in self._planes())
 
     def histogram(self, bins: int) -> tuple[Array, Array]:
-        """(numbers of voxels, edges) of bins of equal width over the range."""
+        """Returns (numbers of voxels, edges) of bins of equal width over the range."""
         if self._counted is not None:
             values, voxels = self._counted
             return np.histogram(values, bins, self._range, weights=voxels)
@@ -75,7 +76,7 @@ class Distribution:
 
     @cached_property
     def levels(self) -> tuple[Array, Array] | None:
-        """(different values float64 in ascending order, numbers of voxels); None of many.
+        """The different values, float64, ascending, and the voxels that have each; None if many.
 
         Many are more than MOST_LEVELS, or more than FEW_LEVELS that are not whole numbers.
         """
@@ -111,14 +112,18 @@ class Distribution:
         )
 
     def at(self, ranks: Sequence[int], without: Sequence[float] = ()) -> Array:
-        """The values (float64) of so many ranks, from 0, in ascending order; some left out."""
+        """Returns the values (float64) of these ranks in ascending order, counted from 0.
+
+        without: Values that are left out.
+        """
         if self._counted is not None:
             values, voxels = self._counted
             kept = ~np.isin(values, np.asarray(without, np.float32))
             values, last = values[kept], np.cumsum(voxels[kept])
             return values[np.searchsorted(last, ranks, side="right")].astype(np.float64)
         left = np.asarray(without, np.float32)
-        # By the upper 16 bits of the values, then by the lower ones within a bin of those.
+        # Count the upper 16 bits of the keys first, then the lower bits within the bins that
+        # matter.
         upper = np.zeros(1 << 16, np.int64)
         for keys in self._keys(left):
             upper += np.bincount(keys >> 16, minlength=upper.size)
@@ -136,7 +141,7 @@ class Distribution:
         return np.array(found, np.float64)
 
     def _keys(self, left: Array) -> Iterator[Array]:
-        """Whole numbers in the order of the values."""
+        """Yields whole numbers, uint32, in the order of the values."""
         for plane in self._planes():
             if left.size:
                 plane = plane[~np.isin(plane, left)]
@@ -145,14 +150,16 @@ class Distribution:
 
 
 def _levels_of(plane: Array) -> tuple[Array, Array, bool]:
-    """(different values, numbers of voxels, whether they are whole numbers) of float32 (n,)."""
+    """Returns the different values of float32 (n,), the voxels of each, and if all are whole
+    numbers.
+    """
     are_whole = bool((plane == np.rint(plane)).all())
     if are_whole and plane.size and plane.max() - plane.min() < 1 << 16:
         least = int(plane.min())
         voxels = np.bincount((plane - np.float32(least)).astype(np.int64))
         present = np.flatnonzero(voxels)
         return present + least, voxels[present], True
-    # Labels lie in pieces: of each row of them one value and its length are counted.
+    # Labels lie in pieces, so count runs of equal values.
     first = np.flatnonzero(np.append(plane.size > 0, plane[1:] != plane[:-1]))
     values, of_piece = np.unique(plane[first], return_inverse=True)
     lengths = np.diff(np.append(first, plane.size))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values that lie too close to each other, so far from 0, for single precision to tell apart."""
+"""Finds values that are too close to each other, relative to their distance from 0, for float32."""
 
 import math
 from typing import Any
@@ -8,15 +8,15 @@ import numpy as np
 
 from .fill_values import Number
 
-# Steps of single precision between the lowest and the highest value: fewer show as terraces, where
-# the values are known more exactly; so few, the light is wrong.
+# Limits on the steps of single precision between the lowest and the highest value. Below the first,
+# terraces are visible if the data are more exact. Below the second, the light is wrong.
 _ENOUGH, _AT_LEAST = 4096, 32
 
 
 def common_offset(low: Number, high: Number, dtype: np.dtype[Any]) -> Number:
-    """A round number to take off all values, as they are stored, 0 where they need none.
+    """Returns a round number to subtract from all stored values; 0 if they need none.
 
-    low, high: of the values; dtype: that holds them exactly.
+    low, high: The lowest and the highest value. dtype: A type that holds them exactly.
     """
     most = max(abs(low), abs(high))
     if not 0 < high - low < most <= float(np.finfo(np.float32).max):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fill values: numbers such as -9999 and 1e20 that files hold where there are no data.
+"""Finds fill values: numbers such as -9999 and 1e20 in files, which mark missing data.
 
-A number is taken for one where it is known as such, by custom or by the header, and isolated: no
-other value is as near to it as the others are to each other. Saturated voxels are not isolated,
-since the values around them are in between. Conventions: NetCDF's and CF's _FillValue, CMIP's 1e20,
-the no-data values of ESRI, GDAL, GrADS and Surfer, the least values of integer types.
+A fill value is known and isolated. The header names it, or it follows a convention. No other value
+is as near to it as the other values are to each other. Saturated voxels are not isolated, because
+the values around them fill the gap. The conventions are those of NetCDF and CF (_FillValue), CMIP
+(1e20), ESRI, GDAL, GrADS, Surfer, and the least values of integer types.
 """
 
 import re
@@ -17,7 +17,7 @@ from ..arrays import Array
 
 Number = int | float
 
-# The ends of types: integers that saturated voxels have, too.
+# The ends of integer types. Saturated voxels have these values, too.
 _ENDS = (
     *(-32768, -32767, 32767, 65535, 65504, -(2**31), 1 - 2**31, 2**31 - 1, 2**32 - 1),
     *(-(2**63), 1 - 2**63, 2**63 - 1, 2**64 - 1),
@@ -26,12 +26,12 @@ _ENDS = (
 _FAR = (9.969209968386869e36, 3.4028234663852886e38, 3.4e38, 1.70141e38, 1.7976931348623157e308)
 # Fill value of well logs.
 _OTHERS = (-999.25,)
-# Voxels that must hold the end of a type: so many, and such a share. A few are saturated, or hot.
+# Least number and share of voxels with the end of a type. Fewer are saturated or hot pixels.
 _LEAST, _LEAST_SHARE = 16, 1e-3
 
 
 def _text(value: Number) -> str:
-    """The first seven digits, as far as single precision goes."""
+    """Returns the first seven digits, the precision of float32."""
     return f"{value:.6e}"
 
 
@@ -44,8 +44,9 @@ _DIGITS = re.compile(r"(-?)(\d)\.(\d*?)0*e([+-]\d+)")
 class Occurring:
     """The values of planes, as they were stored.
 
-    low, high: of all but the fill values, infinite before there are any. fills: fill values and
-    how many voxels hold each. voxels: all with a value.
+    low, high: Range of all values but the fill values; infinite before there are any.
+    fills: Fill values, and the number of voxels with each.
+    voxels: Number of voxels with a value.
     """
 
     low: Number = float("inf")
@@ -55,7 +56,7 @@ class Occurring:
 
 
 def occurring(planes: Iterable[Array], named: Sequence[float] = ()) -> Occurring:
-    """The Occurring of planes of any type of real numbers; named: fill values by the header."""
+    """Returns the Occurring of planes of real numbers. named: Fill values in the header."""
     found, candidates = Occurring(), dict[Number, int]()
     for plane in planes:
         known = plane[np.isfinite(plane)] if plane.dtype.kind == "f" else plane.ravel()
@@ -111,7 +112,7 @@ def _may_be_fill(value: Number, named: Sequence[float]) -> bool:
     size, is_real = int(exponent), isinstance(value, float)
     if first == "1" and not others:
         return is_real and size >= 10
-    # -999, -9999, 9999 and 9.999e20; labels have positive numbers of all kinds.
+    # Accept -999, -9999, 9999. and 9.999e20. Positive integers may be labels.
     nines = first + others
     return (
         set(nines) == {"9"} and len(nines) >= 3 and (size >= 2 if minus else is_real and size >= 3)

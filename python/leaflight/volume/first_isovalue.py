@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The isovalues to begin with: those that are baked, the one shown first, the next inside it."""
+"""Default isovalues: the range to bake, the first one to show, and the next one inside it."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from .volume import Volume
 
 # Above this share of the voxels, a value at an end of the range is padding around the object.
 BACKGROUND_SHARE = 0.1
-# A level set is at least so deep, for each step that values reach above 0. Less is noise about 0.
+# Least depth of a level set below 0, relative to the highest value. Shallower values are noise.
 LEVEL_SET = 0.1
 # Share of the range above 0 below which isosurfaces between lobes of both signs show nothing.
 AT_ZERO = 0.02
@@ -21,7 +21,7 @@ AT_ZERO = 0.02
 def default_isovalue_range(volume: Volume) -> tuple[float, float]:
     """Returns the default range (lo, hi): the middle 99 % of the values except the background.
 
-    Few values, and labels, are all included.
+    Labels and data with few different values give the whole range.
     """
     low, high = volume.data_range()
     if _levels_to_part(volume) is not None:
@@ -34,10 +34,10 @@ def default_isovalue_range(volume: Volume) -> tuple[float, float]:
 
 
 def default_isovalue(volume: Volume) -> float:
-    """The isovalue that best parts the object from its background (Otsu 1979), in the range.
+    """Returns the isovalue that best separates object and background (Otsu 1979), in the range.
 
-    Half way between two values where there are few. Labels are parted from their background: from
-    0, or else from the lowest of them.
+    If there are few values, it lies half way between two of them. Labels are separated from 0, or
+    else from the lowest label.
     """
     found = _levels_to_part(volume)
     if found is not None:
@@ -61,8 +61,8 @@ def default_isovalue(volume: Volume) -> float:
 def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     """Returns the isovalue that best separates the values inside an isosurface (Otsu 1979).
 
-    In a head it finds the skull within the skin. Few values give the middle of two of them. None if
-    all values inside are alike.
+    In a head it finds the skull within the skin. If there are few values, it lies half way between
+    two of them. Returns None if all values inside are alike.
     """
     found = _levels_to_part(volume)
     if found is not None:
@@ -75,7 +75,7 @@ def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     if len(inside) < 2:
         return None
     begin, end = inside[0], inside[-1] + 1
-    # In the middle of an empty part, away from the noise on both sides.
+    # Take the middle of an empty part, away from the noise on both sides.
     inner = np.mean(_best_edges(counts[begin:end], edges[begin : end + 1]))
     return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
 
@@ -91,8 +91,8 @@ def _is_mostly_zero(volume: Volume) -> bool:
 def _seen_from_front(volume: Volume, isovalue: float, lo: float, hi: float) -> float:
     """Returns another isovalue if values have both signs and this one shows a back.
 
-    That of a negative lobe shows its back: the opposite one shows a positive lobe, where there is
-    one. Within a level set values are negative: its surface is at 0.
+    An isosurface around a negative lobe shows its back, so the opposite isovalue is returned if it
+    shows a positive lobe. A level set has its surface at 0.
     """
     if not lo < 0 < hi or volume.values.ndim != 3:
         return isovalue
@@ -109,7 +109,9 @@ def _seen_from_front(volume: Volume, isovalue: float, lo: float, hi: float) -> f
 
 
 def _levels_to_part(volume: Volume) -> tuple[Array, Array] | None:
-    """The levels of the Distribution where an isovalue must lie half way between two of them."""
+    """Returns the levels of the Distribution if an isovalue must lie half way between two; else
+    None.
+    """
     found = volume.distribution
     if found.levels is None or len(found.levels[0]) < 2:
         return None
@@ -117,26 +119,26 @@ def _levels_to_part(volume: Volume) -> tuple[Array, Array] | None:
 
 
 def _last_of_background(levels: Array) -> int:
-    """The number of 0 among labels, or else of the lowest; never of the highest."""
+    """Returns the index of label 0, or else of the lowest label; never of the highest."""
     zero = np.flatnonzero(levels == 0.0)
     return min(int(zero[0]), len(levels) - 2) if len(zero) else 0
 
 
 def _half_way(levels: Array, first: int) -> float:
-    """Half way between a level and the next."""
+    """Returns the mean of a level and the next."""
     return 0.5 * float(levels[first] + levels[first + 1])
 
 
 def _best_edges(counts: Array, edges: Array) -> tuple[float, float]:
-    """The first and last of the edges of a histogram that best part its two sides."""
+    """Returns the first and last of the edges of a histogram that best separate its two sides."""
     first, last = _best_splits(counts, 0.5 * (edges[1:] + edges[:-1]))
     return edges[first + 1], edges[last + 1]
 
 
 def _best_splits(counts: Array, values: Array) -> tuple[int, int]:
-    """After which of the values, first and last, they are best parted into two sides.
+    """Returns the first and the last index after which values are best split into two classes.
 
-    The first and the last of them occur; between two splits that part them alike none does.
+    Values at both indices occur. Several splits are equally good if no value between them occurs.
     """
     below, below_sum = np.cumsum(counts)[:-1], np.cumsum(counts * values)
     above = counts.sum() - below
@@ -147,9 +149,10 @@ def _best_splits(counts: Array, values: Array) -> tuple[int, int]:
 
 
 def _quantiles(volume: Volume, shares: Sequence[float]) -> list[float]:
-    """Quantiles of the values outside the background; half-integers for integer data.
+    """Returns quantiles of the values outside the background; half-integers for integer data.
 
-    An integer isovalue of integer data passes through grid nodes and shows the quantisation.
+    An isosurface of integer data at an integer passes through grid nodes and shows the
+    quantization.
     """
     low, high = volume.data_range()
     found: Distribution = volume.distribution

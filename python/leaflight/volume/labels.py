@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Masks and label maps: few values in pieces, within which all voxels are alike."""
+"""Detects masks and label maps: few values, and each fills connected pieces."""
 
 import numpy as np
 
 from ..arrays import Array
 from .voxels import as_voxels
 
-# The share of the voxels of a label whose next neighbors along all axes have it, too, and the share
-# of the labels of which this is so. In a mask with soft edges, only the inside passes.
+# Least share of the voxels of a label whose next neighbors along all axes have the same label, and
+# least share of labels that pass. In a mask with soft edges, only the inside passes.
 ALIKE, LABELS = 0.2, 0.6
-# Slices that are looked at.
+# Upper bound on the slices that are examined.
 _PLANES = 64
 
 
 def are_labels(values: Array, levels: Array) -> bool:
-    """Returns True if values [z, y, x], all among the levels, look like labels.
+    """Returns True if values [z, y, x] look like labels.
 
-    levels: in ascending order, of which the first is the background. Any two may be a mask; of
-    more each must be a whole number.
+    levels: All different values in ascending order; the first is the background. Two levels are a
+        mask. More must be whole numbers in connected pieces.
     """
     if len(levels) <= 2 or not (levels == np.rint(levels)).all():
         return len(levels) == 2
@@ -25,17 +25,17 @@ def are_labels(values: Array, levels: Array) -> bool:
     alike = np.zeros(len(levels), np.int64)
     for k in range(0, len(values) - 1, max(1, len(values) // _PLANES)):
         plane, behind = as_voxels(values[k]), as_voxels(values[k + 1])
-        own = plane[..., :-1]
-        is_alike = (own == plane[..., 1:]) & (own == behind[..., :-1])
+        here = plane[..., :-1]
+        is_alike = (here == plane[..., 1:]) & (here == behind[..., :-1])
         if plane.ndim > 1:
-            is_alike[:-1] &= own[:-1] == own[1:]
-        voxels += _occurrences(own, levels)
-        alike += _occurrences(own[is_alike], levels)
+            is_alike[:-1] &= here[:-1] == here[1:]
+        voxels += _occurrences(here, levels)
+        alike += _occurrences(here[is_alike], levels)
     seen = np.flatnonzero(voxels[1:]) + 1
     return len(seen) > 0 and bool(np.mean(alike[seen] >= ALIKE * voxels[seen]) >= LABELS)
 
 
 def _occurrences(values: Array, levels: Array) -> Array:
-    """How many of the values, which may be NaN, are at each of the levels."""
+    """Returns the number of values at each level. Values may be NaN."""
     known = values[np.isfinite(values)]
     return np.bincount(np.searchsorted(levels, known), minlength=len(levels))

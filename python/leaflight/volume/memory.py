@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory volumes and their light may take."""
+"""Limits on the memory of volumes and of their light."""
 
 import os
 import tempfile
@@ -8,7 +8,7 @@ import leaflight._core as _core
 
 from .._core import LeaflightError
 
-# The least that a process can be limited to; of that Python, libraries and threads take.
+# Smallest limit of a process, and the part of it that Python, libraries and threads need.
 LEAST_LIMIT, _PROGRAM = 192 << 20, 96 << 20
 # Share of a limit that volumes may take; larger volumes are stored in a file.
 _SHARE_OF_VOLUMES = 0.25
@@ -21,18 +21,19 @@ _limit: int | None = None
 
 
 def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None) -> None:
-    """Lets this process take about `size` bytes of memory from now on; None for no limit.
+    """Limits this process to about `size` bytes of memory; None removes the limit.
 
-    Volumes then lie in files beyond a quarter of it, so that they may be larger, and a bake takes
-    the finest texels whose light has room in the rest. The files have no name and end with the
-    process. folder: where they lie, None is that of temporary files; give one on a disk.
+    Volumes above a quarter of the limit are stored in files. A bake takes the finest texels whose
+    light fits into the rest. The files have no name and disappear with the process.
+
+    folder: Folder of these files on a disk. None is the folder of temporary files.
     Raises LeaflightError for less than LEAST_LIMIT.
     """
     global _limit
     if size is not None and size < LEAST_LIMIT:
         raise LeaflightError(
-            f"The memory may not be limited to less than {LEAST_LIMIT >> 20} MiB, which libraries "
-            "take of it: give more."
+            f"The memory limit is below {LEAST_LIMIT >> 20} MiB, which libraries need: give a "
+            "higher limit."
         )
     of_volumes = 0 if size is None else int(_SHARE_OF_VOLUMES * size)
     _core.limit_large_memory(of_volumes, os.path.abspath(folder or tempfile.gettempdir()))
@@ -40,7 +41,7 @@ def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None)
 
 
 def memory_of_light(voxels: int) -> int | None:
-    """Bytes that the light of a volume of so many voxels may take, None where that is not known."""
+    """Returns the bytes that the light of this many voxels may take; None if unknown."""
     if _limit is not None:
         return int((1 - _SHARE_OF_VOLUMES) * _limit) - _PROGRAM
     machine = _core.machine_memory()
@@ -48,7 +49,7 @@ def memory_of_light(voxels: int) -> int | None:
         return None
     in_memory, _ = _core.large_memory()
     left = _SHARE_OF_MACHINE * machine - in_memory - _BOUNDS * voxels - _PROGRAM
-    # Other allocations are not all in use at once.
+    # The other allocations are never all in use at once.
     return int(max(left, 0.2 * machine))
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes of other libraries' arrays and images, recognised by what they offer, not by their class.
+"""Converts arrays and images of other libraries to volumes. It checks attributes, not classes.
 
-No library is imported that the object has not brought. Plain arrays are [z, y, x].
+It imports only libraries that the object has already loaded. Plain arrays are [z, y, x].
 """
 
 import sys
@@ -21,38 +21,41 @@ from .voxels import as_voxels
 
 # Values, index_to_world or None, unit, name.
 _Read = tuple[Any, Array | None, str, str]
-# From left, back, up to right, front, up: from the patient's coordinates of ITK to those of NIfTI.
+# Matrix from the patient coordinates of ITK (left, back, up) to those of NIfTI (right, front, up).
 _TO_NIFTI = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = None) -> Volume:
-    """The Volume of an array or an image with three axes of real numbers; a Volume as it is.
+    """Returns the Volume of an array or an image with three axes of real numbers; a Volume as it
+    is.
 
-    data: a NumPy array or any that becomes one, such as of Zarr, Dask or h5py, [z, y, x]; of xarray
-        with dimensions x, y and z in any order, else as they are, and even coordinates; an image of
-        nibabel, SimpleITK, ITK, VTK or PyVista with its place in the world. Masked values are
-        without data. Axes of length 1 beyond the three do not count.
-    spacing: the size of a voxel, one number or (x, y, z), of arrays that have none of their own.
-    name: for people; None is the data's own.
+    data: An array [z, y, x] of NumPy, Zarr, Dask, h5py or the like. Or an array of xarray with
+        evenly spaced coordinates; its dimensions x, y and z may be in any order. Or an image of
+        nibabel, SimpleITK, ITK, VTK or PyVista. Masked values become missing data. Further axes of
+        length 1 are dropped.
+    spacing: Voxel size of arrays that have none: one number or (x, y, z).
+    name: Name for display. None is the name of the data.
     Raises LeaflightError.
     """
     if isinstance(data, Volume):
         found = data
     else:
         reader = _reader(data)
-        values, index_to_world, unit, own = reader(data)
-        values = as_voxels(_scalars(values, own))
+        values, index_to_world, unit, data_name = reader(data)
+        values = as_voxels(_scalars(values, data_name))
         if index_to_world is None:
-            return Volume(values, None, name or own, spacing=spacing)
+            return Volume(values, None, name or data_name, spacing=spacing)
         is_patient = reader in (_of_nibabel, _of_itk)
-        found = Volume(values, index_to_world, name or own, unit=unit, patient=is_patient)
+        found = Volume(values, index_to_world, name or data_name, unit=unit, patient=is_patient)
     if spacing is not None:
-        raise SettingError(f"{found.name}: it has its own spacing: leave it out.", "spacing")
+        raise SettingError(
+            f"{found.name}: the image has its own voxel size: leave spacing out.", "spacing"
+        )
     return found
 
 
 def as_volumes(data: Any, spacing: ArrayLike | None = None) -> list[Volume]:
-    """The list of Volumes of one such object, or of a list or tuple of them."""
+    """Returns a list of Volumes from one such object, or from a list or tuple of them."""
     several = isinstance(data, (list, tuple))
     return [as_volume(one, spacing) for one in (data if several else [data])]
 
@@ -65,19 +68,19 @@ def _reader(data: Any) -> Callable[[Any], _Read]:
 
 
 def _of_array(data: Any) -> _Read:
-    own = getattr(data, "name", None)
-    name = own.strip("/").rpartition("/")[2] if isinstance(own, str) else ""
+    full_name = getattr(data, "name", None)
+    name = full_name.strip("/").rpartition("/")[2] if isinstance(full_name, str) else ""
     return data, None, "", name or "array"
 
 
 def _of_nibabel(image: Any) -> _Read:
-    """Also of others whose axes are x, y and z, which an affine takes to the world."""
+    """Reads an image of nibabel, or one with axes x, y, z and an affine to the world."""
     header: Any = getattr(image, "header", None)
     unit = header.get_xyzt_units()[0] if hasattr(header, "get_xyzt_units") else ""
     path = image.get_filename() if hasattr(image, "get_filename") else None
     values = _without_single_axes(_array(getattr(image, "dataobj", image)))
     affine = np.eye(4) if image.affine is None else np.array(image.affine, np.float64)
-    # Where the header does not say, it is what the format was made for.
+    # A header without a unit means millimeters, as is usual for the format.
     return values.T, affine, unit_of(unit) or "mm", Path(path or "image").name.partition(".")[0]
 
 
@@ -92,7 +95,7 @@ def _of_itk(image: Any) -> _Read:
 
 
 def _of_vtk(image: Any) -> _Read:
-    """Also of PyVista, whose images are VTK's: values at points, else in cells."""
+    """Reads an image of VTK or PyVista: its values at points, else in cells."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     shape, shift = np.array(image.GetDimensions()), np.eye(4)
@@ -104,7 +107,7 @@ def _of_vtk(image: Any) -> _Read:
         shift[:3, 3] += 0.5
     if scalars is None:
         raise LeaflightError(
-            "The image of VTK has no active scalars: choose an array of it by SetActiveScalars()."
+            "The VTK image has no active scalars: choose an array with SetActiveScalars()."
         )
     matrix = image.GetIndexToPhysicalMatrix()
     matrix = [[matrix.GetElement(row, column) for column in range(4)] for row in range(4)]
@@ -120,7 +123,7 @@ def _of_xarray(data: Any) -> _Read:
     known = {"x", "y", "z"} <= by_name.keys()
     order = [by_name[axis] for axis in "zyx"] if known else list(data.dims)
     data = data.transpose(*order)
-    # Times are no places.
+    # Times are not coordinates.
     places = {d: data.coords[d] for d in order if d in data.coords and _is_real(data.coords[d])}
     if not places:
         return data.data, None, "", name
@@ -139,15 +142,15 @@ def _is_real(array: Any) -> bool:
 
 
 def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
-    """(first, step) of even coordinates. Raises LeaflightError for others."""
+    """Returns (first, step) of evenly spaced coordinates. Raises LeaflightError for others."""
     places = np.asarray(places, np.float64)
     step = (places[-1] - places[0]) / (len(places) - 1)
     even = places[0] + step * np.arange(len(places))
     slack = 1e-3 * abs(step) + 1e-6 * np.abs(places).max()
     if not (step != 0 and (np.abs(places - even) <= slack).all()):
         raise LeaflightError(
-            f"{name}: its coordinates along {dim} are not even, as those of a volume must be: "
-            "interpolate it to even ones first (DataArray.interp)."
+            f"{name}: the coordinates along {dim} are not evenly spaced: interpolate to even ones "
+            "first (DataArray.interp)."
         )
     return places[0], step
 
@@ -166,8 +169,8 @@ def _array(data: Any) -> Array:
         return np.asanyarray(data)
     except (TypeError, ValueError, RuntimeError) as error:
         raise LeaflightError(
-            f"{type(data).__name__} cannot become an array of NumPy: {str(error).rstrip('.')}; "
-            "convert it first."
+            f"{type(data).__name__} cannot be converted to a NumPy array: "
+            f"{str(error).rstrip('.')}; convert it first."
         ) from None
 
 
@@ -176,19 +179,19 @@ def _without_single_axes(values: Array) -> Array:
 
 
 def _scalars(data: Any, name: str) -> Array:
-    """An array of real numbers with three axes. Raises LeaflightError."""
+    """Returns an array of real numbers with three axes. Raises LeaflightError."""
     if isinstance(data, (str, Path)):
-        raise LeaflightError(f"{data}: this is a path, not a volume: read it by read_volume().")
+        raise LeaflightError(f"{data}: this is a path, not a volume: read it with read_volume().")
     values = _without_single_axes(_array(data))
     if values.dtype.kind not in "biuf":
         raise LeaflightError(
             f"{name}: {type(data).__name__} holds {values.dtype}, but a volume needs one real "
-            "number a voxel; convert it first."
+            "number per voxel; convert it first."
         )
     if values.ndim != 3:
         raise LeaflightError(
-            f"{name}: its shape is {values.shape}, but a volume needs three axes [z, y, x]: choose "
-            "one frame and one channel, and light images with flatland."
+            f"{name}: the shape is {values.shape}, but a volume needs three axes [z, y, x]: "
+            "choose one frame and one channel, or light an image with flatland."
         )
     if isinstance(values, np.ma.MaskedArray):
         masked: Any = values.astype(np.float32)

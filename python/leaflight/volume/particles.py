@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Densities of particles in the unit cube.
+"""Densities of particles in the unit cube, in place of the thesis's data, which are not public.
 
-Stand-ins for the thesis's data (thesis 5.1), whose originals are not public. These are of the same
-kind: seeded sets of particles, each set convolved with a Gaussian into a density of its own, scaled
-to 0..255. And the electron of a hydrogen atom, which is as smooth as volumes come.
+They are of the same kind (thesis 5.1): seeded sets of particles. Each set is convolved with a
+    Gaussian into a density, scaled to 0..255. The electron of a hydrogen atom is an example of very
+    smooth data.
 """
 
 import numpy as np
@@ -13,17 +13,17 @@ from .volume import Volume, on_unit_cube
 
 # Cutoff radius of a Gaussian, in standard deviations.
 KERNEL_REACH = 4.0
-# Molecules that a droplet of radius 1 would hold.
+# Number of molecules in a droplet of radius 1.
 DROPLET_DENSITY = 1_500_000
 # Half the side of the box around the hydrogen atom, in Bohr radii: 98 % of the density is in it.
 HYDROGEN_REACH = 20.0
 
 
 def nucleons(n: int = 101) -> list[Volume]:
-    """Protons and neutrons in the crust of a neutron star: two Volumes of n^3 nodes.
+    """Returns protons and neutrons in the crust of a neutron star: two Volumes of n^3 nodes.
 
-    Nuclei of irregular, elongated shapes, some of them joined, in which the two kinds lie mixed,
-    and a thin gas of neutrons around them.
+    Nuclei have irregular, elongated shapes, and some are joined. Both kinds are mixed in them. A
+    thin gas of neutrons surrounds them.
     """
     protons, neutrons = _nucleon_positions()
     return [
@@ -46,9 +46,9 @@ def _nucleon_positions() -> tuple[Array, Array]:
 
 
 def lapr(n: int = 120) -> list[Volume]:
-    """Laser-assisted particle removal: a dirt particle, and the water that lifts it as it explodes.
+    """Returns a dirt particle and the water that lifts it: laser-assisted particle removal.
 
-    Two Volumes of n^3 nodes; the wetted surface is the cube's bottom, z = 0.
+    Two Volumes of n^3 nodes. The wet surface is the bottom of the cube, z = 0.
     """
     rng = np.random.default_rng(2)
     centre, radius = np.array([0.5, 0.5, 0.6]), 0.2
@@ -69,7 +69,7 @@ def lapr(n: int = 120) -> list[Volume]:
 
 
 def _film(rng: np.random.Generator, count: int) -> Array:
-    """Water left on the surface, thinner the nearer it is to the explosion in the middle."""
+    """Returns water left on the surface, thinner near the explosion in the middle."""
     points = rng.uniform((0.06, 0.06, 0.0), (0.94, 0.94, 1.0), (count, 3))
     distance = np.linalg.norm(points[:, :2] - 0.5, axis=1)
     points[:, 2] = 0.07 + 0.08 * points[:, 2] * np.minimum(1, distance / 0.3)
@@ -78,7 +78,7 @@ def _film(rng: np.random.Generator, count: int) -> Array:
 
 
 def _plume(rng: np.random.Generator, droplets: int) -> Array:
-    """Droplets that fly up and away from below the particle, smaller the faster they are."""
+    """Returns droplets that fly up and away from below the particle; faster ones are smaller."""
     directions = _directions(rng, droplets)
     directions[:, 2] = np.abs(directions[:, 2]) + 0.25
     speeds = rng.uniform(0.15, 0.85, (droplets, 1))
@@ -93,7 +93,7 @@ def _plume(rng: np.random.Generator, droplets: int) -> Array:
 
 
 def neuron(n: int = 150) -> Volume:
-    """A neuron: a cell body and dendrites that fork, a Volume of n^3 nodes that is mostly empty."""
+    """Returns a neuron with branching dendrites: a mostly empty Volume of n^3 nodes."""
     return _density("neuron", "neuron", _neuron_positions(), 0.014, n)
 
 
@@ -111,22 +111,22 @@ def _neuron_positions() -> Array:
                 points.append(position)
             fork = 0.5 * rng.normal(size=(1, 3))
             ends += [(position, _unit(direction + fork)), (position, _unit(direction - fork))]
-    whole = np.concatenate(points)
-    kept: Array = whole[(np.abs(whole - 0.5) < 0.44).all(axis=1)]
+    positions = np.concatenate(points)
+    kept: Array = positions[(np.abs(positions - 0.5) < 0.44).all(axis=1)]
     return kept
 
 
 def hydrogen(n: int = 64) -> Volume:
-    """Where the electron of a hydrogen atom is in the state 3d_z2: a Volume of n^3 nodes.
+    """Returns the electron of a hydrogen atom in the state 3d_z2, a Volume of n^3 nodes.
 
-    The probability density |psi_320|^2 over its maximum, hence 0..1: two lobes along z, with a
-    ring of a quarter of their height around them.
+    Values are the probability density |psi_320|^2 over its maximum, 0..1. Two lobes lie along z,
+    and a ring of a quarter of their height surrounds them.
     """
     return on_unit_cube(n, _electron_3d, "hydrogen", "hydrogen")
 
 
 def _electron_3d(n: int) -> Array:
-    """psi_320 = r^2 exp(-r/3) (3 cos^2 theta - 1) / (81 sqrt(6 pi)), r in Bohr radii.
+    """Returns psi_320 = r^2 exp(-r/3) (3 cos^2 theta - 1) / (81 sqrt(6 pi)), r in Bohr radii.
 
     Griffiths, Introduction to Quantum Mechanics, Tables 4.3 and 4.7.
     """
@@ -134,14 +134,14 @@ def _electron_3d(n: int) -> Array:
     z, y, x = np.meshgrid(x, x, x, indexing="ij")
     squares = x**2 + y**2 + z**2
     psi = (3 * z**2 - squares) * np.exp(-np.sqrt(squares) / 3)
-    # Highest on the axis at r = 6.
+    # The maximum is on the axis at r = 6.
     highest = 2 * 6**2 * np.exp(-2.0)
     density: Array = ((psi / highest) ** 2).astype(np.float32)
     return density
 
 
 def _density(source: str, name: str, particles: Array, sigma: float, n: int) -> Volume:
-    """The particles (m, 3) convolved with a Gaussian, a Volume of n^3 nodes with values 0..255."""
+    """Returns the particles (m, 3) convolved with a Gaussian: a Volume with values 0..255."""
     return on_unit_cube(n, lambda n: _convolved(particles, sigma, n), name, source)
 
 
@@ -175,7 +175,7 @@ def _scattered(candidates: Array, distance: float) -> Array:
 
 
 def _lattice(radius: float, spacing: float) -> Array:
-    """The points of a face-centred cubic lattice in a ball around the origin."""
+    """Returns the points of a face-centered cubic lattice in a ball around the origin."""
     steps = int(2 * radius / spacing) + 1
     i, j, k = np.mgrid[-steps : steps + 1, -steps : steps + 1, -steps : steps + 1].reshape(3, -1)
     points = 0.5 * spacing * np.stack([i + j, i + k, j + k], axis=1)
@@ -184,7 +184,7 @@ def _lattice(radius: float, spacing: float) -> Array:
 
 
 def _ball(rng: np.random.Generator, count: int) -> Array:
-    """Points (count, 3), uniform in the unit ball."""
+    """Returns points (count, 3), uniformly distributed in the unit ball."""
     points: Array = _directions(rng, count) * np.cbrt(rng.random((count, 1)))
     return points
 
@@ -199,6 +199,6 @@ def _unit(vectors: Array) -> Array:
 
 
 def _rotation(rng: np.random.Generator) -> Array:
-    """A random orthogonal matrix (3, 3)."""
+    """Returns a random orthogonal matrix (3, 3)."""
     matrix: Array = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     return matrix

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes of scattered points with a value each, by Shepard's interpolation (thesis 4.3.1)."""
+"""Volumes of scattered points with values, by Shepard's interpolation (thesis 4.3.1)."""
 
 import math
 from collections.abc import Sequence
@@ -11,16 +11,16 @@ from ..arrays import Array
 from .setting_error import SettingError
 from .volume import Volume
 
-# A point reaches the nodes within so many voxels of the one that is nearest to it.
+# Reach of a point, in voxels from the node that is nearest to it.
 REACH = 3
-# Weights fall with this power of the distance (thesis Eq. 3.11).
+# Exponent of the distance in the weights (thesis Eq. 3.11).
 POWER = 5
 # Nearer than this, in voxels, a point counts as lying on the node.
 NEAREST = 1e-3
-# So far beside the nodes of a grid, in voxels, points are on them: files round coordinates to a few
-# digits, or to single precision, of which the second explains more, but never more than this.
+# Tolerances in voxels within which points are nodes of a grid: for coordinates rounded to a few
+# digits, and at most for those rounded to single precision.
 EVEN, ROUNDED = 0.02, 0.25
-# Nodes along the longest side where they are not chosen.
+# Limits on the default number of nodes along the longest side.
 FEWEST, MOST = 16, 256
 
 
@@ -31,14 +31,16 @@ def interpolated(
     source: str = "",
     nodes: Sequence[int] | None = None,
 ) -> Volume:
-    """A Volume through points (n, 3) with values (n,), on the box that they fill.
+    """Returns a Volume through points (n, 3) with values (n,), on the box that they fill.
 
-    The values of points that are the nodes of a grid, in any order, are kept as they are. Else each
-    node is the mean of the points within REACH voxels, weighted by distance^-5; one that none
-    reaches takes the mean of its neighbors that have a value, so that there are no holes. Points
-    that are not finite, or whose value is not, are left out.
-    nodes: along the longest side, or along x, y and z; by default about one for each point.
-    Raises LeaflightError when the points do not fill a box.
+    Points that are the nodes of a grid, in any order, keep their values. Otherwise each node is the
+    mean of the points within REACH voxels, weighted by distance^-5. Nodes that no point reaches
+    take the mean of their neighbors, so that no holes are left. Points with a coordinate or a value
+    that is not finite are left out.
+
+    nodes: Nodes along the longest side, or along x, y and z. The default is about one for each
+        point.
+    Raises LeaflightError if the points do not fill a box.
     """
     points, values = np.asarray(points, np.float64), np.asarray(values, np.float64)
     grid = _regular(points)
@@ -53,20 +55,19 @@ def interpolated(
     sides = high - low
     if len(points) < 4 or not (sides > 0).all():
         raise LeaflightError(
-            f"{source or name}: its {len(points)} points do not fill a box; a volume needs points "
-            "that differ along x, y and z."
+            f"{source or name}: the {len(points)} points do not fill a box; give points that "
+            "differ along x, y and z."
         )
     counts, step = _grid(source or name, sides, len(points), nodes)
-    # Centred, since the sides need not be whole numbers of voxels.
+    # Center the nodes, because the sides need not be whole numbers of voxels.
     first = low + 0.5 * (sides - step * (counts - 1))
     array = _filled(*_averages((points - first) / step, values, counts))
     return Volume(array.astype(np.float32), _matrix(step, first), name, source)
 
 
 def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
-    """(nodes along x, y and z, their distances, the first, the node of each point) of a whole grid.
-
-    None where the points are no grid, or some are missing or doubled.
+    """Returns (counts, distances, first position, node of each point) of a complete grid, else
+    None.
     """
     if len(points) < 8 or not np.isfinite(points).all():
         return None
@@ -107,14 +108,14 @@ def _matrix(step: Array, first: Array) -> Array:
 def _grid(
     source: str, sides: Array, points: int, nodes: Sequence[int] | None
 ) -> tuple[Array, Array]:
-    """(nodes along x, y and z, the distances between them)."""
+    """Returns the nodes along x, y and z, and the distances between them."""
     if nodes is not None and len(nodes) == 3 and min(nodes) >= 2:
         counts = np.array(nodes, int)
         return counts, sides / (counts - 1)
     if nodes is not None and (len(nodes) != 1 or nodes[0] < 2):
         raise SettingError(
-            f"{source}: the nodes must be one number, those along the longest side, or three, of 2 "
-            "at least.",
+            f"{source}: the number of nodes must be one integer (longest side) or three, at least "
+            "2 each.",
             "dims",
         )
     if nodes is not None:
@@ -128,7 +129,7 @@ def _grid(
 
 
 def _lattice_step(sides: Array, points: int) -> float:
-    """The distance at which a cubic lattice in a box of these sides has so many nodes."""
+    """Returns the distance at which a cubic lattice in a box has this many nodes."""
     low, high = 0.0, float(sides.max())
     for _ in range(60):
         step = 0.5 * (low + high)
@@ -137,7 +138,10 @@ def _lattice_step(sides: Array, points: int) -> float:
 
 
 def _averages(places: Array, values: Array, counts: Array) -> tuple[Array, Array]:
-    """(weighted sums, sums of weights) at the nodes, [z, y, x]; places: of points, in voxels."""
+    """Returns (weighted sums, sums of weights) at the nodes, [z, y, x].
+
+    places: Positions of the points, in voxels.
+    """
     shape = tuple(counts[::-1])
     sums, weights = np.zeros(np.prod(shape)), np.zeros(np.prod(shape))
     nearest = np.rint(places).astype(np.int64)
@@ -155,7 +159,7 @@ def _averages(places: Array, values: Array, counts: Array) -> tuple[Array, Array
 
 
 def _filled(sums: Array, weights: Array) -> Array:
-    """The means; where no point reached, layer by layer, those of the neighbors that have one."""
+    """Returns the means. Nodes without points take those of their neighbors, layer by layer."""
     known = weights > 0
     means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
     while not known.all():
@@ -168,7 +172,7 @@ def _filled(sums: Array, weights: Array) -> Array:
 
 
 def _neighbours(padded: Array) -> Array:
-    """The sum over the six neighbors of each inner voxel."""
+    """Returns the sum over the six neighbors of each inner voxel."""
     inner = slice(1, -1)
     total = np.zeros(tuple(n - 2 for n in padded.shape))
     for axis in range(3):

@@ -6,7 +6,7 @@ from ..words import figures
 
 
 class SettingError(LeaflightError):
-    """A sentence about settings, which `settings` names: on the command line they are flags."""
+    """An error about `settings`. The command line shows these names as flags."""
 
     def __init__(self, sentence: str, *settings: str) -> None:
         super().__init__(sentence)
@@ -19,7 +19,7 @@ def check_is_baked(isovalue: float, isovalues: tuple[float, float]) -> None:
     if not low <= isovalue <= high:
         shown, least, most = figures(isovalue, low, high)
         raise SettingError(
-            f"Isovalue {shown} lies outside the baked range {least}..{most}: choose one "
-            "inside or bake again with a wider range.",
+            f"Isovalue {shown} is outside the baked range {least}..{most}: choose one inside, or "
+            "bake again with a wider range.",
             "isovalues",
         )

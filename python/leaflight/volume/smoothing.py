@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values under a Gaussian: against noise, and terraces of few bits."""
+"""Gaussian smoothing of values, against noise and against terraces of few bits."""
 
 import math
 import os
@@ -15,14 +15,15 @@ from .voxels import new_voxels
 # Standard deviation in voxels.
 MOST_SMOOTH = 10.0
 
-# In standard deviations; what lies beyond has 0.3 % of the weight.
+# Cutoff radius in standard deviations. The rest has 0.3 % of the weight.
 _REACH = 3.0
 
 
 def smoothed(values: Array, sigma: float, progress: Progress) -> Array:
-    """float32 [z, y, x] or [y, x]: values under a Gaussian of this standard deviation in voxels.
+    """Returns values, float32 [z, y, x] or [y, x], convolved with a Gaussian.
 
-    A voxel without data keeps none and has no weight; beyond the border the last voxel goes on.
+    sigma: Standard deviation in voxels.
+    Voxels without data stay empty and have no weight. Beyond the border the last voxel is repeated.
     Raises Cancelled.
     """
     weights = _weights(sigma)
@@ -43,7 +44,10 @@ def smoothed(values: Array, sigma: float, progress: Progress) -> Array:
 def source_of(
     path: str | os.PathLike[str], smooth: float, smooth_normals: float, offset: float = 0
 ) -> str:
-    """The source of a volume from this file, for its provenance; offset: taken off its values."""
+    """Returns the source of a volume from a file, for its provenance.
+
+    offset: Number that was subtracted from the values.
+    """
     less = f", less {offset:.15g}" if offset else ""
     values = f", smoothed by {smooth:g} voxels" if smooth > 0 else ""
     normals = f", normals smoothed by {smooth_normals:g} voxels" if smooth_normals > 0 else ""
@@ -51,7 +55,7 @@ def source_of(
 
 
 def checked(sigma: float, name: str, whose: str | os.PathLike[str]) -> float:
-    """A standard deviation that was asked for. Raises SettingError of this name."""
+    """Returns the standard deviation that was asked for. Raises SettingError with this name."""
     if not 0.0 <= sigma <= MOST_SMOOTH:
         raise SettingError(
             f"{whose}: {name} must be 0 to {MOST_SMOOTH:g} voxels, not {sigma:g}.", name
@@ -83,7 +87,7 @@ def _smooth_plane(plane: Array, planes: Iterable[Array], weights: Array) -> Arra
 
 
 def _along_both(plane: Array, weights: Array) -> Array:
-    """A plane under the Gaussian along its two axes."""
+    """Returns a plane convolved along its two axes."""
     reach = len(weights) // 2
     for axis in range(2):
         padded = np.pad(plane, [(reach, reach) if a == axis else (0, 0) for a in range(2)], "edge")

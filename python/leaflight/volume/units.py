@@ -17,13 +17,13 @@ METERS = {
 
 
 def unit_of(text: object) -> str:
-    """The key of METERS that a file's own word means, "" for any other."""
+    """Returns the key of METERS for a file's own word, "" for any other."""
     length = meters_of(text)
     return next((key for key, meters in METERS.items() if meters == length), "")
 
 
 def meters_of(text: object) -> float | None:
-    """The length that a file's own word means, None for any that is no unit of length."""
+    """Returns the length of a file's own word for a unit in meters; None for other words."""
     word = str(text or "").strip().lower()
     for spelling, sign in _SIGNS.items():
         word = word.replace(spelling, sign)
@@ -34,12 +34,12 @@ def meters_of(text: object) -> float | None:
 
 
 def common_unit(texts: Sequence[object]) -> tuple[str, tuple[float, ...]] | None:
-    """(unit, factors): one key of METERS for axes x, y, z, and what takes theirs to it.
+    """Returns (unit, factors): one key of METERS for the axes x, y, z, and factors from their
+        units.
 
-    texts: the file's own words, "" where it has none, which stand for the unit of the others. The
-    unit is that of the first axis with a known one, or the next smaller. If no axis has a known
-    unit it is "", provided that all have the same word. None: lengths cannot be compared with what
-    the others are.
+    texts: The file's words; "" takes the unit of the other axes.
+    The unit is that of the first axis with a known one, or the next smaller. If all axes have the
+    same unknown word it is "". Returns None if lengths along the axes cannot be compared.
     """
     words = [str(text or "").strip() for text in texts]
     lengths = [meters_of(word) for word in words]
@@ -54,7 +54,7 @@ def common_unit(texts: Sequence[object]) -> tuple[str, tuple[float, ...]] | None
 
 
 _DECIMAL = ("m", "cm", "mm", "µm", "nm", "Å")
-# How programs write a micro sign: the Greek letter, escaped, and decoded by the wrong table.
+# Spellings of the micro sign: the Greek letter, escaped, and decoded by the wrong table.
 _SIGNS = {"μ": "µ", "\\u00b5": "µ", "âµ": "µ", "î¼": "µ"}
 _PREFIXES = {
     "": 1.0,

@@ -23,7 +23,7 @@ from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-# How far below the data the layer around a capped volume is, in ranges of the data.
+# Depth of the layer around a capped volume below the lowest value, in ranges of the data.
 CAP_DEPTH = 2.0
 
 
@@ -33,7 +33,7 @@ class AxisAligned(TypedDict, total=False):
 
 
 class Given(AxisAligned, total=False):
-    """The arguments of Volume that are given by name alone."""
+    """The arguments of Volume that can only be given by name."""
 
     notes: Sequence[str]
 
@@ -42,19 +42,20 @@ class Given(AxisAligned, total=False):
 class Volume:
     """Samples of a scalar field at the nodes of a grid.
 
-    values: shape (nz, ny, nx), x fastest, in data units, of one of VOXEL_TYPES, which are all the
-        same to what is baked; NaN where there is no data.
-    index_to_world: float64, shape (4, 4), takes the node (i, j, k, 1) to world coordinates.
-    name: short name for people; source: the file or the function the values came from.
-    unit: of world coordinates, a key of METERS, "" where it is not known.
-    patient: whether world coordinates are a patient's: towards right, front and up.
-    smooth_normals: standard deviation in voxels of a Gaussian on the values of which the normals of
-        isosurfaces are the gradient; the isosurfaces stay where they are. 0: on the values alone.
-    notes: sentences for the user about choices that its reader made, such as a guessed type.
-    In flatland values has the shape (ny, nx) and index_to_world (3, 3).
+    values: Array (nz, ny, nx), x fastest, in data units. All VOXEL_TYPES give the same bake. NaN
+        marks missing data. In flatland the shape is (ny, nx).
+    index_to_world: Matrix from the node (i, j, k, 1) to world coordinates, float64 (4, 4). In
+        flatland the shape is (3, 3).
+    name: Short name for display.
+    source: The file or the function that the values came from.
+    unit: Unit of world coordinates, a key of METERS; "" if unknown.
+    patient: True if world coordinates are those of a patient: towards right, front and up.
+    smooth_normals: Standard deviation in voxels of a Gaussian on the values from which normals are
+        computed; 0 is none. The isosurfaces do not change.
+    notes: Sentences for the user about choices of the reader, such as a guessed type.
 
-    In place of index_to_world there may be spacing, the size of a voxel, one number or (x, y, z),
-    and origin, the place (x, y, z) of the first node; without them these are 1 and 0.
+    Instead of index_to_world you can give spacing, the voxel size (one number or (x, y, z)), and
+    origin, the position (x, y, z) of the first node. Their defaults are 1 and 0.
     """
 
     values: Array
@@ -85,11 +86,13 @@ class Volume:
             index_to_world = axis_aligned
         elif any(value is not None for value in grid.values()):
             raise SettingError(
-                f"{name}: give either index_to_world or spacing and origin.", "spacing"
+                f"{name}: index_to_world and spacing or origin exclude each other: give one of "
+                "them.",
+                "spacing",
             )
         if unit and not unit_of(unit):
             raise SettingError(
-                f"{name}: {unit!r} is no known unit: give one of {', '.join(METERS)}.", "unit"
+                f"{name}: the unit {unit!r} is unknown: give one of {', '.join(METERS)}.", "unit"
             )
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
@@ -107,7 +110,7 @@ class Volume:
         smooth = smoothed(self.data(), self.smooth_normals, _core.Progress())
         if not self.layers:
             return smooth
-        # The layer that capped() added is not smoothed.
+        # Do not smooth the layer that capped() added.
         values = new_voxels(self.values.shape, np.float32)
         values[...] = self._unsmoothed_field.range[0]
         values[(slice(1, -1),) * values.ndim] = smooth
@@ -115,7 +118,7 @@ class Volume:
 
     @cached_property
     def _unsmoothed_field(self) -> _core.Field:
-        """In flatland a Field2, which offers the same."""
+        """Returns the field; in flatland a Field2, which has the same methods."""
         kind: Any = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
         try:
             field: _core.Field = kind(
@@ -141,7 +144,7 @@ class Volume:
         ]
 
     def noted(self, *notes: str) -> "Volume":
-        """The same volume with more notes."""
+        """Returns the same volume with more notes."""
         noted = copy(self)
         noted.__dict__.update(notes=(*self.notes, *notes))
         return noted
@@ -153,33 +156,30 @@ class Volume:
         return tuple(np.linalg.norm(axes, axis=0).tolist())
 
     def field(self) -> _core.Field:
-        """The core's view of the volume, made at the first call.
+        """Returns the field of the core, which is made at the first call.
 
-        Raises LeaflightError when no isosurface can exist: all values equal or NaN, infinite ones,
-        fewer than 2 nodes along an axis, a singular index_to_world.
+        Raises LeaflightError if no isosurface can exist: all values equal or NaN, infinite values,
+            fewer than 2 nodes along an axis, a singular index_to_world.
         """
         return self._field
 
     def flat_field(self) -> _core.Field2:
-        """The same in flatland."""
+        """Returns the field of an image in flatland."""
         field: object = self._field
         assert isinstance(field, _core.Field2)
         return field
 
     def capped(self) -> "Volume":
-        """The volume with one layer of voxels around it that closes every isosurface.
+        """Returns the volume with one layer of voxels around it that closes every isosurface.
 
-        The layer holds one value below all others, low - 2 (high - low). Between a voxel of value h
-        on the border and the layer, the cap of the isosurface c lies at (h - c) / (h - layer) of a
-        voxel: nowhere beyond 1/3. A deeper layer would make the caps flatter still, but squeeze all
-        isosurfaces into a slab so thin that a texel's samples, spread over its volume, hardly reach
-        it. Even so the caps of all isosurfaces share their texels: on a cap the baked light is a
-        mean over the isovalue range. Data keep their values, and voxels their places in the
-        world.
+        The layer has one value below all others: low - 2 (high - low). Let h be the value of a
+            voxel on the border. The cap of the isosurface c lies at (h - c) / (h - layer) of a
+            voxel, at most 1/3. A deeper layer would make the caps flatter, but closer together than
+            the samples of a texel. Caps of all isosurfaces share their texels, so baked light on a
+            cap is a mean over the isovalue range. Data and voxels keep their values and positions.
 
-        Voxels without data stay so, and next to them an isosurface stays open: it ends where
-        knowledge does. A volume that is closed already, because its lowest value is all that its
-        border holds, is returned as it is.
+        Voxels without data stay empty, and isosurfaces stay open next to them. A volume that is
+        closed already is returned as it is: its border holds only its lowest value.
         """
         if self._closed:
             return self
@@ -187,7 +187,7 @@ class Volume:
         layer = low - CAP_DEPTH * (high - low)
         if layer < float(np.finfo(np.float32).min):
             raise LeaflightError(
-                f"{self.source or self.name}: its values {low:g}..{high:g} are too large to be "
+                f"{self.source or self.name}: the values {low:g}..{high:g} are too large to be "
                 "capped; scale them down."
             )
         values = as_voxels(self.values)
@@ -217,7 +217,7 @@ class Volume:
     def in_unit(self, unit: str) -> "Volume":
         """Returns the volume in world coordinates of another unit; a volume without one gets it.
 
-        unit: a key of METERS, or "", which changes nothing.
+        unit: A key of METERS, or "", which changes nothing.
         """
         if not unit or unit == self.unit:
             return self
@@ -226,10 +226,11 @@ class Volume:
         return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
 
     def coarser(self) -> "Volume":
-        """The volume with n // 2 + 1 instead of n nodes along each axis, over the same domain.
+        """Returns the volume with n // 2 + 1 instead of n nodes along each axis, over the same
+        domain.
 
-        One in space. Between the borders each value is a mean over about two voxels along each
-        axis. Made at the first call.
+        Each value is a mean over about two voxels along each axis, except on the border. The volume
+        is made at the first call. It is for three dimensions only.
         """
         return self._coarser
 
@@ -247,12 +248,14 @@ class Volume:
 
     @cached_property
     def _within_layer(self) -> tuple[Array, tuple[float, float]] | None:
-        """The values within the layer of capped() and their range; None without such a layer."""
+        """Returns the values within the layer of capped(), and their range; None without such a
+        layer.
+        """
         inside = self.values[(slice(1, -1),) * self.values.ndim]
         if not self._closed or not any(np.isfinite(plane).any() for plane in inside):
             return None
         low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
-        # Background of the data is never a whole range below them.
+        # Data never have a background that is a whole range below all other values.
         if not 0 < high - low < low - self._unsmoothed_field.range[0]:
             return None
         return inside, (low, high)
@@ -264,15 +267,15 @@ class Volume:
 
     @property
     def layers(self) -> int:
-        """How many layers of voxels around data() capped() added: 1 or 0."""
+        """Number of layers of voxels that capped() added around data(): 1 or 0."""
         return 1 if self._within_layer else 0
 
     def data(self) -> Array:
-        """The values without the layer that capped() added, if there is one; not a copy."""
+        """Returns the values without the layer that capped() added, not as a copy."""
         return self._within_layer[0] if self._within_layer else self.values
 
     def data_range(self) -> tuple[float, float]:
-        """(lowest, highest) of data(), in data units."""
+        """Returns (lowest, highest) of data(), in data units."""
         return self._within_layer[1] if self._within_layer else self.field().range
 
 
@@ -283,7 +286,10 @@ def _least(integer_type: DTypeLike) -> int:
 def _axis_aligned(
     axes: int, spacing: ArrayLike | None = None, origin: ArrayLike | None = None
 ) -> Array:
-    """The index_to_world of a voxel's size and the first node's place. Raises SettingError."""
+    """Returns the index_to_world of a voxel size and the position of the first node.
+
+    Raises SettingError.
+    """
     try:
         steps = np.broadcast_to(np.asarray(1.0 if spacing is None else spacing, np.float64), axes)
         place = np.broadcast_to(np.asarray(0.0 if origin is None else origin, np.float64), axes)
@@ -291,8 +297,8 @@ def _axis_aligned(
         steps, place = np.full(axes, np.nan), np.zeros(axes)
     if not (np.isfinite([steps, place]).all() and (steps > 0).all()):
         raise SettingError(
-            f"The spacing must be one number above 0 or {axes} of them, for x, y and z, not "
-            f"{spacing!r}; and the origin as many, not {origin!r}.",
+            f"The spacing {spacing!r} or the origin {origin!r} is invalid: give positive spacing "
+            f"and any origin, {axes} numbers each, or one number for the spacing.",
             "spacing",
         )
     matrix = np.diag([*steps, 1.0])
@@ -301,15 +307,21 @@ def _axis_aligned(
 
 
 def bump_box(n: int = 100) -> Volume:
-    """The 3D bump box (thesis Eq. 2.1 and Table 2.1): n^3 nodes on the unit cube, values 0..255."""
+    """Returns the 3D bump box (thesis Eq. 2.1 and Table 2.1): n^3 nodes, values 0..255.
+
+    The nodes lie on the unit cube.
+    """
     return on_unit_cube(n, _core.bump_box, "bump_box", "bump_box")
 
 
 def on_unit_cube(n: int, values: Callable[[int], Array], name: str, source: str) -> Volume:
-    """A generated Volume of n nodes a side on the unit cube or square, from values(n)."""
+    """Returns a generated Volume with n nodes a side on the unit cube or square.
+
+    values: Function from n to the array.
+    """
     if n < 2:
         raise SettingError(
-            f"{source}: a volume needs at least 2 nodes a side, not {n}: give more.", "dims"
+            f"{source}: the number of nodes per side is {n}: give at least 2.", "dims"
         )
     array = values(n)
     index_to_world = np.diag([1.0 / (n - 1)] * array.ndim + [1.0])

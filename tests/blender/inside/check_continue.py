@@ -119,7 +119,7 @@ def check_an_interrupted_bake_is_resumed(passes):
     assert "leaflight.resume_bake" in drawn(bake_panel.LEAFLIGHT_PT_bake)
     # The checkpoint belongs to a bake with other settings.
     passes.leaflight.error = 0.31
-    with pytest.raises(RuntimeError, match="of another bake"):
+    with pytest.raises(RuntimeError, match="belongs to another bake"):
         bpy.ops.leaflight.resume_bake()
     passes.leaflight.error = 0.3
     assert bpy.ops.leaflight.resume_bake() == {"FINISHED"}

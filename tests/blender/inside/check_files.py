@@ -125,7 +125,7 @@ def check_what_cannot_be_moved_stays_and_is_reported(unsaved, tmp_path):
     (tmp_path / "leaflight").write_text("A file where the folder would be.")
     obj = open_saved(tmp_path / "scene.blend")
     sentence = surface_object.problems[obj.name_full]
-    assert str(old) in sentence and "stays there" in sentence and "\n" not in sentence
+    assert str(old) in sentence and "stays here" in sentence and "\n" not in sentence
     assert bake_files.locate(obj) == old
     obj = open_blend(tmp_path / "scene.blend")
     assert_lit(obj)
@@ -211,7 +211,7 @@ def check_a_bake_that_cannot_be_written_leaves_the_old_one(saved, monkeypatch):
 
 def check_unused_bakes_go_when_asked(saved):
     first = bake_files.locate(saved)
-    with pytest.raises(RuntimeError, match="Every bake"):
+    with pytest.raises(RuntimeError, match="Each bake"):
         bpy.ops.leaflight.remove_unused_bakes()
     brighten()
     bpy.ops.leaflight.bake()

@@ -71,7 +71,7 @@ def check_it_opens_lit(boxed, tmp_path, shading):
     there = render_elsewhere(blend, tmp_path / "there.exr")[..., :3]
     assert here.mean() > 0.05 and here.std() > 0.05
     close(there, here, 1e-3)
-    # Dark, where nothing of the bake is left: what the comparison would notice.
+    # Check that the comparison would notice a missing bake: without materials the picture differs.
     for obj in bpy.data.objects:
         if obj.type == "MESH" and obj.data.materials:
             obj.data.materials.clear()

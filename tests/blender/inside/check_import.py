@@ -98,7 +98,7 @@ def check_a_header_is_skipped_in_a_file_of_any_suffix(tmp_path, name):
     bpy.ops.leaflight.import_volume(filepath=str(path), **choices)
     obj = bpy.context.object
     np.testing.assert_array_equal(source_files.read(obj.leaflight).values, values)
-    stored, problem = stored_facts.look(str(path), source_files.choices_of(obj.leaflight))
+    stored, problem = stored_facts.read_facts(str(path), source_files.choices_of(obj.leaflight))
     assert stored.dims == (7, 6, 5) and not problem
     assert stored_facts.lines(str(path), stored, 1)[0] == "file without a header"
 

@@ -171,7 +171,7 @@ def check_a_voxel_size_of_the_file_counts_unless_it_is_given(tmp_path):
 def check_the_dialog_shows_the_facts_of_the_header(tmp_path):
     path = tmp_path / "scan.nii"
     write_scan(path, (12, 14, 16, 3))
-    stored, problem = stored_facts.look(str(path), CHOICES)
+    stored, problem = stored_facts.read_facts(str(path), CHOICES)
     assert not problem and stored.frames == 3
     facts = stored_facts.lines(str(path), stored, 2)
     assert facts[0] == "NIfTI file" and facts[1] == "12 x 14 x 16 voxels, float32"

@@ -11,8 +11,8 @@ from leaflight_addon.ui import bake_panel
 from passes import drawn
 from tools import add_light, close, colours_of, render_exr, vertices_of
 
-EXACT = "Lamps have changed since the bake: all light is scaled, exactly"
-SCALED = "Lamps have changed since the bake: direct light is exact, indirect light scaled"
+EXACT = "Lamps have changed since the bake: their light is scaled, which is exact"
+SCALED = "Lamps have changed since the bake: direct light is exact, indirect light is scaled"
 
 
 @pytest.fixture

@@ -283,7 +283,7 @@ def check_esc_stops_and_the_passes_are_shown_by_the_timer(endless):
     assert_shows_pass(endless, preview.of(endless).bake)
     assert happens("ESC") == {"RUNNING_MODAL"}
     _wait(happens)
-    assert said[-1][0] == {"INFO"} and "keep what there is" in said[-1][1]
+    assert said[-1][0] == {"INFO"} and "keep its light" in said[-1][1]
     assert stopped.offered() is job
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""leaflight.blender: the add-on by functions, as docs/scripting.md has them."""
+"""Checks leaflight.blender, the functions of docs/scripting.md."""
 
 import inspect
 

@@ -149,7 +149,7 @@ def check_a_hidden_one_is_not_baked_and_its_file_not_overwritten(pair):
     description, volumes, _ = scene_export.export_scene(bpy.context, first)
     assert volumes == [first] and description.isosurfaces[0].isovalues is None
     bpy.ops.leaflight.bake()
-    session.forget()
+    session.clear()
     assert len(cache.bake_of(first).grids) == 1 and len(cache.bake_of(second).grids) == 2
 
 

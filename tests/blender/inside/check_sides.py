@@ -119,4 +119,4 @@ def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
 
 def _has_note():
     texts = " ".join(drawn(volume_panel.LEAFLIGHT_PT_volume))
-    return "seen from its back, which is not baked: turn on Both Sides" in texts
+    return "back of this isosurface is not baked: turn on Both Sides" in texts

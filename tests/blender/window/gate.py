@@ -38,7 +38,7 @@ def install():
         run(work)
 
     jobs.BackgroundWork._run = held
-    leaflight.bake, leaflight.resume = _in_passes(leaflight.bake), _in_passes(leaflight.resume)
+    leaflight.bake, leaflight.refine = _in_passes(leaflight.bake), _in_passes(leaflight.refine)
     flatland.bake_flatland = _in_passes(flatland.bake_flatland)
 
 

@@ -56,7 +56,7 @@ def clear_scene():
 
 
 def bind(key, operator, options):
-    """Lets a key press an operator with these options; another operator no more."""
+    """Binds a key to an operator with these options, and to no other operator."""
     keymap = bpy.context.window_manager.keyconfigs.addon.keymaps.new("Window", space_type="EMPTY")
     for item in [item for item in keymap.keymap_items if item.type == key]:
         keymap.keymap_items.remove(item)

@@ -1,19 +1,19 @@
-// Direct light, computed at the very point (core/src/bake/direct/direct_light.cpp).
+// Direct light at a point of an isosurface (core/src/bake/direct/direct_light.cpp).
 
-uniform usampler3D maps;       // levels of eight light points a texel, in bricks: layers along z
-uniform usampler3D mapTable;   // where in these each brick is
-uniform usampler3D mapRanges;  // the least and the greatest visibility code about each texel
-uniform sampler2D lightPoints;  // four texels each, as DirectLight.light_points lists them
+uniform usampler3D maps;       // levels of eight light points a texel, in bricks, stacked along z
+uniform usampler3D mapTable;   // position of each brick
+uniform usampler3D mapRanges;  // least and greatest visibility code around each texel
+uniform sampler2D lightPoints;  // four texels each, as in DirectLight.light_points
 uniform ivec3 mapTexels, mapBrick, mapBricks;
 uniform int mapDepth;  // texels of a layer along z
 uniform vec2 codeRange;  // codes of the volume at visibility codes 1 and 253
 uniform mat4 indexToFrame;
 
 struct DirectLight {
-  vec3 irradiance, reflected;  // by the coat
+  vec3 irradiance, reflected;  // reflected by the coat
 };
 
-// Ranges are cut into parts, for each light point at other places
+// Offsets of the parts of a range, one for each light point
 // (python/leaflight/export/visibility_levels.py).
 const float PARTS = 12.0, SHIFT = 0.6180339887;
 const uint DARK = 15u;
@@ -40,8 +40,7 @@ DirectLight unshadowed(int point, vec3 place, vec3 normal, vec3 geometricNormal,
   return DirectLight(irradiance, coat.weight == 0.0 ? vec3(0.0) : irradiance * reflectance(coat, normal, -way));
 }
 
-// Returns direct light of an isosurface at index coordinates; gloss: gloss and roughness of its
-// coat.
+// Returns direct light of an isosurface at index coordinates.
 DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, vec2 gloss) {
   DirectLight total = DirectLight(vec3(0.0), vec3(0.0));
   vec3 texel = clamp(place * (vec3(mapTexels - 1) / vec3(dims - 1)), vec3(0.0), vec3(mapTexels - 1));
@@ -56,7 +55,7 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
   int pointCount = textureSize(lightPoints, 0).y, groups = (pointCount + 7) / 8;
   if (isBack) own = 254.0 - own, first.z += groups * mapDepth;
   float weight[8];
-  vec2 range[8];  // where it begins, and how long it is
+  vec2 range[8];  // start and length
   for (int corner = 0; corner < 8; ++corner) {
     ivec3 offset = ivec3(corner, corner >> 1, corner >> 2) & 1;
     vec3 share = mix(1.0 - u, u, vec3(offset));
@@ -72,7 +71,7 @@ DirectLight directLight(vec3 place, vec3 gradient, float isovalue, bool isBack, 
   vec3 framed = (indexToFrame * vec4(place, 1.0)).xyz;
   Coat coat = coatAt((indexToWorld * vec4(place, 1.0)).xyz, normal, gloss);
   for (int group = 0; group < groups; ++group) {
-    // Greatest code on the light path, and if a mesh blocks it, for even and odd points.
+    // Greatest code on the light path, and true if a mesh blocks it, for even and odd points.
     vec4 greatest[2] = vec4[2](vec4(0.0), vec4(0.0)), dark[2] = greatest;
     vec4 evenPoints = 8.0 * float(group) + vec4(0.0, 2.0, 4.0, 6.0);
     vec4 shift[2] = vec4[2](fract(evenPoints * SHIFT), fract((evenPoints + 1.0) * SHIFT));

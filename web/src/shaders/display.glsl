@@ -1,4 +1,4 @@
-// The view transform: exposed, highlights compressed, encoded as sRGB
+// The view transform: exposure, compression of highlights, sRGB
 // (python/leaflight/stills/photograph.py).
 uniform float gain;
 

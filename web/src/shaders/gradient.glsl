@@ -1,19 +1,19 @@
 // Gradients of the values, in index coordinates (core/src/field/field.cpp).
 
 uniform mat4 indexToWorld;
-uniform mat3 normalToWorld;  // of gradients
+uniform mat3 normalToWorld;  // index to world, for gradients
 
 #ifdef SMOOTH_NORMALS
-uniform usampler3D smoothValues;  // as `values`
-uniform float smoothPerCode;      // its codes in one of theirs
+uniform usampler3D smoothValues;  // smoothed values, in the layout of `values`
+uniform float smoothPerCode;      // codes of `smoothValues` per code of `values`
 
 float shadingValueAt(vec3 place) { return valueOf(smoothValues, place) / smoothPerCode; }
 #else
 float shadingValueAt(vec3 place) { return valueAt(place); }
 #endif
 
-// Central differences at the voxels, one-sided at the border and where one of two values is missing,
-// interpolated.
+// Returns interpolated central differences. They are one-sided at the border and beside missing
+// values.
 vec3 gradientAt(vec3 place, float isovalue) {
 #ifdef SMOOTH_NORMALS
   float own = noData >= 0.0 ? shadingValueAt(place) : isovalue;
@@ -54,11 +54,11 @@ vec3 gradientAt(vec3 place, float isovalue) {
 }
 
 #ifdef SMOOTH_NORMALS
-// The stairs of the values would stay dark.
+// A zero gradient would be dark, so use the derivative in the cell.
 vec3 surfaceGradient(vec3 place, vec3 shading) { return shading; }
 #else
-// The derivative of the values in their cell. It jumps at the cell's faces and goes over to the
-// gradient of shading there.
+// Returns the derivative of the values in their cell. It jumps at faces of cells; near them it is
+// blended with the shading gradient.
 vec3 surfaceGradient(vec3 place, vec3 shading) {
   ivec3 cell = min(ivec3(place), dims - 2);
   vec3 u = place - vec3(cell);

@@ -1,16 +1,17 @@
-// The isosurfaces of one volume that are shown together.
+// Draws the isosurfaces of one volume that are shown together.
 
-// Index coordinates: rays start at the eye; their directions are those of the picture's corner and
-// so much more for each pixel. Not interpolated, since cards round the places of corners.
+// Index coordinates. Rays start at the eye. Their direction is that of the picture's corner plus
+// these vectors for each pixel. It is not interpolated, because graphics cards round positions of
+// vertices.
 uniform vec3 eye, corner, right, up;
 uniform mat4 indexToClip;
 uniform int count;
-uniform float isovalues[MOST];  // in codes; what is cut open shows the data above the first
+uniform float isovalues[MOST];  // codes; cuts show data above the first isovalue
 uniform float opacities[MOST];
-uniform int result;  // 0: the picture, 1: fetches a pixel, 2: distances in lengths of the ray
-uniform vec4 clip;      // index coordinates: what dot(clip, (p, 1)) < 0 is left out; 0 for none
-uniform vec4 slices[3];  // planes that show the data, as `clip`
-uniform vec3 colors[9];  // of the data, over the isovalues that are lit, as they are displayed
+uniform int result;  // 0: picture, 1: fetches per pixel, 2: distances in ray lengths
+uniform vec4 clip;      // points with dot(clip, (p, 1)) < 0 are cut away; 0 for none
+uniform vec4 slices[3];  // planes that show the data, like `clip`
+uniform vec3 colors[9];  // displayed colors of the data, over the lit isovalues
 
 out vec4 color;
 
@@ -27,8 +28,8 @@ vec3 colorOf(float value) {
   return mix(colors[low], colors[low + 1], at - float(low));
 }
 
-// Where the ray first hits data on a slice, FAR_AWAY for nowhere, and their value. Data below the
-// lit isovalues, such as air, are skipped.
+// Returns the first hit of the ray on data in a slice, FAR_AWAY for none, and the value. Data below
+// the lit isovalues, such as air, are skipped.
 float sliceAt(Ray ray, out float value) {
   float nearest = FAR_AWAY;
   value = -1.0;
@@ -72,14 +73,14 @@ void main() {
       hits[k] = trace(ray, isovalues[k]);
       if (hits[k].t < 0.0) continue;
       nearest = min(nearest, hits[k].t);
-      // Nothing is seen behind.
+      // Stop at an opaque isosurface.
       if (opacities[k] == 1.0) ray.end = min(ray.end, hits[k].t);
     }
   } else {
     for (int k = 0; k < count; ++k) hits[k] = Hit(-1.0, false);
   }
   nearest = min(nearest, slice);
-  // From the nearest to the farthest.
+  // Sort hits from the nearest to the farthest.
   color = vec4(0.0);
   bool isDone[MOST];
   for (int k = 0; k < count; ++k) isDone[k] = hits[k].t < 0.0;

@@ -1,4 +1,4 @@
-// A volume's box; the fragments send the rays.
+// Draws a volume's box, whose fragments trace rays.
 in vec3 position;  // index coordinates
 uniform mat4 indexToClip;
 

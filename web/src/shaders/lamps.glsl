@@ -3,7 +3,7 @@
 uniform vec3 worldEye, ambient;
 uniform int lampCount;  // -1: a headlight
 uniform vec4 lamps[48];
-uniform float exposure;  // of the scene
+uniform float exposure;  // exposure of the scene
 
 const float PI = 3.14159265358979;
 

@@ -1,22 +1,21 @@
-// The light of a point on an isosurface: of the bake, or by lamps alone.
+// The light at a point of an isosurface: baked, or by local shading.
 
 const int MOST = 8;  // isosurfaces that are shown together
 
 uniform sampler3D front, back;  // bricks of radiance times the exposure of the scene
-uniform usampler3D table;        // where in these each brick is
-uniform ivec3 brick, bricks;     // texels of a brick, with the layers that it shares; their numbers
-uniform vec3 texelScale, textureScale;  // from index coordinates to texels; one over the textures'
-uniform int backIs;         // 0: baked, 1: dark, 2: to be shaded by a light at the camera
-uniform float unbaked;  // how bright such a side is that is white and faces the viewer
+uniform usampler3D table;        // position of each brick
+uniform ivec3 brick, bricks;     // texels of a brick, including shared layers; numbers of bricks
+uniform vec3 texelScale, textureScale;  // index coordinates to texels; inverse size of textures
+uniform int backIs;         // 0: baked, 1: dark, 2: lit from the camera
+uniform float unbaked;  // brightness of a white one (2) that faces the viewer
 uniform bool isLocal;
-uniform bool backHasMaps;  // or its texels hold all light
-// Materials of each isosurface: tint is the factor of another albedo, coats are gloss and
-// roughness.
+uniform bool backHasMaps;  // false: texels of the back hold all light
+// Materials of each isosurface: factor of another albedo (tint), gloss and roughness (coats).
 uniform vec3 albedo[MOST], emission[MOST], tint[MOST];
 uniform vec2 coats[MOST];
-uniform vec3 indirectFactor;          // of lamps that are brighter than in the bake
+uniform vec3 indirectFactor;          // growth of indirect light with the lamps
 
-// Radiance of the texels about a place.
+// Returns the radiance of the texels around a position.
 vec3 ofTexels(vec3 place, bool isBack) {
   fetches += 2;
   vec3 texel = max(place * texelScale, 0.0);
@@ -35,8 +34,9 @@ bool isLit(vec3 place) {
   return value >= max(isovalueRange.x, 0.0) && value <= isovalueRange.y;
 }
 
-// Indirect light, as core/src/bake/output/radiance_grid.cpp finds it: extrapolated from the texels in
-// front, as far as the isosurfaces there are like the point's own; texels around give the rest.
+// Returns indirect light, as core/src/bake/output/radiance_grid.cpp. It is extrapolated from texels
+// in front, if isosurfaces there are parallel to the one at the point. Otherwise it is that of
+// texels around the point.
 vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
   float size = length(gradient * texelScale);
   if (size == 0.0) return ofTexels(place, isBack);

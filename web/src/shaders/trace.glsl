@@ -1,23 +1,23 @@
-// Finds the first hit of a ray on an isosurface of the trilinear field, by the rules of the core
+// Finds the first hit of a ray on an isosurface of the trilinear field, as the core does
 // (core/src/trace/isosurface_ray.cpp, core/src/trace/cell_crossing.h).
 
-uniform usampler3D values;        // codes of four voxels: at (x, y), (x + 1, y), (x, y + 1), both
+uniform usampler3D values;        // codes of voxels (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)
 uniform usampler3D bounds;        // least and greatest code of 4^3 cells
-uniform usampler3D coarseBounds;  // of 16^3
+uniform usampler3D coarseBounds;  // least and greatest code of 16^3 cells
 uniform ivec3 dims;               // voxels
 uniform vec2 isovalueRange;  // codes of the isovalues that are lit
-uniform float noData;             // the code of masked voxels; negative where there are none
+uniform float noData;             // code of masked voxels; negative for none
 
 const int NOWHERE = -1, BELOW = 0, ABOVE = 1, UNKNOWN = 2, MIXED = 3;
 const float FAR_AWAY = 1e30;
 
 struct Ray {
   vec3 origin, direction;  // index coordinates
-  float t, end;            // the part within the box
+  float t, end;            // part of the ray within the box
 };
 struct Hit {
   float t;          // negative for none
-  bool fromInside;  // it arrived from higher values
+  bool fromInside;  // the ray arrived from higher values
 };
 
 int fetches = 0;
@@ -46,7 +46,7 @@ Ray rayThroughBox(vec3 origin, vec3 direction) {
 
 float largest(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
-// Negative where there are no data.
+// A negative value means no data.
 float valueOf(usampler3D of, vec3 place) {
   vec3 at = clamp(place, vec3(0.0), vec3(dims - 1));
   ivec3 cell = min(ivec3(at), dims - 2);
@@ -68,7 +68,8 @@ int sideOf(usampler3D of, ivec3 brick, float isovalue) {
   return range.y < isovalue ? BELOW : MIXED;
 }
 
-// h - c along the way from one point of a cell to another: coefficients of s^0 to s^3, s in [0,1].
+// Returns h - c along the segment between two points of a cell: coefficients of s^0 to s^3, s in
+// [0,1].
 vec4 alongSegment(vec4 low, vec4 high, vec3 from, vec3 way) {
   vec4 e0 = vec4(low.xz, high.xz), e1 = vec4(low.yw, high.yw) - e0;
   vec4 a = e0 + e1 * from.x, b = e1 * way.x;  // edges along x: (y0 z0, y1 z0, y0 z1, y1 z1)
@@ -81,15 +82,15 @@ vec4 alongSegment(vec4 low, vec4 high, vec3 from, vec3 way) {
 
 float evaluate(vec4 p, float s) { return p.x + s * (p.y + s * (p.z + s * p.w)); }
 
-// The first s at which the polynomial leaves the side on which it starts; negative for none.
+// Returns the first s at which the polynomial changes sign; negative for none.
 float firstCrossing(vec4 p, bool above) {
   bool b1 = p.x + p.y / 3.0 >= 0.0, b2 = p.x + (2.0 * p.y + p.z) / 3.0 >= 0.0;
   bool b3 = p.x + p.y + p.z + p.w >= 0.0;
-  // Bernstein coefficients: without a change of sign among them there is no root.
+  // Without a change of sign among the Bernstein coefficients there is no root.
   if (b1 == above && b2 == above && b3 == above) return -1.0;
   float low = 0.0, high = 1.0;
   if (int(b1 != above) + int(b2 != b1) + int(b3 != b2) != 1) {
-    // Between the roots of the derivative.
+    // Search between the roots of the derivative.
     float a = p.y, b = 2.0 * p.z, c = 3.0 * p.w, discriminant = b * b - 4.0 * a * c;
     bool found = false;
     if (discriminant >= 0.0) {
@@ -107,7 +108,7 @@ float firstCrossing(vec4 p, bool above) {
       high = 1.0;
     }
   }
-  // Newton steps that never leave the bracket.
+  // Take Newton steps that stay within the bracket.
   float s = 0.5 * (low + high);
   for (int k = 0; k < 20; ++k) {
     float value = evaluate(p, s);
@@ -120,7 +121,7 @@ float firstCrossing(vec4 p, bool above) {
   return high;
 }
 
-// Walks over bricks of 16^3 cells, in these over such of 4^3, in these over cells.
+// Traverses bricks of 16^3 cells, in these bricks of 4^3, and in these cells.
 Hit trace(Ray ray, float isovalue) {
   vec3 inverse;
   ivec3 forward;
@@ -180,7 +181,7 @@ Hit trace(Ray ray, float isovalue) {
     if (side == UNKNOWN) {
       state = UNKNOWN;
     } else if (side != MIXED) {
-      // Where the face was judged otherwise by rounding, the crossing is on it.
+      // If rounding put the face on another side, the crossing is on the face.
       if (state != UNKNOWN && state != side && leave > t) return Hit(t, state == ABOVE);
       state = side;
     }

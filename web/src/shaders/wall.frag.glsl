@@ -1,5 +1,4 @@
-// A wall, left out where it stands between the viewer and the volumes
-// (python/leaflight/stills/walls.py).
+// Draws a wall, except between the viewer and the volumes (python/leaflight/stills/walls.py).
 
 uniform bool isOfRoom, isLocal;
 uniform vec3 middle, albedo, emission;

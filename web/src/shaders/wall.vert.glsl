@@ -1,14 +1,14 @@
-in vec3 position, frontLight, backLight;  // world; times the exposure of the scene
+in vec3 position, frontLight, backLight;  // world position; light times the exposure of the scene
 uniform mat4 worldToClip;
-uniform vec3 centre;  // of the mesh
+uniform vec3 centre;  // center of the mesh
 out vec3 place, fromFront, fromBack;
 
 void main() {
   place = position;
   fromFront = frontLight;
   fromBack = backLight;
-  // Walls whose edges meet differ in their vertices by rounding. Each reaches over the edge by less
-  // than a pixel, so that none lets the background through.
+  // Adjacent walls have vertices that differ by rounding. Extend each wall by less than a pixel, so
+  // that the background is not visible between them.
   vec3 grown = centre + 1.0003 * (position - centre);
   gl_Position = worldToClip * vec4(grown, 1.0);
 }

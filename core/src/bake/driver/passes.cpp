@@ -299,7 +299,7 @@ class Passes {
     int layout = sizeof(Real) * 256 + D;
     const int own_layout = layout;
     archive(layout);
-    if (layout != own_layout) throw Error("The checkpoint is of another Leaflight; bake anew.");
+    if (layout != own_layout) throw Error("The checkpoint is of another version; bake again.");
     archive(chosen_);
     archive(scene_.wall_detail.samples);
     archive(scene_.wall_detail.share);

@@ -41,10 +41,8 @@ SkippedPass finer_texels(const Index<D>& resolution) {
   std::string texels;
   for (const int along : resolution)
     texels += (texels.empty() ? "" : " x ") + std::to_string(along);
-  return {"finer texels", "the light of " + texels + " is what the time has room for"};
+  return {"finer texels", "the time has room for " + texels + " texels"};
 }
-inline SkippedPass finer_walls() {
-  return {"finer walls", "the walls have the light that the time has room for"};
-}
+inline SkippedPass finer_walls() { return {"finer walls", "the time has no room for finer walls"}; }
 
 }  // namespace leaflight

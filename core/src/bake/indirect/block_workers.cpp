@@ -27,7 +27,7 @@ std::string block_bytes(const SideMoments& moments, std::uint64_t lines) {
 std::uint64_t take_block(const std::string& bytes, SideMoments& moments) {
   std::uint64_t lines = 0;
   if (bytes.size() != sizeof lines + size_of(moments)) {
-    throw Error("A worker has traced a block of another bake; give all the same Leaflight.");
+    throw Error("A worker has traced a block of another bake; install one version for all.");
   }
   std::memcpy(&lines, bytes.data(), sizeof lines);
   const char* from = bytes.data() + sizeof lines;

@@ -144,10 +144,9 @@ template <int D>
 Error nothing_to_bake(const Scene<D>& scene) {
   for (const Volume<D>& volume : scene.volumes) {
     if (volume.scattering == Scattering::diffuse) continue;
-    return Error("What the isosurfaces of the volume '" + volume.name +
-                 "' show depends on the view, since they are " +
+    return Error("The isosurfaces of the volume '" + volume.name + "' are " +
                  (volume.scattering == Scattering::mirror ? "mirrors" : "glass") +
-                 ", and nothing else is to be baked; bake the walls too.");
+                 ", which store no light, and nothing else is baked; bake the walls too.");
   }
   return Error("No isosurface of the isovalue range passes through the volume; widen it.");
 }

@@ -30,7 +30,7 @@ class Archive {
     static_assert(std::is_standard_layout_v<Item>);
     std::size_t count = items.size();
     (*this)(count);
-    if (count > most) throw Error("The checkpoint is of another bake; bake the volume anew.");
+    if (count > most) throw Error("The checkpoint is of another bake; bake the volume again.");
     items.resize(count);
     bytes(items.data(), count * sizeof(Item));
   }

@@ -58,7 +58,7 @@ class TexelMoments {
     const std::size_t texels = blocks_.size();
     archive(blocks_, texels);
     if (blocks_.size() != texels) {
-      throw Error("The checkpoint is of another bake; bake the volume anew.");
+      throw Error("The checkpoint is of another bake; bake the volume again.");
     }
   }
   std::vector<Average> averages() const {

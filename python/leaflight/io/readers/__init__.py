@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes from files: read_volume picks the reader by the suffix, probe looks at the header."""
+"""Volumes from files: read_volume() chooses the reader by the suffix, probe() reads the header."""
 
 from ...volume.units import METERS
 from .formats import FORMATS, RAW, SUFFIXES, format_of, name_patterns

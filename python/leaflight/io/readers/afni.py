@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""AFNI's datasets, a text .HEAD and the values in .BRIK or .BRIK.gz, through nibabel."""
+"""AFNI datasets through nibabel: a text .HEAD, and the values in .BRIK or .BRIK.gz."""
 
 import io
 from pathlib import Path
@@ -13,12 +13,12 @@ from .scans import Scan, stored_scan
 from .stored import StoredVolume
 from .watched import open_watched
 
-# Bytes of a header, which may have long notes of how it was made.
+# Upper bound on the bytes of a header, which may contain a long history.
 _MOST = 1 << 24
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Sub-bricks are frames. Where the header scales them, they become float32."""
+    """Opens a dataset. Sub-bricks are frames. Values that the header scales become float32."""
     head, brick = _files(path)
     with open(head, "rb") as file:
         text = file.read(_MOST).decode("latin-1").replace("\r\n", "\n")
@@ -28,7 +28,7 @@ def open_volume(path: Path) -> StoredVolume:
         dtype, affine = header.get_data_dtype(), header.get_affine()
         factors = header.get_data_scaling()
     except AFNIImageError as error:
-        # Raised for values of several types, or of a type unknown to nibabel.
+        # nibabel raises this for values of several types, or of an unknown type.
         raise LeaflightError(
             f"{path}: nibabel cannot read it ({str(error)[:80]}); convert it to NIfTI first."
         ) from None
@@ -57,15 +57,15 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _files(path: Path) -> tuple[Path, Path]:
-    """(the header, the values), of which either may be given."""
+    """Returns the files of the header and of the values. Either may be given."""
     stem = path.with_suffix("") if path.suffix.lower() == ".gz" else path
     heads = [stem.with_suffix(suffix) for suffix in (".HEAD", ".head")]
     bricks = [stem.with_suffix(suffix) for suffix in (".BRIK", ".BRIK.gz", ".brik", ".brik.gz")]
     found = []
     for files in (heads, bricks):
         files = [path] if path in files else files
-        there = [file for file in files if file.is_file()]
-        if not there:
+        existing = [file for file in files if file.is_file()]
+        if not existing:
             raise LeaflightError(f"{path}: there is no {files[0].name} beside it; put it there.")
-        found.append(there[0])
+        found.append(existing[0])
     return found[0], found[1]

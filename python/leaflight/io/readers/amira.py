@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lattices of amira and Avizo (AmiraMesh, .am): a header of text, then the values of each array."""
+"""Lattices of amira and Avizo (AmiraMesh, .am): a text header, then the values of each array."""
 
 import mmap
 import re
@@ -31,7 +31,7 @@ _TYPES = {
 _FIRST = re.compile(
     rb"#\s*(?:AmiraMesh|Avizo|HyperMesh)\b.*?\b(ASCII|BINARY(?:-LITTLE-ENDIAN)?)\b.*", re.IGNORECASE
 )
-# One array: where, the type, components, its name, its number, and how it is packed.
+# The declaration of an array: location, type, components, name, number, compression.
 _ARRAY = re.compile(
     r"^[ \t]*(\w+)\s*\{\s*(\w+)\s*(?:\[\s*(\d{1,4})\s*\])?\s+([\w-]+)\s*\}\s*=?\s*@(\d{1,4})"
     r"(?:\s*\(\s*(\w+)\s*,\s*(\d{1,15})\s*\))?",
@@ -45,7 +45,7 @@ _MOST, _MARK_MOST = 1 << 22, 200
 
 @dataclass(frozen=True)
 class _Lattice:
-    """An array of the lattice: its type, the values of a point, and where they begin."""
+    """An array of the lattice: type, number of values of a point, and start of the values."""
 
     dtype: np.dtype[Any]
     components: int
@@ -53,18 +53,18 @@ class _Lattice:
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Arrays on uniform points, scalars or vectors, of which the components are channels."""
+    """Opens arrays on uniform points. Components of vectors are channels."""
     order, header, end = _header(path)
     sizes = re.search(r"^[ \t]*define\s+Lattice\s+(\d{1,9})\s+(\d{1,9})\s+(\d{1,9})", header, re.M)
     kind = re.search(r'CoordType\s+"([^"]*)"', header)
     if not sizes:
         raise LeaflightError(
-            f"{path}: it holds no lattice, as a volume is, but other data; save the volume itself."
+            f"{path}: the file holds no lattice, so it is not a volume; save the volume itself."
         )
     if kind and kind[1] != "uniform":
         raise LeaflightError(
-            f"{path}: the points of its lattice are not evenly spaced, as those of a volume are; "
-            "resample it in amira first."
+            f"{path}: the points of the lattice are not evenly spaced; resample the volume in "
+            "amira first."
         )
     dims = tuple(map(int, sizes.groups()))
     check_shape(path, dims)
@@ -98,7 +98,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
 
 
 def _header(path: Path) -> tuple[str, str, int]:
-    """(the order of bytes, "" for text; the header; the byte at which the data section begins)."""
+    """Returns (byte order, "" for text; the header; first byte of the data section)."""
     with open(path, "rb") as file:
         text = file.read(_MOST)
     first = _FIRST.match(text)
@@ -114,7 +114,7 @@ def _header(path: Path) -> tuple[str, str, int]:
 def _arrays(
     path: Path, header: str, order: str, end: int, dims: tuple[int, ...]
 ) -> dict[str, _Lattice]:
-    """By their names, those on the lattice that have numbers."""
+    """Returns the numeric arrays on the lattice, by name."""
     counts = {
         found[1]: prod(map(int, found[2].split()))
         for found in re.finditer(r"^[ \t]*define\s+(\w+)\s+(\d[\d ]{0,60})\s*$", header, re.M)
@@ -131,7 +131,7 @@ def _arrays(
             continue
         if (found[6] or "HxZip") not in _ENCODINGS:
             raise LeaflightError(
-                f"{path}: the compression {found[6][:40]} is not known; save it without one."
+                f"{path}: the compression {found[6][:40]} is unknown; save the file uncompressed."
             )
         encoding = _ENCODINGS[found[6]] if found[6] else "raw" if order else "text"
         stored = ValueFiles((path,), encoding, start=begins[int(found[5])])
@@ -141,7 +141,10 @@ def _arrays(
 
 
 def _begins(path: Path, end: int, sizes: dict[int, int] | None) -> dict[int, int]:
-    """The byte at which the values of each number begin; sizes: of binary ones, else None."""
+    """Returns the first byte of the values of each number.
+
+    sizes: Bytes of binary values, None for text.
+    """
     begins: dict[int, int] = {}
     with open(path, "rb") as file:
         if sizes is None:
@@ -159,7 +162,7 @@ def _begins(path: Path, end: int, sizes: dict[int, int] | None) -> dict[int, int
 
 
 def _matrix(path: Path, header: str, dims: tuple[int, ...]) -> Array:
-    """From the box, which goes from the first point to the last, and what may turn it."""
+    """Returns the matrix of the box, which spans the first to the last point, and a rotation."""
     matrix = np.eye(4)
     box = _numbers(header, "BoundingBox", 6)
     if box is not None:
@@ -169,7 +172,7 @@ def _matrix(path: Path, header: str, dims: tuple[int, ...]) -> Array:
         matrix[:3, 3] = low
     turn = _numbers(header, "TransformationMatrix", 16)
     if turn is not None:
-        # Column by column, as OpenGL has it.
+        # Matrices are column by column, as in OpenGL.
         matrix = turn.reshape(4, 4).T @ matrix
     check_matrix(path, matrix)
     return matrix

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes that HDF5, netCDF and their kin give to arrays, as text and numbers."""
+"""Attributes of arrays in HDF5, netCDF and similar files, as text and numbers."""
 
 from typing import Any
 
 import numpy as np
 
-# A damaged file may give an attribute any length.
+# Upper bound on the length of an attribute, against damaged files.
 _MOST = 1 << 16
 
 
 def attribute(item: Any, name: str) -> Any:
-    """An attribute of an item of h5py, None without it, or where h5py cannot read its type."""
+    """Returns an attribute of an item of h5py; None if absent or if h5py cannot read its type."""
     try:
         return None if item is None else item.attrs.get(name)
     except (OSError, TypeError, ValueError, KeyError, RuntimeError):
@@ -18,21 +18,21 @@ def attribute(item: Any, name: str) -> Any:
 
 
 def text_of(found: Any) -> str:
-    """An attribute as text, "" for none: it may be text, bytes, or an array of their letters."""
+    """Returns an attribute as text, "" for none. It is text, bytes, or an array of letters."""
     if isinstance(found, np.ndarray):
         return "".join(_plain(one) for one in found.ravel()[:_MOST]).strip()
     return _plain(found).strip()
 
 
 def texts_of(found: Any) -> list[str]:
-    """An attribute that lists texts."""
+    """Returns an attribute that is a list of texts."""
     if found is None:
         return []
     return [_plain(one).strip() for one in np.atleast_1d(found).ravel()[:_MOST]]
 
 
 def numbers_of(found: Any) -> list[float]:
-    """The numbers of an attribute, none where it holds others."""
+    """Returns the numbers of an attribute, none for other types."""
     numbers = np.asarray(() if found is None else found).ravel()
     if numbers.dtype.kind not in "iuf":
         return []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes of arrays in files: which run along x, y and z, and where their samples lie."""
+"""Finds which axes of an array in a file are x, y and z, and the positions of its samples."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -10,13 +10,13 @@ import numpy as np
 from ...arrays import Array
 from ...volume.units import common_unit
 
-# Attributes of the places along an axis that axis_at() looks at.
+# Attributes of coordinates along an axis that axis_at() uses.
 CF = ("units", "axis", "positive", "standard_name")
-# Places that differ by less than this from even ones, in steps, are even.
+# Tolerance of even spacing, in steps.
 _EVEN = 0.01
-# A last axis of no more samples holds channels where nothing is known of it.
+# Upper bound on the samples of an unknown last axis that is taken for channels.
 _MOST_CHANNELS = 4
-# Units of which more is lower, where a vertical axis does not give its direction.
+# Units that grow downwards, if a vertical axis does not give its direction.
 _PRESSURES = {"pa", "hpa", "kpa", "mbar", "millibar", "bar", "atm", "dbar", "decibar"}
 _DEGREES = re.compile(r"deg(?:ree)?s?_?([ensw]|east|north|south|west)", re.IGNORECASE)
 _NAMES = {
@@ -35,9 +35,12 @@ _MILLER = {"h": "x", "k": "y", "l": "z"}
 class Axis:
     """One axis of an array, as its file describes it.
 
-    size: its samples; name: of the dimension; letter: one of "xyztc" where the file says so, else
-    name may show it. first, step: where the samples lie, None where that is not known, in `unit`,
-    the file's own word; even: whether they lie at even distances.
+    size: Number of samples.
+    name: Name of the dimension.
+    letter: One of "xyztc", if the file gives it. Otherwise it is guessed from the name.
+    first, step: Position of the first sample and distance of samples, None if unknown.
+    unit: Unit of the positions, the file's own word.
+    even: True if samples are evenly spaced.
     """
 
     size: int
@@ -53,8 +56,10 @@ class Axis:
 class Grid:
     """The positions of an array's samples.
 
-    letters: one of "xyztc" for each axis of the array, "-" for those of one sample; matrix: index
-    to world, in `unit`, a key of METERS or ""; notes: see StoredVolume.
+    letters: One of "xyztc" for each axis of the array, "-" for axes of one sample.
+    matrix: Matrix from indices to world coordinates.
+    unit: Unit of world coordinates, a key of METERS or "".
+    notes: As in StoredVolume.
     """
 
     letters: str
@@ -64,21 +69,21 @@ class Grid:
 
 
 def grid_of(axes: Sequence[Axis]) -> Grid | None:
-    """The Grid of an array with these axes, None for one that holds no volume."""
+    """Returns the Grid of an array with these axes, None if it is not a volume."""
     letters, guesses = _letters(axes)
     if not set("xyz") <= set(letters):
         return None
     space = [axes[letters.index(letter)] for letter in "xyz"]
-    # Times are no places.
+    # Times are not coordinates.
     space = [replace(axis, step=None) if axis.letter == "t" else axis for axis in space]
     matrix, unit, notes = _placed(space)
     return Grid(letters, matrix, unit, (*guesses, *notes))
 
 
 def axis_at(size: int, name: str, places: Array, attributes: Mapping[str, str]) -> Axis:
-    """An Axis whose samples, or the edges between them, lie at `places`.
+    """Returns the Axis with samples, or edges between them, at these positions.
 
-    attributes: those of CF that these have, as text; https://cfconventions.org
+    attributes: CF attributes of the positions, as text; https://cfconventions.org
     """
     unit = attributes.get("units", "")
     unit = "degrees" if _DEGREES.fullmatch(unit) else unit
@@ -120,7 +125,7 @@ def _cf_letter(name: str, attributes: Mapping[str, str]) -> str:
 
 
 def _letter_of(name: str) -> str:
-    """The letter of an axis of this name, "" where it does not show: "voxel_x", "qx" are x."""
+    """Returns the letter of an axis of this name, or "". "voxel_x" and "qx" are x."""
     name = name.strip().lower()
     if name in _LETTERS:
         return _LETTERS[name]
@@ -132,9 +137,9 @@ def _letter_of(name: str) -> str:
 
 
 def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
-    """(a letter for each axis, "-" for those of one sample or where there is none; notes).
+    """Returns (a letter for each axis, "-" for none or one sample; notes).
 
-    Axes whose letters are not known are z, y and x in this order, before them time and channels.
+    Axes with unknown letters are z, y and x in this order. Time and channels precede them.
     """
     names = [axis.name.lower() for axis in axes]
     known = _MILLER if _MILLER.keys() <= set(names) else {}
@@ -142,7 +147,7 @@ def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
         (axis.letter or known.get(name) or _letter_of(name)) if axis.size > 1 else ""
         for axis, name in zip(axes, names)
     ]
-    # A letter of two axes is ambiguous, so neither gets it.
+    # If two axes have the same letter, neither gets it.
     found = [letter if found.count(letter) == 1 else "" for letter in found]
     long = [i for i, axis in enumerate(axes) if axis.size > 1]
     unknown = [i for i in long if not found[i]]
@@ -151,29 +156,29 @@ def _letters(axes: Sequence[Axis]) -> tuple[str, tuple[str, ...]]:
     nameless = len(unknown) == len(long) and len(long) > 3
     if nameless and sizes[-1] <= _MOST_CHANNELS < min(sizes[-4:-1]):
         found[unknown.pop()] = "c"
-        notes.append(f"Its last axis has only {sizes[-1]} samples, which are read as channels.")
+        notes.append(f"The last axis has only {sizes[-1]} samples and is read as channels.")
     missing = [letter for letter in "zyx" if letter not in found]
     kept = min(len(unknown), len(missing))
     for i, letter in zip(unknown[len(unknown) - kept :], missing[len(missing) - kept :]):
         found[i] = letter
     others = unknown[: len(unknown) - kept]
     if len(others) == 2:
-        notes.append("Its first two axes are read as frames and channels.")
+        notes.append("The first two axes are read as frames and channels.")
     for i in others:
         before = all(i < found.index(letter) for letter in "xyz" if letter in found)
         free = [letter for letter in ("tc" if before else "ct") if letter not in found]
         if not free:
             return "-" * len(axes), ()
         found[i] = free[0]
-    # As of a film: a time without a depth is one.
+    # Take time as the depth if there is no other, as in a film.
     if [letter for letter in missing if letter not in found] == ["z"] and "t" in found:
         found[found.index("t")] = "z"
-        notes.append("It has no axis z; its frames are read as the slices of a volume.")
+        notes.append("The data have no axis z; frames are read as the slices of a volume.")
     return "".join(letter or "-" for letter in found), tuple(notes)
 
 
 def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
-    """(index to world, unit, notes) of the axes x, y and z."""
+    """Returns (matrix from index to world, unit, notes) of the axes x, y and z."""
     known = [axis for axis in space if axis.step]
     if not known:
         return np.eye(4), "", []
@@ -184,9 +189,7 @@ def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
         if axis.step is None or axis.step == 0:
             steps.append(1.0)
             firsts.append(0.0)
-            notes.append(
-                f"The file does not give the size of its voxels along {letter}; it is 1 here."
-            )
+            notes.append(f"The file has no voxel size along {letter}; it is assumed to be 1.")
         elif common is None:
             steps.append(float(np.sign(axis.step)))
             firsts.append(0.0)
@@ -196,17 +199,16 @@ def _placed(space: Sequence[Axis]) -> tuple[Array, str, list[str]]:
             firsts.append(factor * (axis.first or 0.0))
             if not axis.even:
                 notes.append(
-                    f"Its samples along {letter} lie at uneven distances, of which the mean is "
-                    "used."
+                    f"The samples along {letter} are unevenly spaced; their mean distance is used."
                 )
     if common is None:
         units = ", ".join(f"{axis.unit[:40] or 'no unit'}" for axis in known)
         notes.append(
-            f"Its axes are measured in {units}, which cannot be compared; its voxels are read as "
-            "cubes of size 1. Give a voxel size for others."
+            f"The units of its axes, {units}, cannot be compared; voxels are read as cubes of "
+            "size 1, unless you give a voxel size."
         )
     elif common[0] and not all(axis.unit for axis in known):
-        notes.append(f"Only some of its axes have a unit; {common[0]} counts for all.")
+        notes.append(f"Only some axes have a unit; {common[0]} is used for all.")
     matrix = np.diag([*steps, 1.0])
     matrix[:3, 3] = firsts
     return matrix, common[0] if common else "", notes

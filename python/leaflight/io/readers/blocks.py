@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of any axes as series of volumes: which axis is the depth, which the frame."""
+"""Turns pictures with any axes into series of volumes: chooses the depth and the frames."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -23,11 +23,12 @@ Axes = tuple[tuple[str, int], ...]
 class Blocks:
     """An array in a file, which is read block by block.
 
-    outer, inner: names and lengths of the axes, slowest first, of the blocks and within one. Names
-        are X, Y, Z, T (time), C (channel), S (color), or any other letter.
-    open: open(numbers) is a context manager for blocks of these numbers in this order; it gives a
-        function of the number of a block, which reads it whole.
-    samples: how many of S are values, the others being alpha; colors: whether these are RGB.
+    outer, inner: Names and lengths of the axes outside and within a block, slowest first. Names are
+        X, Y, Z, T (time), C (channel), S (color), or any other letter.
+    open: open(numbers) is a context manager. It yields a function that reads a whole block by its
+        number. Blocks are read in the order of `numbers`.
+    samples: Number of samples of S that are values. The rest is alpha.
+    colors: True if the samples are RGB.
     """
 
     outer: Axes
@@ -44,7 +45,7 @@ class Blocks:
 
 @dataclass(frozen=True)
 class _Roles:
-    """Places among the axes of a picture: of its depth, of its frames (None for one), of others."""
+    """The axes of a picture, by number: depth, frames (None for one), and others."""
 
     depth: int
     frames: int | None
@@ -52,7 +53,7 @@ class _Roles:
 
 
 def has_depth(axes: Axes) -> bool:
-    """Returns whether a picture of these axes is a volume."""
+    """Returns True if a picture with these axes is a volume."""
     return _roles(axes) is not None
 
 
@@ -65,7 +66,7 @@ def stack_of(
 ) -> Stack:
     """Returns the Stack of a picture that has a depth. Raises LeaflightError.
 
-    order: as of Stack.
+    order: As in Stack.
     """
     axes = tuple((a, blocks.samples if a == "S" else n) for a, n in blocks.axes)
     sizes = dict(axes)
@@ -82,8 +83,8 @@ def stack_of(
         for k, plane in enumerate(_planes(blocks, places, gray)):
             if gray and not _equal_samples(plane):
                 raise LeaflightError(
-                    f"{path}: plane {k} is in color, but the first one is gray; convert all of "
-                    "them to gray values first."
+                    f"{path}: plane {k} is in color, but the first one is gray; convert all "
+                    "planes to gray."
                 )
             yield plane[..., 0] if gray else plane
 
@@ -109,9 +110,8 @@ def picture(blocks: Blocks) -> Array:
 def _roles(axes: Axes) -> _Roles | None:
     """Returns the roles of axes, None for a picture without a depth.
 
-    A depth is Z, or else an axis without a known meaning, or else time, or else the channel.
-
-    Frames are time, or else the first other axis without a known meaning.
+    The depth is the first of: Z, an unknown axis, time, channel. Frames are the first of: time,
+        another unknown axis.
     """
     left = [k for k, (name, n) in enumerate(axes) if n > 1 and name not in "YX"]
 
@@ -128,7 +128,7 @@ def _roles(axes: Axes) -> _Roles | None:
 
 
 def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[int]:
-    """Returns where one plane is, along each axis."""
+    """Returns the index of a plane along each axis."""
     index = [0] * len(axes)
     index[roles.depth] = z
     if roles.frames is not None:
@@ -139,10 +139,10 @@ def _index(axes: Axes, roles: _Roles, frame: int, channel: int, z: int) -> list[
 
 
 def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> Iterator[Array]:
-    """Reads the planes [y, x] at these indices along the axes, or with all samples [y, x, s]."""
+    """Yields the planes [y, x] at these indices, or [y, x, s] with all samples."""
     names = [name for name, _ in blocks.inner]
-    whole = "YXS" if samples else "YX"
-    order = [name for name in names if name in whole]
+    letters = "YXS" if samples else "YX"
+    order = [name for name in names if name in letters]
     split = len(blocks.outer)
     numbers = [_place(blocks.outer, index[:split]) for index in indices]
     with blocks.open([number for number, _ in groupby(numbers)]) as read:
@@ -150,8 +150,8 @@ def _planes(blocks: Blocks, indices: Sequence[Sequence[int]], samples: bool) -> 
         for index, number in zip(indices, numbers):
             if block is None or number != last:
                 last, block = number, read(number)
-            part = tuple(slice(None) if a in whole else k for a, k in zip(names, index[split:]))
-            yield block[part].transpose([order.index(name) for name in whole if name in order])
+            part = tuple(slice(None) if a in letters else k for a, k in zip(names, index[split:]))
+            yield block[part].transpose([order.index(name) for name in letters if name in order])
 
 
 def _place(axes: Axes, index: Sequence[int]) -> int:
@@ -162,7 +162,7 @@ def _place(axes: Axes, index: Sequence[int]) -> int:
 
 
 def _is_gray(blocks: Blocks, roles: _Roles) -> bool:
-    """Returns whether the first, the middle and the last plane have but gray colors."""
+    """Returns True if the first, the middle and the last plane have only gray colors."""
     depth = blocks.axes[roles.depth][1]
     looked_at = sorted({0, depth // 2, depth - 1})
     indices = [_index(blocks.axes, roles, 0, 0, z) for z in looked_at]
@@ -170,6 +170,6 @@ def _is_gray(blocks: Blocks, roles: _Roles) -> bool:
 
 
 def _equal_samples(plane: Array) -> bool:
-    """Returns whether red, green and blue are the same in all pixels [y, x, s]."""
+    """Returns True if red, green and blue are equal in all pixels [y, x, s]."""
     red = plane[..., :1]
     return bool((plane[..., 1:3] == red).all())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks that the readers share, all made before memory is allocated for the values."""
+"""Checks of headers that readers share. All are made before memory is allocated for values."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -14,12 +14,12 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 
-# Deflate turns at most this many bytes into one, so a larger claim in a header is a lie.
+# Upper bound on the ratio of deflate. A header that claims more is damaged.
 DEFLATE_MOST = 1032
 
 
 def check_size(path: Path, shape: Iterable[int], itemsize: int, stored: int, most: int = 1) -> None:
-    """Raises LeaflightError when shape claims over `most` bytes for each of the stored bytes."""
+    """Raises LeaflightError if shape has more than `most` bytes for each of the stored bytes."""
     claimed = prod(int(n) for n in shape) * int(itemsize)
     if claimed > int(stored) * most:
         raise LeaflightError(
@@ -32,40 +32,41 @@ def check_shape(path: Path, shape: Sequence[int]) -> None:
     """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
     if len(shape) not in (3, 4) or min(shape) < 1:
         raise LeaflightError(
-            f"{path}: the data are {text(shape)}, but a volume needs three dimensions, "
-            "or four, of which one is the frame."
+            f"{path}: the data have the shape {text(shape)}, but a volume needs three dimensions, "
+            "or four with frames: choose another file."
         )
 
 
 def truncated(path: Path, shape: Iterable[int]) -> LeaflightError:
-    """The error for a file whose data end early or do not decode."""
+    """Returns the error for a file that ends early or cannot be decoded."""
     return LeaflightError(
         f"{path}: the file ends before its {text(shape)} values do, or is damaged; fetch it again."
     )
 
 
 def check_scalar(path: Path, dtype: DTypeLike) -> None:
-    """Raises LeaflightError unless a value is one real number."""
+    """Raises LeaflightError unless values are real numbers."""
     dtype = np.dtype(dtype)
     if dtype.kind not in "biuf":
         kind = "complex" if dtype.kind == "c" else "color or structured"
         raise LeaflightError(
             f"{path}: the values are {kind} ({str(dtype)[:60]}), but a volume needs one real "
-            "number a voxel; convert the file first."
+            "number per voxel; convert the file first."
         )
 
 
 def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
-    """Returns the frame or channel to read of `count`; several need a choice.
+    """Returns the frame or channel to read of `count`. Raises LeaflightError.
 
-    Raises LeaflightError.
+    Several frames or channels need a choice.
 
     what: "frame" or "channel", the name of the option.
     """
     if count == 1:
         if chosen not in (None, 0):
             raise SettingError(
-                f"{path}: the data are 3D and have no {what} {chosen}; choose none.", what
+                f"{path}: the data are 3D, so there is no {what} {chosen}; leave the option out.",
+                what,
             )
         return 0
     if chosen is None:
@@ -88,28 +89,33 @@ def choose_level(path: Path, level: int, count: int) -> int:
 
 
 def choose_named(path: Path, names: Sequence[str], chosen: str | None) -> str | None:
-    """The name of the dataset to read, None where several demand a choice. Raises LeaflightError.
+    """Returns the name of the dataset to read, None if several need a choice.
 
-    names: what the file holds.
+    names: Names of all datasets in the file.
+    Raises LeaflightError.
     """
     if not names:
-        raise LeaflightError(f"{path}: it holds no volume of real numbers with three dimensions.")
+        raise LeaflightError(
+            f"{path}: the file holds no three-dimensional volume of real numbers; choose another "
+            "file."
+        )
     if chosen is None:
         return names[0] if len(names) == 1 else None
     if chosen not in names:
         raise SettingError(
-            f"{path}: there is no volume {chosen!r} in it; choose one of {listed(names)}.",
+            f"{path}: the file holds no volume {chosen!r}; choose one of {listed(names)}.",
             "dataset",
         )
     return chosen
 
 
 def undecided(path: Path, names: Sequence[str]) -> Callable[[int, int, Progress], NoReturn]:
-    """A load() for files of several volumes none of which was chosen: it asks for a choice."""
+    """Returns a load() for a file of several volumes without a choice. It raises SettingError."""
 
     def load(_frame: int, _channel: int, _progress: Progress) -> NoReturn:
         raise SettingError(
-            f"{path}: it holds {len(names)} volumes; choose one of {listed(names)}.", "dataset"
+            f"{path}: the file holds {len(names)} volumes; choose one of {listed(names)}.",
+            "dataset",
         )
 
     return load
@@ -121,42 +127,41 @@ def listed(names: Sequence[str], most: int = 8) -> str:
 
 
 def index_to_world(path: Path, spacing: float | Sequence[float]) -> Array:
-    """The matrix (4, 4) of a grid at the origin whose voxels have this size, one or (x, y, z)."""
+    """Returns the matrix (4, 4) of a grid at the origin. spacing: Voxel size, one or (x, y, z)."""
     sizes = np.atleast_1d(np.asarray(spacing, dtype=np.float64))
     if sizes.shape not in ((1,), (3,)) or not (np.isfinite(sizes).all() and (sizes > 0).all()):
         raise LeaflightError(
-            f"{path}: the spacing must be one positive number or three, X Y Z, not {spacing}."
+            f"{path}: the spacing {spacing} is invalid; give one positive number or three, X Y Z."
         )
     return np.diag([*np.broadcast_to(sizes, 3), 1.0])
 
 
 def check_matrix(path: Path, matrix: Array) -> None:
-    """Raises LeaflightError unless it places the voxels in space."""
+    """Raises LeaflightError unless the matrix is finite and invertible."""
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix[:3, :3])) == 0:
         raise LeaflightError(
-            f"{path}: the header places the voxels nowhere in space; repair its spacing and axes."
+            f"{path}: the matrix in the header is not invertible; repair its spacing and axes."
         )
 
 
 def text(shape: Iterable[int]) -> str:
-    """Whole numbers that a file claims, which may have thousands of digits."""
+    """Returns whole numbers of a file as text. A damaged file may have thousands of digits."""
     numbers = [int(n) for n in shape]
     return " x ".join(str(n) if abs(n) < 10**18 else f"10^{int(log10(abs(n)))}" for n in numbers)
 
 
 def data_file(path: Path, name: str) -> Path:
-    """The file with the values that the header in `path` names. Raises LeaflightError."""
-    # A header from elsewhere must not make us open files outside its own folder, neither by its
-    # name nor by a link.
+    """Returns the file of values that the header in `path` names. Raises LeaflightError."""
+    # For security, open no file outside the header's folder, neither by name nor by a link.
     folder = path.parent.resolve()
     data = (path.parent / name).resolve()
     if re.match(r"[A-Za-z]:", name) or folder not in data.parents:
         raise LeaflightError(
-            f"{path}: it refers to the data file {name[:100]!r} outside its own folder; move that "
+            f"{path}: the header names the data file {name[:100]!r} outside its folder; move that "
             "beside the header."
         )
     if not data.is_file():
         raise LeaflightError(
-            f"{path}: there is no data file {name[:100]!r} beside it; put it there."
+            f"{path}: the data file {name[:100]!r} is missing; put it beside the header."
         )
     return data

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of scattered points, x, y, z and a value in each line, interpolated into a volume."""
+"""Tables of scattered points: x, y, z and a value in each line, interpolated to a volume."""
 
 import csv
 import io
@@ -23,10 +23,10 @@ COLUMNS = ("x", "y", "z", "value")
 
 
 def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
-    """The columns x, y, z and value of a first line that names them, else the first four.
+    """Opens the columns x, y, z and value that the first line names, else the first four.
 
     If no column is named value, the first other column of numbers is used. Separators are commas,
-    semicolons, tabs or spaces. dims: nodes, see interpolated().
+    semicolons, tabs or spaces. dims: Nodes, see interpolated().
     """
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:
@@ -37,14 +37,14 @@ def open_volume(path: Path, dims: Sequence[int] | None = None) -> StoredVolume:
 
 
 def _table(path: Path, progress: Progress) -> Array:
-    """Rows of x, y, z and value."""
+    """Returns rows of x, y, z and value."""
     table = array("d")
     with open_watched(path, progress) as file:
         reader = cast(io.BufferedReader, file)
         text = io.TextIOWrapper(reader, encoding="utf-8-sig", errors="replace")
         lines = (line for line in text if line.strip())
         first = next(lines, "")
-        # The names may stand in a remark.
+        # The names may be in a comment.
         names = [name.lower() for name in _row(first.lstrip("# \t"))]
         named = any(re.match(r"[a-z_]", name) and name not in ("nan", "inf") for name in names)
         rest = lines if named else chain((first,), lines)
@@ -58,20 +58,20 @@ def _table(path: Path, progress: Progress) -> Array:
                     raise ValueError
             except (IndexError, ValueError):
                 raise LeaflightError(
-                    f"{path}: each line must hold the numbers {', '.join(COLUMNS)}, and as many "
-                    f"fields as the first; the line of {', '.join(row)[:60]!r} does not."
+                    f"{path}: the line {', '.join(row)[:60]!r} lacks numbers or fields; give "
+                    f"{', '.join(COLUMNS)} in each line, and as many fields as in the first."
                 ) from None
     return np.array(table, np.float64).reshape(-1, 4)
 
 
 def _columns(path: Path, names: list[str], row: list[str]) -> list[int]:
-    """Returns the columns of x, y, z and the value; row: the first row of numbers."""
+    """Returns the columns of x, y, z and the value. row: The first row of numbers."""
     others = [name for name in names if name not in ("x", "y", "z", "")]
     numbers = [name for name in others if _is_number(row, names.index(name))]
     if not {"x", "y", "z"} <= set(names) or not (numbers or others):
         raise LeaflightError(
-            f"{path}: its first line must name the columns {', '.join(COLUMNS)}, or there must be "
-            "no names."
+            f"{path}: the first line does not name the columns {', '.join(COLUMNS)}; name them, "
+            "or leave all names out."
         )
     value = "value" if "value" in others else (numbers or others)[0]
     return [names.index(name) for name in ("x", "y", "z", value)]
@@ -86,7 +86,7 @@ def _is_number(row: list[str], column: int) -> bool:
 
 
 def _row(line: str) -> list[str]:
-    """The fields of a line, between semicolons, tabs or commas, or else between spaces."""
+    """Returns the fields of a line. Separators are semicolons, tabs or commas, else spaces."""
     separator = next((one for one in ";\t," if one in line), None)
     if separator is None:
         return line.replace('"', "").split()

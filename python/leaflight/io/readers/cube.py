@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gaussian's cubes of densities and orbitals, plain or gzipped: https://gaussian.com/cubegen"""
+"""Gaussian cubes of densities and orbitals, plain or gzipped: https://gaussian.com/cubegen"""
 
 import io
 import zlib
@@ -15,14 +15,14 @@ from .stored import StoredVolume, lengths
 from .text_numbers import check_count, numbers_of, read_numbers
 from .watched import open_watched
 
-# Characters of a column of values, which numbers may fill.
+# Characters of a column of values. Numbers may fill it without a space.
 _COLUMN = 13
-# Characters of a line of the header, at most.
+# Upper bound on the characters of a line of the header.
 _LINE = 1 << 12
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Opens a cube: orbitals are channels, lengths are in bohr, or in angstrom if it says."""
+    """Opens a cube. Orbitals are channels. Lengths are in bohr, or in angstrom if it says so."""
     try:
         with open_watched(path, Progress()) as file:
             lines = [file.readline(_LINE) for _ in range(6)]
@@ -39,10 +39,13 @@ def open_volume(path: Path) -> StoredVolume:
             f"{path}: this is not a readable Gaussian cube, or it is damaged; fetch it again."
         ) from None
     if min(dims) < 1 or orbitals < 1:
-        raise LeaflightError(f"{path}: the header claims {text(dims)} voxels; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
+            "again."
+        )
     check_matrix(path, matrix)
     check_count(path, (*dims, orbitals))
-    # A negative number of voxels says angstrom.
+    # A negative number of voxels means angstrom.
     unit = "Å" if axes[0, 0] < 0 else "bohr"
 
     def load(_frame: int, channel: int, progress: Progress) -> Volume:
@@ -60,13 +63,16 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _orbitals(file: io.BufferedIOBase, line: bytes, atoms: float) -> int:
-    """Counts the values of a voxel; a negative count of atoms announces a list of orbitals."""
+    """Returns the number of values of a voxel.
+
+    A negative count of atoms precedes a list of orbitals.
+    """
     if atoms >= 0:
         fields = numbers_of(line)
         return int(fields[4]) if len(fields) > 4 else 1
     numbers = numbers_of(file.readline(_LINE))
     count = int(numbers[0])
-    # The list goes on over as many lines as it needs.
+    # The list may continue on further lines.
     while len(numbers) < 1 + count:
         more = numbers_of(file.readline(_LINE))
         if not more:
@@ -76,7 +82,7 @@ def _orbitals(file: io.BufferedIOBase, line: bytes, atoms: float) -> int:
 
 
 def _skip(file: io.BufferedIOBase, count: int) -> None:
-    """Skips so many lines, of which a damaged file may claim billions."""
+    """Skips lines. A damaged file may claim billions of them."""
     for _ in range(count):
         if not file.readline():
             raise EOFError

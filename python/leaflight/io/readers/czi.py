@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Zeiss' CZI through their own library, pylibCZIrw, in a subprocess."""
+"""Zeiss CZI through Zeiss's library pylibCZIrw, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -29,12 +29,12 @@ _TYPES = {
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """Opens the image of a file; of several scenes or views the one that dataset names."""
+    """Opens the image of a file. dataset chooses one of several scenes or views."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Returns, within the process, the scenes of a file."""
+    """Returns the scenes of a file. Runs in the subprocess."""
     from pylibCZIrw import czi
 
     with czi.open_czi(str(path)) as file:
@@ -43,8 +43,8 @@ def pictures(path: Path) -> list[Picture]:
         colors = {one.startswith("Bgr") for one in types}
         if len(dtypes) < len(types) or len(colors) > 1:
             raise LeaflightError(
-                f"{path}: its pixels are {', '.join(sorted(types))}, but all channels must be gray "
-                "values, or all must be colors."
+                f"{path}: its channels mix the pixel types {', '.join(sorted(types))}; save only "
+                "gray values, or only colors."
             )
         sizes = _voxel_size(file.raw_metadata)
         made = []
@@ -58,33 +58,33 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Reads, within the process, planes of a scene. Raises LeaflightError without one of them."""
+    """Yields planes of a scene. Raises LeaflightError if one is missing. Runs in the subprocess."""
     from pylibCZIrw import czi
 
     file = czi.CziReader(str(path))
     scene, coordinates = sorted(_scenes(file).items())[number]
     values = _values(coordinates)
     planes = [{d: values[d][k] for d, k in zip(values, place)} for place in places]
-    there = {tuple(one.get(d, 0) for d in values) for one in coordinates}
+    stored = {tuple(one.get(d, 0) for d in values) for one in coordinates}
     for plane in planes:
-        if tuple(plane.values()) not in there:
-            # The library would give black.
+        if tuple(plane.values()) not in stored:
+            # The library would return black.
             where = ", ".join(f"{d} {k}" for d, k in plane.items() if len(values[d]) > 1)
             raise LeaflightError(
-                f"{path}: the plane {where} of the recording is missing: the file is incomplete; "
-                "fetch it again, or choose another frame."
+                f"{path}: the plane {where} of the recording is missing; fetch the file again, or "
+                "choose another frame."
             )
     box, of_scene = _box(file, scene), None if scene < 0 else scene
     return (_plane(file.read(roi=box, plane=plane, scene=of_scene)) for plane in planes)
 
 
 def _plane(pixels: Array) -> Array:
-    """Returns [y, x], or [y, x, s] of red, green and blue: the file has the other order."""
+    """Returns [y, x], or [y, x, s] as red, green, blue, which the file stores in reverse."""
     return pixels[..., 0] if pixels.shape[2] == 1 else pixels[..., ::-1]
 
 
 def _scenes(file: Any) -> dict[int, list[dict[str, int]]]:
-    """Returns {scene, or -1 in files without: coordinates of its tiles}."""
+    """Returns {scene: coordinates of its tiles}; the scene is -1 in files without scenes."""
     found: dict[int, list[dict[str, int]]] = {}
 
     def add(_number: int, tile: Any) -> bool:
@@ -113,7 +113,7 @@ def _box(file: Any, scene: int) -> tuple[int, int, int, int]:
 
 
 def _voxel_size(xml: str) -> list[float | None]:
-    """Returns sizes in meters."""
+    """Returns voxel sizes in meters."""
     found: list[float | None] = []
     for axis in "XYZ":
         path = f"./Metadata/Scaling/Items/Distance[@Id='{axis}']/Value"

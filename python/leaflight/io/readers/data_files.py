@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The files that a text header refers to: one, a list, or a pattern with a number in it."""
+"""Files that a text header refers to: one, a list, or a pattern with a number."""
 
 import re
 from collections.abc import Sequence
@@ -8,20 +8,21 @@ from pathlib import Path
 from ..._core import LeaflightError
 from .checks import data_file, text
 
-# A name with one number in it, such as slice%03d.raw, and numbers behind it: first, last, step.
+# A pattern with one number, such as slice%03d.raw, followed by first, last and step.
 _PATTERN = re.compile(r"([^%]*%0?\d{0,2}[diu][^%]*?)((?:\s+-?\d{1,9}){0,4})")
 _LIST = re.compile(r"LIST(?:\s+(\d{1,2})D?)?", re.IGNORECASE)
-# More files than any volume has planes.
+# Upper bound on the files, more than any volume has planes.
 _MOST = 1 << 16
 
 
 def data_files(
     path: Path, field: str, listed: Sequence[str], shape: Sequence[int]
 ) -> tuple[Path, ...]:
-    """The files that share the values of an array evenly, in their order. Raises LeaflightError.
+    """Returns the files that share the values of an array evenly, in order. Raises LeaflightError.
 
-    field: the words of the header that say where they are. listed: the lines behind the header.
-    shape: sizes of the axes, fastest first. By default a file has all but the slowest.
+    field: The header's text about the files.
+    listed: Lines after the header.
+    shape: Sizes of the axes, fastest first. By default a file has all but the slowest.
     """
     if found := _LIST.fullmatch(field):
         axes = int(found[1] or 0) or len(shape) - 1
@@ -39,7 +40,7 @@ def data_files(
 
 
 def _numbers(path: Path, given: Sequence[int], count: int) -> Sequence[int]:
-    """The numbers of a pattern's files: (), (first,), (first, last) or (first, last, step)."""
+    """Returns the numbers of a pattern's files. given: None, the first, the last, the step."""
     first = given[0] if given else 1
     if len(given) < 2:
         return range(first, first + count)
@@ -48,20 +49,20 @@ def _numbers(path: Path, given: Sequence[int], count: int) -> Sequence[int]:
     step = given[2] if len(given) > 2 else evenly or (1 if last >= first else -1)
     if not step:
         raise LeaflightError(
-            f"{path}: it numbers its data files in steps of 0; correct the header."
+            f"{path}: the header numbers the data files in steps of 0; correct the header."
         )
     return range(first, last + (1 if step > 0 else -1), step)
 
 
 def _check_count(path: Path, count: int, shape: Sequence[int], axes: int) -> None:
-    """Raises LeaflightError unless so many files can have `axes` axes each."""
+    """Raises LeaflightError unless the array can be split into so many files of `axes` axes."""
     wanted = 1
     for size in shape[axes:]:
         wanted *= size
-    # Files that have all the axes are slabs along the slowest.
+    # Files with all axes are slabs along the slowest.
     right = shape[-1] % max(count, 1) == 0 if axes == len(shape) else count == wanted
     if not 0 < axes <= len(shape) or not right or not 0 < count <= _MOST:
         raise LeaflightError(
-            f"{path}: it names {count} data files, which do not make up its {text(shape)} values; "
-            "correct the header."
+            f"{path}: the header names {count} data files, which do not match {text(shape)} "
+            "values; correct the header."
         )

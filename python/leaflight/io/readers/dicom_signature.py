@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recognizes DICOM files by their first bytes, without pydicom. Their names may be any."""
+"""Recognizes DICOM files by their first bytes, without pydicom. Their names do not matter."""
 
 import os
 from collections.abc import Iterator
@@ -7,19 +7,19 @@ from itertools import islice
 from pathlib import Path
 from struct import unpack
 
-# Files of a folder that are opened to find out whether it is a series, and of the folders in it.
+# Numbers of files that are opened to detect a series: in a folder, and in the folders within it.
 _LOOKED_AT, _LOOKED_AT_WITHIN = 100, 300
-# How deep folders of a disc lie in each other, at most.
+# Upper bound on the depth of folders on a disc.
 _DEEPEST = 8
-# The name that the standard gives to the list of a disc's files.
+# Name of the list of a disc's files, by the standard.
 DIRECTORY = "dicomdir"
-# Types of values that the first elements of a file have.
+# Value types of the first elements of a file.
 _FIRST_TYPES = {b"UL", b"UI", b"CS", b"SH", b"DA", b"TM", b"DT", b"OB", b"LO", b"US"}
 _LAST_OF_FIRST, _LONGEST = 0x18, 512
 
 
 def is_dicom(path: str | os.PathLike[str]) -> bool:
-    """Returns True if a file begins like DICOM, with or without the standard's preamble."""
+    """Returns True if a file begins as DICOM, with or without the standard's preamble."""
     try:
         with open(path, "rb") as file:
             start = file.read(132)
@@ -39,20 +39,20 @@ def holds_dicom(folder: Path) -> bool:
 
 
 def files_within(folder: Path) -> Iterator[Path]:
-    """The files of a folder and of the folders in it, in order of their names, without hidden ones.
+    """Returns the files of a folder and of folders within it, sorted by name, without hidden ones.
 
-    Links to folders are not followed: they may lead back.
+    Links to folders are not followed, because they may form loops.
     """
     for place, folders, files in os.walk(folder):
         depth = len(Path(place).relative_to(folder).parts)
         folders[:] = sorted(name for name in folders if name[0] != "." and depth < _DEEPEST)
         found = (Path(place, name) for name in sorted(files) if name[0] != ".")
-        # A pipe would never answer.
+        # Skip pipes, because reading one may never end.
         yield from (file for file in found if file.is_file())
 
 
 def _is_first_element(start: bytes) -> bool:
-    """Whether a data set begins here: with the element that identifies the file or its object."""
+    """Returns True if a data set begins here: with the element that identifies the file."""
     if len(start) < 16:
         return False
     for order in "<>":

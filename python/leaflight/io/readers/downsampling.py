@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes with fewer voxels, made while they are read."""
+"""Downsamples volumes while they are read."""
 
 from pathlib import Path
 
@@ -13,17 +13,18 @@ from .watched import watched
 
 
 def downsampled(path: Path, values: Array, step: int, progress: Progress) -> Array:
-    """The means of step^3 voxels each; rounded where the values are integers.
+    """Returns means of step^3 voxels each, rounded if the values are integers.
 
-    values: [z, y, x], an array or what can be sliced like one, of which only `step` planes are in
-    memory at once. Incomplete blocks at the far ends are dropped. A mean of which a voxel has no
-    data has none. Raises LeaflightError where fewer than 2 voxels along an axis would be left.
+    values: An array [z, y, x], or an object that can be sliced as one. Only `step` planes are in
+        memory at once.
+    Incomplete blocks at the far ends are dropped. A mean with a missing voxel is missing. Raises
+    LeaflightError if fewer than 2 voxels along an axis would be left.
     """
     shape = tuple(n // step for n in values.shape)
     if min(shape) < 2:
         raise LeaflightError(
-            f"{path}: {text(values.shape[::-1])} voxels are too few to keep one of {step} along "
-            "each axis; keep more of them."
+            f"{path}: the {text(values.shape[::-1])} voxels are too few to average {step} along "
+            "each axis; choose a smaller number."
         )
     nz, ny, nx = shape
     kept = new_voxels(shape, held_type(values.dtype))

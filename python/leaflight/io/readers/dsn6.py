@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Electron densities in DSN6 and BRIX files, of a byte each, as the program O has them.
+"""Electron densities in DSN6 and BRIX files of the program O, one byte a value.
 
 http://www.uoxray.uoregon.edu/tnt/manual/node104.html
 """
@@ -19,7 +19,7 @@ from .unit_cell import cell_axes
 from .watched import is_packed, open_watched, read_values
 
 _HEADER = 512
-# Values of a brick along each axis.
+# Number of values of a brick along each axis.
 _SIDE = 8
 _BRIX = b":-)"
 _NUMBERS = r"\s+([-+.\deE]+)"
@@ -28,9 +28,11 @@ _FIELDS = {"origin": 3, "extent": 3, "grid": 3, "cell": 6, "prod": 1, "plus": 1}
 
 @dataclass(frozen=True)
 class _Header:
-    """start, dims: first point and number of points; grid: steps along the edges of the cell.
+    """The header of a map. A density is (byte - plus) / prod.
 
-    A density is (byte - plus) / prod; swapped: whether each two bytes changed places.
+    start, dims: First point and number of points.
+    grid: Steps along the edges of the cell.
+    swapped: True if each pair of bytes is swapped.
     """
 
     start: tuple[int, ...]
@@ -54,7 +56,10 @@ def open_volume(path: Path) -> StoredVolume:
         ) from None
     dims = header.dims
     if min(*dims, *header.grid) < 1 or not header.prod:
-        raise LeaflightError(f"{path}: the header claims {text(dims)} voxels; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
+            "again."
+        )
     matrix = np.eye(4)
     matrix[:3, :3] = cell_axes(header.cell[:3], header.cell[3:]) / header.grid
     matrix[:3, 3] = matrix[:3, :3] @ header.start
@@ -73,8 +78,8 @@ def open_volume(path: Path) -> StoredVolume:
             raise truncated(path, dims) from None
         if header.swapped:
             values = values.reshape(-1, 2)[:, ::-1].reshape(values.shape)
-        whole = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])
-        kept = whole[tuple(slice(n) for n in dims[::-1])].astype(np.float32)
+        joined = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])
+        kept = joined[tuple(slice(n) for n in dims[::-1])].astype(np.float32)
         kept = (kept - np.float32(header.plus)) / np.float32(header.prod)
         return Volume(kept, matrix, path.name.partition(".")[0])
 
@@ -82,7 +87,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _of_brix(head: bytes) -> _Header:
-    """Reads words that are followed by their numbers."""
+    """Reads a header of words, each followed by its numbers."""
     line, found = head.decode("latin-1"), {}
     for word, count in _FIELDS.items():
         match = re.search(word + _NUMBERS * count, line, re.IGNORECASE)
@@ -93,7 +98,7 @@ def _of_brix(head: bytes) -> _Header:
 
 
 def _of_dsn6(head: bytes) -> _Header:
-    """Reads whole numbers of two bytes, in either order, which the number 100 shows."""
+    """Reads a header of 16-bit integers. The number 100 shows their byte order."""
     for order in "<>":
         words = [int(word) for word in np.frombuffer(head, order + "i2", 19)]
         if words[18] == 100:

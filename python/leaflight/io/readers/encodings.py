@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How values are written into files: as they are, packed, or as text."""
+"""Encodings of values in files: raw, compressed, or text."""
 
 import bz2
 import zlib
@@ -11,9 +11,9 @@ import numpy as np
 
 from .checks import DEFLATE_MOST
 
-# Bytes that are read, and that are unpacked, at once.
+# Bytes that are read at once, and bytes that are unpacked at once.
 _PIECE = 1 << 20
-# Characters of a number, at most.
+# Upper bound on the characters of a number.
 _MOST_DIGITS = 400
 
 
@@ -23,12 +23,13 @@ class _File(Protocol):
 
 @dataclass(frozen=True)
 class Encoding:
-    """How values become bytes of a file.
+    """An encoding of values as bytes of a file.
 
-    pieces: pieces(file, dtype, size) yields the bytes of the values from there on, at least `size`
-        of them if there are; it raises EOFError or ValueError where they are damaged.
-    least: least(dtype) is the bytes of a file that a value takes at least.
-    most: how many bytes of values one byte can become; packed: whether it is a compression.
+    pieces: pieces(file, dtype, size) yields the bytes of the following values, at least `size` if
+        there are as many. It raises EOFError or ValueError if they are damaged.
+    least: least(dtype) is the smallest number of bytes of a value in the file.
+    most: Upper bound on the bytes of values that one byte of the file expands to.
+    packed: True for a compression.
     """
 
     pieces: Callable[[_File, np.dtype[Any], int], Iterator[bytes]]
@@ -51,13 +52,13 @@ def _raw(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]:
 
 
 def _text(file: _File, dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
-    """Numbers with spaces, line ends or commas between them."""
+    """Yields numbers separated by spaces, line ends or commas."""
     left, rest, more = size // dtype.itemsize, b"", True
     while more and left > 0:
         piece = file.read(_PIECE)
         more = bool(piece)
         words = (rest + piece).replace(b",", b" ").split()
-        # The last one may go on.
+        # The last number may continue in the next piece.
         goes_on = more and not piece[-1:].isspace() and bool(words)
         rest = words.pop() if goes_on else b""
         if len(rest) > _MOST_DIGITS:
@@ -73,7 +74,7 @@ def _parsed(words: list[bytes], dtype: np.dtype[Any]) -> "np.ndarray[Any, np.dty
     try:
         numbers = [int(word) for word in words]
     except ValueError:
-        # Some write every number as a float, such as 1e3.
+        # Some programs write every number as a float, such as 1e3.
         numbers = [int(float(word)) for word in words]
     limits = np.iinfo(dtype)
     if numbers and not limits.min <= min(numbers) <= max(numbers) <= limits.max:
@@ -94,7 +95,10 @@ def _hex(file: _File, _dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
 def _unpacked(
     make: Callable[[], _Decompressor],
 ) -> Callable[[_File, np.dtype[Any], int], Iterator[bytes]]:
-    """Files may be several compressed ones behind each other, and more that is none."""
+    """Returns pieces() for a compression.
+
+    A file may hold several streams, and other data after them.
+    """
 
     def pieces(file: _File, _dtype: np.dtype[Any], size: int) -> Iterator[bytes]:
         inflate, begun, found = make(), False, 0
@@ -114,7 +118,7 @@ def _unpacked(
                 more = not packed
             else:
                 packed = getattr(inflate, "unconsumed_tail", b"")
-                # A full piece: there may be more output without further input.
+                # After a full piece there may be more output without further input.
                 more = not packed and len(piece) < most
             if more and not (packed := file.read(_PIECE)):
                 return
@@ -123,11 +127,15 @@ def _unpacked(
 
 
 def _byte_rle(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]:
-    """Amira's: a byte, and as many of the next as it says; above 128 so many other ones follow."""
+    """Yields bytes of amira's run-length encoding.
+
+    Each run starts with a count. A count n above 128 precedes n - 128 bytes. Any other count
+    precedes one byte to repeat.
+    """
     packed = b""
     while piece := file.read(_PIECE):
         packed, place, unpacked = packed + piece, 0, bytearray()
-        # As long as the longest run is whole.
+        # Continue while the longest possible run is complete.
         while place + 1 < len(packed):
             count = packed[place]
             run = count - 128 if count > 128 else 1
@@ -140,11 +148,11 @@ def _byte_rle(file: _File, _dtype: np.dtype[Any], _size: int) -> Iterator[bytes]
         yield bytes(unpacked)
 
 
-# zlib is what it says, or gzip where the first bytes say so.
+# zlib may also be gzip, as its first bytes show.
 _deflated = _unpacked(lambda: zlib.decompressobj(zlib.MAX_WBITS | 32))
 ENCODINGS = {
     "raw": Encoding(_raw),
-    # A digit and what ends it; the last number may end with the file.
+    # A number takes a digit and a separator; the last one may end with the file.
     "text": Encoding(_text, least=lambda dtype: 2),
     "hex": Encoding(_hex, least=lambda dtype: 2 * dtype.itemsize),
     "gzip": Encoding(_deflated, most=DEFLATE_MOST, packed=True),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The order of slices by the numbers in the names of their files."""
+"""Sorts slices by the numbers in the names of their files."""
 
 import re
 from collections.abc import Sequence
@@ -11,13 +11,13 @@ from pathlib import Path
 from ..._core import LeaflightError
 from .checks import listed
 
-# Letters before a number that tell what it counts; the first of each kind is the axis of Blocks.
+# Letters before a number that name its axis; the first of each kind is the name in Blocks.
 _MEANINGS = {
     "Z": ("z", "slice", "plane", "sl", "zpos"),
     "T": ("t", "time", "frame", "timepoint", "tp"),
     "C": ("c", "ch", "channel", "w", "wavelength", "chan"),
 }
-# Files beside a sequence that are no part of it, such as previews: as many, or this share.
+# Upper bounds on the number and the share of other files beside a sequence, such as previews.
 _MOST_OTHERS, _SHARE_OF_OTHERS = 2, 0.1
 
 _Numbers = tuple[int, ...]
@@ -27,8 +27,9 @@ _Numbers = tuple[int, ...]
 class Slices:
     """Files that are the slices of one volume, or of a series.
 
-    name: the common part of the file names, "#" for the number of a slice; axes: names and lengths
-    of "T", "C" and "Z"; files: in the order of these, the last one fastest.
+    name: Common part of the file names, "#" for the number of a slice.
+    axes: Names and lengths of "T", "C" and "Z".
+    files: Files in the order of the axes, the last one fastest.
     """
 
     name: str
@@ -38,9 +39,9 @@ class Slices:
 
 
 def visible_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
-    """Returns the files of a folder with one of these suffixes, but for hidden ones, in order.
+    """Returns the files of a folder with one of these suffixes, sorted, without hidden ones.
 
-    macOS writes hidden files, ._NAME, beside the ones that it copies to other disks.
+    macOS adds hidden files, ._NAME, to those that it copies to other disks.
     """
     files = [
         path
@@ -66,7 +67,7 @@ def sequences(folder: Path, files: Sequence[Path]) -> list[Slices]:
     notes: tuple[str, ...] = ()
     if left_out:
         names = listed([file.name for file in left_out])
-        notes = (f"Files whose names do not fit those of the slices are left out: {names}.",)
+        notes = (f"Files with other names than the slices are left out: {names}.",)
     return [
         Slices(one.name, one.axes, one.files, (*notes, *one.notes))
         for group in kept
@@ -84,12 +85,12 @@ def _texts(path: Path) -> tuple[str, ...]:
 
 
 def _of_one_pattern(folder: Path, files: list[Path]) -> list[Slices]:
-    """Returns the sequences of files whose names differ by their numbers alone."""
+    """Returns the sequences of files whose names differ only in their numbers."""
     numbers = {file: tuple(int(n) for n in re.findall(r"\d+", file.name)) for file in files}
     columns = [set(column) for column in zip(*numbers.values())]
     varying = [k for k, column in enumerate(columns) if len(column) > 1]
     if len(varying) > 1 and any(len(columns[k]) == len(files) for k in varying):
-        # Such as the time of each slice beside its number.
+        # Another number may vary together with that of the slice, such as its time.
         varying = [next(k for k in varying if len(columns[k]) == len(files))]
     meanings = _meanings(_texts(files[0]), varying)
     depth = next((k for k in varying if meanings[k] == "Z"), varying[-1] if varying else 0)
@@ -106,7 +107,7 @@ def _of_one_pattern(folder: Path, files: list[Path]) -> list[Slices]:
 
 
 def _meanings(texts: tuple[str, ...], varying: Sequence[int]) -> dict[int, str]:
-    """Returns {which number: axis} by the letters before it, "" where these tell none."""
+    """Returns {index of a number: axis} by the letters before it, "" for unknown letters."""
     found = {}
     for k in varying:
         letters = re.findall(r"[a-z]*$", re.sub(r"[^a-z]+$", "", texts[k]))[0]
@@ -120,15 +121,15 @@ def _grid(
     numbers: dict[Path, _Numbers],
     columns: Sequence[tuple[str, int]],
 ) -> Slices:
-    """Returns the sequence of files that fill a grid. Raises LeaflightError where one is missing.
+    """Returns the sequence of files that fill a grid. Raises LeaflightError if one is missing.
 
-    columns: which number of a name is the place along which axis, the fastest axis last.
+    columns: Axis and index of each number in a name, the fastest axis last.
     """
     places = {tuple(numbers[file][k] for _, k in columns): file for file in files}
     if len(places) < len(files):
         double = next(file for file in files if file not in places.values())
         raise LeaflightError(
-            f"{folder}: two of its files have the numbers of {double.name}; keep one of them."
+            f"{folder}: two files have the same numbers as {double.name}; keep one of them."
         )
     counted = [sorted({place[k] for place in places}) for k in range(len(columns))]
     order = list(product(*counted)) if prod(map(len, counted)) <= 2 * len(files) else []
@@ -137,9 +138,9 @@ def _grid(
         axes = " x ".join(str(len(one)) for one in counted)
         missing = ", ".join(f"{a} {n}" for (a, _), n in zip(columns, absent[0])) if absent else ""
         raise LeaflightError(
-            f"{folder}: the numbers in the names of its files stand for {axes} slices, but there "
-            f"are {len(files)}{f'; the one at {missing} is missing' if missing else ''}: add what "
-            "is missing, or keep one volume in the folder."
+            f"{folder}: the numbers in the file names are those of {axes} slices, but there are "
+            f"{len(files)}{f'; the one at {missing} is missing' if missing else ''}: add the "
+            "missing ones, or keep one volume in the folder."
         )
     name = _name(files[0], [k for _, k in columns])
     return Slices(
@@ -161,14 +162,14 @@ def _gaps(name: str, numbers: Sequence[int]) -> tuple[str, ...]:
     """Returns a note about numbers that are missing in a sequence of equal steps."""
     step = gcd(*(b - a for a, b in zip(numbers, numbers[1:])))
     if step == 0 or (numbers[-1] - numbers[0]) // step >= 2 * len(numbers):
-        # One file, or numbers that do not count.
+        # There is one file, or the steps are not equal.
         return ()
-    there = set(numbers)
-    missing = [n for n in range(numbers[0], numbers[-1], step) if n not in there]
+    present = set(numbers)
+    missing = [n for n in range(numbers[0], numbers[-1], step) if n not in present]
     if not missing:
         return ()
     one, numbers_of = len(missing) == 1, listed([str(n) for n in missing])
     return (
         f"{'Slice' if one else 'Slices'} {numbers_of} of {name} {'is' if one else 'are'} missing; "
-        "the slices beside a gap are taken as neighbors.",
+        "the slices on both sides are read as neighbors.",
     )

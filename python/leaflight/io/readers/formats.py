@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The registry of formats: which reader reads what, and which choices it offers."""
+"""The registry of formats: the reader of each, and its options."""
 
 import os
 from dataclasses import dataclass
@@ -15,11 +15,13 @@ from .sniffing import module_of
 
 @dataclass(frozen=True)
 class Format:
-    """One kind of file.
+    """One format of files.
 
-    name: for people; module: of this package, whose open_volume(path, **options) reads it;
-    suffixes: in lower case; options: those of read_volume() that open_volume() takes.
-    names: patterns of names that have no suffix.
+    name: Name for display.
+    module: Module of this package whose open_volume(path, **options) reads it.
+    suffixes: Suffixes in lower case.
+    options: Options of read_volume() that open_volume() takes.
+    names: Patterns of names without a suffix.
     """
 
     name: str
@@ -34,7 +36,7 @@ def _format(name: str, module: str, suffixes: str, *options: str, names: str = "
     return Format(name, module, *parts)
 
 
-# Parts of names, as programs for them append to these and prepend.
+# Match parts of names, because programs add prefixes and suffixes.
 _OF_VASP = "*CHGCAR* CHG CHG.gz *AECCAR* *PARCHG* *LOCPOT* *ELFCAR*"
 _OF_MRC = ".mrc .ccp4 .map .mrcs .rec .st .ali .mrc.gz .ccp4.gz .map.gz .mrcs.gz .rec.gz"
 _OF_RAW = ("dims", "type", "endian", "spacing", "skip")
@@ -73,25 +75,25 @@ FORMATS = (
     _format("point cloud", "ply_points", ".ply", "dims", "dataset"),
 )
 SUFFIXES = tuple(suffix for kind in FORMATS for suffix in kind.suffixes)
-# Files of a folder that are opened to find out whether it is a series.
+# Number of files of a folder that are opened to detect a series.
 _LOOKED_AT = 100
 # Factor by which slices must outnumber the pictures beside them.
 _MANY_TIMES = 3
-# No more pictures than this are no volume where there are DICOM files below them.
+# Upper bound on pictures that are ignored above folders of DICOM files.
 _FEW = 2
 _OF_SLICES = {"dicom": "DICOM", "tiff": "TIFF", "pictures": "PNG, JPEG or BMP"}
-# Suffixes that an error names, at most, and letters of one pattern of name_patterns().
+# Upper bounds on the suffixes in an error, and on the letters of a pattern of name_patterns().
 _NAMED, _IN_BRACKETS = 16, 9
 _BY_MODULE = {kind.module: kind for kind in FORMATS}
-# Any file can be read as one, where its dimensions and the type of its values are given.
+# Reads any file whose dimensions and type are given.
 RAW = _BY_MODULE["raw"]
 
 
 def name_patterns() -> str:
-    """Returns patterns of the names of FORMATS for Blender's file browser, parted by ";".
+    """Returns patterns of the names of FORMATS for Blender's file browser, separated by ";".
 
-    It takes 255 characters and 15 for a pattern, so suffixes of one first letter share a pattern
-    such as *.n[hir]*; it lists a few files of other suffixes, too.
+    The browser takes 255 characters, and 15 for a pattern. So suffixes with the same first letter
+    share a pattern such as *.n[hir]*, which also matches a few others.
     """
     letters: dict[str, list[str]] = {}
     for suffix in sorted(SUFFIXES):
@@ -107,7 +109,7 @@ def name_patterns() -> str:
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
-    """The Format of a file by its name, of a folder by what it holds. Raises LeaflightError."""
+    """Returns the Format of a file by its name, of a folder by its files. Raises LeaflightError."""
     path = Path(path)
     name = path.name.lower()
     found = [
@@ -115,14 +117,14 @@ def format_of(path: str | os.PathLike[str]) -> Format:
     ]
     if path.is_dir():
         return _of_folder(path)
-    # The longest: a .nii.gz is no other .gz.
+    # Prefer the longest suffix: .nii.gz before .gz.
     kind = max(found, key=lambda pair: len(pair[0]))[1] if found else RAW
     if kind is not RAW:
         return kind
     for other in FORMATS:
         if any(fnmatchcase(path.name, pattern) for pattern in other.names):
             return other
-    # Files without a header have any suffix, and others sometimes one of theirs.
+    # Check the content, because files without a header may have the suffix of another format.
     module = "dicom" if is_dicom(path) else module_of(path)
     if module in _BY_MODULE:
         return _BY_MODULE[module]
@@ -130,16 +132,16 @@ def format_of(path: str | os.PathLike[str]) -> Format:
         return kind
     known = listed([suffix for suffix in SUFFIXES if not suffix.endswith(".gz")], _NAMED)
     raise SettingError(
-        f"{path}: neither its suffix {path.suffix or '(none)'} nor its contents are known; known "
-        f"are {known} (docs/formats.md), and folders of slices; of plain values give the "
-        "dimensions and the type.",
+        f"{path}: the suffix {path.suffix or '(none)'} and the content are unknown; open {known} "
+        "or folders of slices (docs/formats.md), or give the dimensions and the type of raw "
+        "values.",
         "dims",
         "type",
     )
 
 
 def _of_folder(path: Path) -> Format:
-    """Returns the kind of most of its files; hidden ones and a few others do not count."""
+    """Returns the Format of most files of a folder, without hidden ones and a few others."""
     if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
         return _BY_MODULE["ome_zarr"]
     entries = _visible(path)
@@ -155,25 +157,25 @@ def _of_folder(path: Path) -> Format:
         share = sum(map(is_dicom, looked_at)) / len(looked_at)
         counts["dicom"] += round(share * len(without))
     (most, first), (second, others) = sorted(counts.items(), key=lambda kind: -kind[1])[:2]
-    # Folders of slices alone, or pictures above the folders of a disc.
+    # The slices may be only in folders within it, with pictures above them.
     if first <= _FEW and (first == 0 or most != "dicom") and holds_dicom(path):
         return _BY_MODULE["dicom"]
     if first == 0:
         raise LeaflightError(
-            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP files, and no "
-            "OME-Zarr."
+            f"{path}: this folder holds no slices as DICOM, TIFF, PNG, JPEG or BMP, and no "
+            "OME-Zarr; choose another folder."
         )
-    # Pictures beside DICOM files are previews of these.
+    # Pictures beside DICOM files are previews.
     if first < (1 if most == "dicom" else _MANY_TIMES) * others:
         raise LeaflightError(
             f"{path}: this folder holds {first} {_OF_SLICES[most]} files and {others} "
-            f"{_OF_SLICES[second]} files; keep the slices of one volume in it."
+            f"{_OF_SLICES[second]} files; keep only the slices of one volume."
         )
     return _BY_MODULE[most]
 
 
 def left_out(path: Path, kind: Format) -> tuple[str, ...]:
-    """Returns a note about the files in a folder of slices that are slices of another kind."""
+    """Returns a note about slices of other formats in a folder of slices."""
     suffixes = {
         suffix
         for module in _OF_SLICES
@@ -187,8 +189,8 @@ def left_out(path: Path, kind: Format) -> tuple[str, ...]:
 
 
 def _visible(folder: Path) -> list[Path]:
-    """Returns the files of a folder but for hidden ones.
+    """Returns the files of a folder without hidden ones.
 
-    macOS writes such, ._NAME, beside those that it copies to other disks.
+    macOS adds hidden files, ._NAME, to those that it copies to other disks.
     """
     return [entry for entry in folder.iterdir() if entry.name[0] != "." and entry.is_file()]

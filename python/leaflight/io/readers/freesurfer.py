@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""FreeSurfer's volumes, .mgh and packed .mgz, through nibabel."""
+"""FreeSurfer volumes, .mgh and compressed .mgz, through nibabel."""
 
 from pathlib import Path
 
@@ -11,13 +11,12 @@ from .scans import Scan, stored_scan
 from .stored import StoredVolume
 from .watched import open_head
 
-# Size and version of the header. nibabel sets the fields behind the values to defaults, which are
-# not used.
+# Size and version of the header. nibabel sets the fields after the values to defaults.
 _HEADER, _VERSION = 284, b"\0\0\0\1"
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Three axes, or four with the frame; in the scanner's coordinates."""
+    """Opens a volume with three axes, or four with the frame, in the scanner's coordinates."""
     with open_head(path) as file:
         block = file.read(_HEADER)
     try:
@@ -28,7 +27,7 @@ def open_volume(path: Path) -> StoredVolume:
         shape = tuple(int(size) for size in header.get_data_shape())
     except (KeyError, ValueError):
         raise LeaflightError(
-            f"{path}: this is not a readable FreeSurfer volume; it is damaged or of another kind."
+            f"{path}: this is not a readable FreeSurfer volume, or it is damaged; fetch it again."
         ) from None
     affine = np.asarray(header.get_affine(), np.float64)
     return stored_scan(path, Scan(path, header.get_data_offset(), shape, dtype, affine))

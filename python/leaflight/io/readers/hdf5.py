@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""HDF5 through h5py: the only volume of the file, its default, or the one that is chosen.
+"""HDF5 through h5py: the only volume of a file, its default, or a chosen one.
 
-In a process of its own: on damaged files HDF5 ends the one that it is in, and Blender has an HDF5
-of its own. hdf5_layouts.py says which volumes a file holds.
+It runs in a subprocess, because HDF5 may crash on damaged files, and Blender has its own HDF5.
+hdf5_layouts.py finds the volumes of a file.
 """
 
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
 
 _PROCESS = f"{__package__}.hdf5_process"
-# How HDF4 files begin, which have the same suffix.
+# First bytes of HDF4 files, which have the same suffix.
 _HDF4 = b"\x0e\x03\x13\x01"
 
-# Filters that the package hdf5plugin brings.
+# Filters of the package hdf5plugin.
 _OF_HDF5PLUGIN = {
     307: "bzip2",
     32001: "Blosc",
@@ -47,7 +47,11 @@ def open_volume(
     level: int = 0,
     spacing: float | Sequence[float] | None = None,
 ) -> StoredVolume:
-    """dataset: a name of those that it lists, or the path of any array; level: 0 the finest."""
+    """Opens a volume of a file.
+
+    dataset: A name in its list of volumes, or the path of any array.
+    level: Resolution; 0 is the finest.
+    """
     _check_readable(path)
     dataset = None if dataset is None else dataset.strip("/")
     with _reader(path, "list_images", dataset) as process:
@@ -101,8 +105,8 @@ def _check_readable(path: Path) -> None:
     with open(path, "rb") as file:
         if file.read(len(_HDF4)) == _HDF4:
             raise LeaflightError(
-                f"{path}: this is a file of HDF4, the predecessor of HDF5, which is not read; "
-                "convert it by 'h4toh5' of the HDF Group first."
+                f"{path}: HDF4, the predecessor of HDF5, is not supported; convert the file with "
+                "'h4toh5' of the HDF Group first."
             )
 
 
@@ -111,12 +115,12 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 
 def _without_filter(path: Path, code: int, name: str) -> LeaflightError:
-    """The error for values that a filter packs which is not at hand."""
+    """Returns the error for values that an absent filter packs."""
     name = {**_OF_HDF5PLUGIN, **_OTHER_FILTERS}.get(code) or name or "without a name"
     if code in _OF_HDF5PLUGIN and not has_package("hdf5plugin"):
         kind = f"HDF5 file, which the filter {name} ({code}) packs,"
         return MissingPackage(path, kind, "hdf5plugin")
     return LeaflightError(
-        f"{path}: its values are packed by the HDF5 filter {name} ({code}), which is not at hand; "
-        "unpack them where it is, for example by 'h5repack -f NONE'."
+        f"{path}: the values are compressed by the HDF5 filter {name} ({code}), which is not "
+        "installed; decompress them elsewhere, for example with 'h5repack -f NONE'."
     )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images of BigDataViewer and BigStitcher: t00000/s00/0/cells in HDF5, for each time and setup.
+"""Images of BigDataViewer and BigStitcher in HDF5: t00000/s00/0/cells, for each time and setup.
 
-Its numbers have no sign, but are stored as if they had. https://imagej.net/plugins/bdv
+Values are unsigned, but stored as signed integers. https://imagej.net/plugins/bdv
 """
 
 import re
@@ -16,13 +16,13 @@ from .hdf5_image import Image, image_of
 from .hdf5_links import resolved
 from .packing import Packing
 
-# Bytes of the .xml beside it; more is damage.
+# Upper bound on the bytes of the .xml beside the file.
 _MOST_XML = 1 << 26
 _SHORT = np.dtype(np.int16)
 
 
 def bdv_images(file: h5py.File) -> dict[str, Image]:
-    """The image of each setup, such as a channel or an angle; {} for files of other programs.
+    """Returns the image of each setup, such as a channel or an angle; {} for other programs' files.
 
     Frames are the times at which the setup has an image.
     """
@@ -43,7 +43,7 @@ def bdv_images(file: h5py.File) -> dict[str, Image]:
             if not isinstance(cells, h5py.Dataset) or cells.ndim != 3 or factor.shape != (3,):
                 break
             dtype = cells.dtype
-            # A voxel is in the middle of those that it is the mean of.
+            # A coarse voxel lies in the middle of those that it averages.
             axes = [
                 Axis(n, "", letter, 0.5 * (times - 1) * step, times * step, unit)
                 for letter, n, times, step in zip("zyx", cells.shape, factor[::-1], size[::-1])
@@ -57,7 +57,7 @@ def bdv_images(file: h5py.File) -> dict[str, Image]:
 
 
 def _voxel_sizes(path: Path) -> dict[int, tuple[tuple[float, ...], str]]:
-    """{setup: (size (x, y, z) of a voxel, unit)} by the .xml beside the file, {} without one."""
+    """Returns {setup: (voxel size (x, y, z), unit)} by the .xml beside the file; {} without one."""
     found: dict[int, tuple[tuple[float, ...], str]] = {}
     beside = path.with_suffix(".xml")
     try:

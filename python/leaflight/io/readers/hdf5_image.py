@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume of an HDF5 file: in which arrays its values lie, and how. All of it JSON can hold."""
+"""A volume of an HDF5 file: its arrays and the meaning of their values, as JSON data."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -10,13 +10,13 @@ import numpy as np
 from .axes import Axis, grid_of
 from .packing import Packing
 
-# The path of an array for each frame and channel: one where they are axes of the array itself.
+# Paths of the arrays by frame and channel; a single one if these are axes of the array.
 Paths = list[list[str]]
 
 
 @dataclass(frozen=True)
 class Level:
-    """One resolution: voxels (nz, ny, nx), of which its arrays may have more; index to world."""
+    """One resolution: its voxels (nz, ny, nx) and its matrix. Its arrays may be larger."""
 
     dims: list[int]
     matrix: list[list[float]]
@@ -25,11 +25,14 @@ class Level:
 
 @dataclass(frozen=True)
 class Image:
-    """levels: the finest first; letters: of the arrays' axes, as of a Grid.
+    """A volume of a file.
 
-    dtype: of the numbers as they are stored; packing: how they are values; frames, channels, unit,
-    notes: as of StoredVolume.
-    absent_filter: (code, name) of a filter that the values are packed by and that is not at hand.
+    levels: Resolutions, the finest first.
+    letters: Axes of the arrays, as in a Grid.
+    dtype: Type of the stored numbers.
+    packing: Conversion of stored numbers to values.
+    frames, channels, unit, notes: As in StoredVolume.
+    absent_filter: Code and name of an HDF5 filter that packs the values and is not installed.
     """
 
     levels: list[Level]
@@ -43,12 +46,12 @@ class Image:
     absent_filter: tuple[int, str] | None = None
 
     def part(self, path: str) -> "Image | None":
-        """The Image of one of its arrays, None if it is none of them."""
+        """Returns the Image of one of its arrays, None for any other."""
         for level in self.levels:
             if any(path in channels for channels in level.paths):
                 only = replace(level, paths=[[path]])
-                whole = len(level.paths) == len(level.paths[0]) == 1
-                counts = (self.frames, self.channels) if whole else (1, 1)
+                is_single = len(level.paths) == len(level.paths[0]) == 1
+                counts = (self.frames, self.channels) if is_single else (1, 1)
                 return replace(self, levels=[only], frames=counts[0], channels=counts[1])
         return None
 
@@ -67,12 +70,12 @@ def image_of(
     dtype: np.dtype[Any],
     packing: Packing | None = None,
 ) -> Image | None:
-    """The Image of these levels, each by its arrays' axes; None where they hold no volume."""
+    """Returns the Image of these levels, each with its arrays' axes; None if it is no volume."""
     found: list[Level] = []
     for axes, paths in levels:
         grid = grid_of(axes)
         if grid is None:
-            # Coarse levels may be flat.
+            # A coarse level may have a single voxel along an axis.
             break
         sizes = {letter: int(axis.size) for letter, axis in zip(grid.letters, axes)}
         dims = [sizes[letter] for letter in "zyx"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images of Imaris: DataSet/ResolutionLevel 0/TimePoint 0/Channel 0/Data in HDF5.
+"""Imaris images in HDF5: DataSet/ResolutionLevel 0/TimePoint 0/Channel 0/Data.
 
 https://imaris.oxinst.com/support/imaris-file-format
 """
@@ -13,12 +13,12 @@ from .axes import Axis
 from .hdf5_image import Image, image_of
 from .hdf5_links import resolved
 
-# A micro sign that was lost.
+# A lost micro sign.
 _LOST = "?m"
 
 
 def imaris_images(file: h5py.File) -> dict[str, Image]:
-    """The one image of a file of Imaris, {} for any other."""
+    """Returns the only image of an Imaris file, {} for any other file."""
     root = text_of(attribute(file, "DataSetDirectoryName")) or "DataSet"
     info = text_of(attribute(file, "DataSetInfoDirectoryName")) or "DataSetInfo"
     extents = resolved(file, f"{info}/Image")
@@ -43,9 +43,9 @@ def imaris_images(file: h5py.File) -> dict[str, Image]:
 def _axes(
     channel: h5py.Group, extents: h5py.Group | None, finest: list[float | None]
 ) -> list[Axis]:
-    """z, y and x: the image without what its chunks have beyond it.
+    """Returns the axes z, y and x of the image, without the padding of its chunks.
 
-    finest: the steps of the finest level. Its first voxel lies at the lower end of the extents.
+    finest: Steps of the finest level. Its first voxel lies at the lower end of the extents.
     """
     axes = []
     unit = text_of(attribute(extents, "Unit"))
@@ -64,14 +64,14 @@ def _axes(
 
 
 def _numbered(file: h5py.File, path: str, word: str) -> list[str]:
-    """The paths of the groups "word 0", "word 1" ... at a path."""
+    """Returns the paths of the groups "word 0", "word 1", ... at a path."""
     group = resolved(file, path)
     found = [re.fullmatch(f"{word} ([0-9]+)", name) for name in group or ()]
     return [f"{path}/{word} {n}" for n in sorted(int(one[1]) for one in found if one)]
 
 
 def _number(item: h5py.HLObject | None, name: str) -> float | None:
-    """Imaris writes numbers as text."""
+    """Returns a number that Imaris stores as text."""
     try:
         number = float(text_of(attribute(item, name)))
     except ValueError:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the volumes of an HDF5 file and the axes of its arrays.
 
-By axistags of vigra and ilastik, dimension scales as of netCDF-4, and sizes of voxels.
+It reads axistags of vigra and ilastik, dimension scales such as netCDF-4's, and voxel sizes.
 """
 
 import json
@@ -20,14 +20,14 @@ from .hdf5_links import walked
 from .hdf5_nexus import default_signal, is_nexus_data, signals
 from .packing import NAMES, packing_of
 
-# Attributes that give the size of a voxel, z first, and its unit: ilastik and Fiji; CREMI.
+# Attributes of the voxel size, z first, and its unit: ilastik and Fiji; CREMI.
 _SIZES = {"element_size_um": "µm", "voxel_size": "", "resolution": ""}
-# How netCDF-4 names a dimension without places.
+# netCDF-4's name of a dimension without coordinates.
 _NO_PLACES = "This is a netCDF dimension but not a netCDF variable"
 
 
 def images_of(file: h5py.File) -> tuple[dict[str, Image], str | None]:
-    """({name: Image}, the name of the one to read where none is chosen)."""
+    """Returns ({name: Image}, the default name)."""
     found = imaris_images(file) or bdv_images(file)
     if found:
         return found, None
@@ -48,9 +48,9 @@ def images_of(file: h5py.File) -> tuple[dict[str, Image], str | None]:
 
 
 def array_image(data: h5py.Dataset, path: str, axes: Sequence[Axis] = ()) -> Image | None:
-    """The Image of one array; None for one that holds no volume of real numbers.
+    """Returns the Image of one array; None if it is not a volume of real numbers.
 
-    axes: where others than its own attributes describe them.
+    axes: Axes that replace those in its attributes.
     """
     if data.dtype.kind not in "biuf" or not data.size:
         return None
@@ -64,7 +64,7 @@ def array_image(data: h5py.Dataset, path: str, axes: Sequence[Axis] = ()) -> Ima
 
 
 def _tagged(data: h5py.Dataset) -> list[Axis]:
-    """The axes by the tags of vigra and ilastik, none without."""
+    """Returns the axes by the tags of vigra and ilastik; none without tags."""
     try:
         tags = json.loads(text_of(attribute(data, "axistags")) or "{}")["axes"]
         units = json.loads(text_of(attribute(data, "axis_units")) or "{}")
@@ -82,7 +82,7 @@ def _tagged(data: h5py.Dataset) -> list[Axis]:
 
 
 def _scaled(data: h5py.Dataset) -> list[Axis]:
-    """The axes by the dimension scales and labels of HDF5."""
+    """Returns the axes by the dimension scales and labels of HDF5."""
     axes = []
     for size, dimension in zip(data.shape, data.dims):
         scale = dimension[0] if len(dimension) else None
@@ -98,7 +98,7 @@ def _scaled(data: h5py.Dataset) -> list[Axis]:
 
 
 def _sized(data: h5py.Dataset, axes: Sequence[Axis]) -> tuple[Sequence[Axis], list[str]]:
-    """(the axes with the size of a voxel where an attribute of the array gives that, notes)."""
+    """Returns (the axes with the voxel size of an attribute, notes)."""
     grid = grid_of(axes)
     for name, unit in _SIZES.items():
         sizes = numbers_of(attribute(data, name))
@@ -109,6 +109,6 @@ def _sized(data: h5py.Dataset, axes: Sequence[Axis]) -> tuple[Sequence[Axis], li
             replace(axis, step=steps.get(letter), unit=unit)
             for letter, axis in zip(grid.letters, axes)
         ]
-        note = f"The size of its voxels is taken from its attribute {name}, in the order z, y, x."
+        note = f"The voxel size is read from the attribute {name}, in the order z, y, x."
         return sized, [] if unit else [note]
     return axes, []

@@ -10,14 +10,14 @@ import h5py
 from ..._core import LeaflightError
 from .checks import data_file
 
-# Links that one path may follow, and groups within groups.
+# Upper bounds on the links of one path, and on the depth of groups.
 _MOST_LINKS, _DEEPEST = 32, 64
 
 
 def resolved(group: h5py.Group, path: str, most: int = _MOST_LINKS) -> h5py.HLObject | None:
-    """The group or array at a path, None if there is none.
+    """Returns the group or array at a path, None if there is none.
 
-    Raises LeaflightError where it is in a file that is absent, or outside the folder of this one.
+    Raises LeaflightError if it is in an absent file, or outside the folder of this file.
     """
     node: Any = group.file if path.startswith("/") else group
     for part in filter(None, path.split("/")):
@@ -37,9 +37,9 @@ def resolved(group: h5py.Group, path: str, most: int = _MOST_LINKS) -> h5py.HLOb
 
 
 def walked(file: h5py.File) -> Iterator[tuple[str, h5py.HLObject]]:
-    """Yields (path, group or array) of each object in the file once, also behind external links.
+    """Yields (path, group or array) of each object in the file once, including external links.
 
-    Raises LeaflightError at the end where there was nothing but links to absent files.
+    Raises LeaflightError at the end if there were only links to absent files.
     """
     seen: set[int] = set()
     absent: list[LeaflightError] = []
@@ -47,7 +47,7 @@ def walked(file: h5py.File) -> Iterator[tuple[str, h5py.HLObject]]:
     def walk(group: h5py.Group, prefix: str, depth: int) -> Iterator[tuple[str, h5py.HLObject]]:
         for name in group:
             link = group.get(name, getlink=True)
-            # All that soft links lead to is met elsewhere.
+            # Targets of soft links are visited elsewhere.
             if isinstance(link, h5py.SoftLink):
                 continue
             try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Data of NeXus in HDF5: groups NXdata that name their signal and its axes.
+"""NeXus data in HDF5: groups NXdata that name their signal and its axes.
 
 https://manual.nexusformat.org/classes/base_classes/NXdata.html
 """
@@ -13,7 +13,7 @@ from .attributes import attribute, text_of, texts_of
 from .axes import Axis, axis_at
 from .hdf5_links import resolved
 
-# Groups that a default may lead through.
+# Upper bound on the groups on the path to a default.
 _DEEPEST = 8
 
 
@@ -22,7 +22,7 @@ def is_nexus_data(item: h5py.HLObject) -> bool:
 
 
 def signals(data: h5py.Group) -> dict[str, tuple[h5py.Dataset, list[Axis]]]:
-    """{name: (array of the group's data, its axes)}, the main one first."""
+    """Returns {name: (array of the group, its axes)}, the main signal first."""
     names = texts_of(attribute(data, "signal")) + texts_of(attribute(data, "auxiliary_signals"))
     # Older files mark the array instead of naming it.
     names = names or [name for name in data if text_of(attribute(data.get(name), "signal")) == "1"]
@@ -35,7 +35,7 @@ def signals(data: h5py.Group) -> dict[str, tuple[h5py.Dataset, list[Axis]]]:
 
 
 def default_signal(file: h5py.File) -> str | None:
-    """The path of the array that the file shows where nothing is chosen, None without one."""
+    """Returns the path of the array that the file shows by default, or None."""
     node, path = file, ""
     for _ in range(_DEEPEST):
         name = text_of(attribute(node, "default"))
@@ -58,7 +58,7 @@ def _axes(data: h5py.Group, array: h5py.Dataset) -> list[Axis]:
 
 
 def _axis(data: h5py.Group, name: str, size: int) -> Axis:
-    """One by the array of places that has its name, "." for none."""
+    """Returns the axis whose coordinates have this name, "." for none."""
     name = name if name != "." else ""
     places = resolved(data, name) if name else None
     if not isinstance(places, h5py.Dataset) or places.shape not in ((size,), (size + 1,)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the process that reads an HDF5 file does: it lists the volumes, and reads one."""
+"""Lists and reads the volumes of an HDF5 file in the subprocess."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -17,14 +17,14 @@ from .hdf5_image import Image, image_of_json
 from .hdf5_layouts import array_image, images_of
 from .hdf5_links import resolved
 
-# Bytes that are read at once, unless one row of chunks has more.
+# Bytes to read at once, or one row of chunks if that is larger.
 _SLAB = 1 << 26
 
 
 def list_images(path: Path, wanted: str | None) -> tuple[dict[str, Any], tuple[()]]:
-    """{"images": {name: Image}, "names": of all volumes, "default": one of them or None}.
+    """Returns {"images": {name: Image}, "names": of all volumes, "default": one of them or None}.
 
-    wanted: a name, or the path of any array; then the Image is that alone.
+    wanted: A name, or the path of any array, to return that Image alone.
     """
     with h5py.File(path, "r") as file:
         found, default = images_of(file)
@@ -40,9 +40,11 @@ def list_images(path: Path, wanted: str | None) -> tuple[dict[str, Any], tuple[(
 def read_image(
     path: Path, facts: dict[str, Any], where: str, dims: Sequence[int], frame: int, channel: int
 ) -> tuple[list[Any], Iterator[Array]]:
-    """One volume of an Image as [z, y, x], in slabs of whole slices.
+    """Returns one volume of an Image as [z, y, x], in slabs of whole slices.
 
-    facts: the Image; where: the array; dims: voxels of it that count.
+    facts: The Image.
+    where: Path of the array.
+    dims: Voxels of the array without padding.
     """
     image = image_of_json(facts)
     file = h5py.File(path, "r")
@@ -50,7 +52,7 @@ def read_image(
     if not isinstance(data, h5py.Dataset) or data.dtype.str != image.dtype:
         raise ValueError(where)
     _check_other_files(data)
-    # Finds the filters of hdf5plugin, too.
+    # h5py then finds the filters of hdf5plugin, too.
     _absent_filter(data)
     letters, unpack = image.letters, image.packing
     index: list[int | slice] = [{"t": frame, "c": channel}.get(letter, 0) for letter in letters]
@@ -66,7 +68,7 @@ def read_image(
         for k in range(0, dims[0], step):
             counts["z"] = min(step, dims[0] - k)
             index[slow] = slice(k, k + counts["z"])
-            # HDF5 leaves memory as it is where a chunk is absent that has no fill value.
+            # HDF5 does not write memory for absent chunks without a fill value.
             slab = np.zeros([counts[letter] for letter in order], data.dtype)
             data.read_direct(slab, tuple(index))
             slab = slab.transpose([order.index(letter) for letter in "zyx"])
@@ -83,7 +85,7 @@ def _described(file: h5py.File, image: Image) -> dict[str, Any]:
 
 
 def _image_at(file: h5py.File, wanted: str, found: dict[str, Image]) -> Image | None:
-    """The Image of an array at this path: a part of those that were found, or by itself."""
+    """Returns the Image of an array at this path, by itself or as part of a found one."""
     parts = (image.part(wanted) for image in found.values())
     part = next((one for one in parts if one is not None), None)
     data = resolved(file, wanted)
@@ -93,7 +95,7 @@ def _image_at(file: h5py.File, wanted: str, found: dict[str, Image]) -> Image | 
 
 
 def _absent_filter(data: h5py.Dataset) -> tuple[int, str] | None:
-    """(code, name) of a filter that packs the values and is not at hand, None if all are."""
+    """Returns (code, name) of a filter that packs the values and is not installed, or None."""
     listed = data.id.get_create_plist()
     for number in range(listed.get_nfilters()):
         code, _, _, name = listed.get_filter(number)
@@ -107,28 +109,28 @@ def _plugins_have(code: int) -> bool:
     try:
         import_module("hdf5plugin")
     except Exception:
-        # A filter of another version of HDF5 may raise any error.
+        # A filter for another version of HDF5 may raise any error.
         return False
     return bool(h5py.h5z.filter_avail(code))
 
 
 def _check_other_files(data: h5py.Dataset) -> None:
-    """Raises LeaflightError for values in other files that are absent: HDF5 reads fill values."""
+    """Raises LeaflightError for values in absent files, for which HDF5 reads fill values."""
     path = Path(data.file.filename)
     if data.external:
         name = str(data.external[0][0])[:100]
         raise LeaflightError(
-            f"{path}: its values lie in another file, {name!r}, which is not supported; put them "
-            "into one, for example by 'h5repack'."
+            f"{path}: the values are in another file, {name!r}, which is not supported; merge the "
+            "files, for example with 'h5repack'."
         )
     for source in data.virtual_sources() if data.is_virtual else ():
         if source.file_name == ".":
             continue
-        # Test the first file if the name has a counter.
+        # If the name has a counter, test the first file.
         other = data_file(path, source.file_name.replace("%b", "0"))
         with h5py.File(other, "r") as file:
             if source.dset_name.replace("%b", "0") not in file:
                 raise LeaflightError(
-                    f"{path}: there is no array {source.dset_name[:100]!r} in {other.name}, of "
-                    "which it consists; fetch that file again."
+                    f"{path}: the array {source.dset_name[:100]!r} of its part {other.name} is "
+                    "missing; fetch that file again."
                 )

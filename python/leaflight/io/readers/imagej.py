@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What ImageJ writes beside the pixels of a TIFF file: sizes of voxels, and calibrated values.
+"""ImageJ's metadata in TIFF files: voxel sizes and calibrated values.
 
 https://imagej.net/ij/developer/source/ij/io/FileSaver.java.html
 """
@@ -12,21 +12,21 @@ import numpy as np
 from ...arrays import Array
 from .voxel_size import VoxelSize, voxel_size
 
-# TIFF's codes of a unit of resolution.
+# Codes of TIFF for units of resolution.
 _UNITS = {2: "inch", 3: "cm"}
-# Pixels an inch that say nothing of what is in the picture.
+# Pixels per inch of screens and printers, which are not the scale of the picture.
 _OF_SCREENS = 72.0
-# Codes of calibrations: a + b x, the only one that keeps proportions of distances, and none.
+# Codes of calibrations that are supported: a + b x, and none.
 _LINEAR, _NONE = 0, 20
-# ImageJ keeps signed numbers of 16 bits as unsigned ones.
+# ImageJ stores signed 16-bit numbers as unsigned.
 _SIGNED = (-32768.0, 1.0)
 
 
 def size_of_voxel(metadata: dict[str, Any], tags: Any) -> VoxelSize | None:
-    """Returns the size of a voxel, None where there is none.
+    """Returns the voxel size, None if there is none.
 
-    metadata: of the description; tags: of the first page, as tifffile has them.
-    ImageJ leaves out what is 1, and a unit that an axis shares with x.
+    metadata: Metadata of the description. tags: Tags of the first page, as in tifffile.
+    ImageJ leaves out sizes of 1, and units that equal that of x.
     """
     unit = metadata.get("unit")
     if unit is None:
@@ -39,7 +39,7 @@ def size_of_voxel(metadata: dict[str, Any], tags: Any) -> VoxelSize | None:
 
 
 def _pixels(tags: Any, name: str) -> float | None:
-    """Returns how many pixels a unit of length has."""
+    """Returns the pixels per unit of length."""
     try:
         above, below = tags.valueof(name)
         number = float(above / below)
@@ -51,9 +51,9 @@ def _pixels(tags: Any, name: str) -> float | None:
 def calibration(
     metadata: dict[str, Any], dtype: np.dtype[Any]
 ) -> tuple[np.dtype[Any], Callable[[Array], Array], str] | None:
-    """Returns the calibration of values a + b x for the numbers x of a file, None without one.
+    """Returns the calibration a + b x of the numbers x of a file, None without one.
 
-    It is the type of the values, the function that makes them of numbers, and a note.
+    The result is the type of the values, the function from numbers to values, and a note.
     """
     try:
         if int(metadata.get("cf", _NONE)) == _NONE:
@@ -62,11 +62,11 @@ def calibration(
     except (KeyError, TypeError, ValueError, OverflowError):
         return None
     if metadata["cf"] != _LINEAR or not np.isfinite([a, b]).all() or b == 0:
-        note = "The calibration of ImageJ is not linear; the values are the numbers in the file."
+        note = "The calibration of ImageJ is not linear, so the values are the stored numbers."
         return dtype, lambda numbers: numbers, note
     if (a, b) == (0.0, 1.0):
         return None
-    note = f"The values are calibrated as in ImageJ: {a:g} + {b:g} x the number in the file."
+    note = f"The values are calibrated as in ImageJ: {a:g} + {b:g} x the stored number."
     if (a, b) == _SIGNED and dtype == np.uint16:
         return np.dtype(np.int16), lambda numbers: (numbers ^ 0x8000).view(np.int16), note
     return np.dtype(np.float32), lambda numbers: (a + b * numbers).astype(np.float32), note

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leica's LIF through liffile, in a subprocess."""
+"""Leica LIF through liffile, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -10,21 +10,21 @@ from .microscope import Format, Picture, open_pictures
 from .stored import StoredVolume
 
 _FORMAT = Format("LIF file", "liffile", __name__)
-# Wavelengths are channels, the tiles of a mosaic positions.
+# Wavelengths are channels, and tiles of a mosaic are positions.
 _NAMES = {"λ": "C", "Λ": "C", "M": "P"}
-# liffile's codes of the axes of space.
+# Codes of liffile for the axes of space.
 _SPACE = {"1": "X", "2": "Y", "3": "Z"}
 
 
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """Opens the only image of a file that is a volume, or the one that dataset names."""
+    """Opens the only image that is a volume, or the one that dataset names."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Returns, within the process, the images of a file."""
+    """Returns the images of a file. Runs in the subprocess."""
     import liffile
 
     with liffile.LifFile(path) as file:
@@ -32,14 +32,14 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def _images(file: Any) -> list[Any]:
-    """Returns the images, without histograms of photons."""
+    """Returns the images, without photon histograms."""
     import liffile
 
     return [image for image in file.images if isinstance(image, liffile.LifImage)]
 
 
 def _split(image: Any) -> int:
-    """Returns the number of axes outside of planes."""
+    """Returns the number of axes outside planes."""
     names = list(image.sizes)
     return len(names) - (3 if names[-1] == "S" else 2)
 
@@ -52,7 +52,7 @@ def _picture(image: Any) -> Picture:
 
 
 def _voxel_size(image: Any) -> tuple[list[float | None], str]:
-    """Returns the distance of the first and the last voxel, by the steps between them."""
+    """Returns the distance between the first and the last voxel, divided by the steps."""
     found: dict[str, float] = {}
     unit = ""
     path = "./Data/Image/ImageDescription/Dimensions/DimensionDescription"
@@ -66,12 +66,12 @@ def _voxel_size(image: Any) -> tuple[list[float | None], str]:
 
 
 def blocks(path: Path, number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Reads, within the process, planes of an image."""
+    """Yields planes of an image. Runs in the subprocess."""
     import liffile
 
     with liffile.LifFile(path) as file:
         image = _images(file)[number]
-        # Colors are put into order in memory.
+        # Colors are sorted in memory.
         colors = "S" in image.sizes
         values = image.asarray() if colors else image.asarray(out="memmap")
         for place in places:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MetaImage: a header of text, and values behind it (.mha) or in files of their own (.mhd).
+"""MetaImage: a text header, with values behind it (.mha) or in other files (.mhd).
 
 https://docs.itk.org/en/latest/learn/metaio.html
 """
@@ -20,7 +20,7 @@ from .data_files import data_files
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 
-# MET_LONG has four bytes on every machine, as ITK reads and writes it.
+# MET_LONG has four bytes on every machine, as in ITK.
 _TYPES = {
     **dict.fromkeys(("MET_CHAR", "MET_ASCII_CHAR"), "i1"),
     "MET_UCHAR": "u1",
@@ -34,24 +34,24 @@ _TYPES = {
     "MET_DOUBLE": "f8",
 }
 _WIDE = (
-    "The values of type MET_LONG are read with eight bytes each, because the file has the size "
-    "for these."
+    "Values of type MET_LONG are read with eight bytes each, because that fits the size of the "
+    "file."
 )
-# Upper bound on the bytes of a header, with the names of its files.
+# Upper bound on the bytes of a header, including file names.
 _MOST = 1 << 20
-# ITK's world is left-posterior-superior, ours right-anterior-superior.
+# From ITK's world (left-posterior-superior) to Leaflight's (right-anterior-superior).
 _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Compressed, text or neither, 3D or 4D; the last of four axes is the frame."""
+    """Opens a 3D or 4D image, compressed, text or raw. The last of four axes is the frame."""
     header, listed, end = _header(path)
     dims = tuple(int(n) for n in header["DimSize"].split())
     check_shape(path, dims)
     channels = int(header.get("ElementNumberOfChannels", 1))
     if not 0 < channels < 1 << 16:
         raise LeaflightError(
-            f"{path}: its header claims {channels} values a voxel; correct the header."
+            f"{path}: the header claims {channels} values per voxel; correct the header."
         )
     shape = (*dims[::-1], channels) if channels > 1 else dims[::-1]
     matrix = _matrix(path, header)
@@ -73,14 +73,14 @@ def open_volume(path: Path) -> StoredVolume:
         unit=unit_of(header.get("DistanceUnits")) or "mm",
         frames=dims[3] if len(dims) == 4 else 1,
         channels=channels,
-        # ITK writes ??? for an unknown orientation.
+        # ??? is ITK's unknown orientation.
         patient="?" not in header.get("AnatomicalOrientation", "?"),
         notes=notes,
     )
 
 
 def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
-    """(the fields, the lines behind them if these name files, where data begin if they follow)."""
+    """Returns (fields, file names after them if any, start of the data if they follow)."""
     with open(path, "rb") as file:
         text = file.read(_MOST)
     fields, place = {}, 0
@@ -89,7 +89,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
         end = len(text) if end < 0 else end
         line = text[place:end].decode("latin-1")
         place = end + 1
-        # By the format's rule the name of the data is the last one.
+        # The name of the data is the last field, by the format's rule.
         cut = min((i for i in map(line.find, "=:") if i >= 0), default=-1)
         if cut >= 0:
             fields[line[:cut].strip()] = line[cut + 1 :].strip()
@@ -111,11 +111,11 @@ def _value_files(
     if local:
         files: tuple[Path, ...] = (path,)
     elif not (path.parent / name).exists() and (path.parent / f"{name}.gz").exists():
-        # Packed afterwards by hand, which ITK reads as well.
+        # The file was compressed by gzip, which ITK reads, too.
         files, packed, text = data_files(path, f"{name}.gz", listed, dims), True, False
     else:
         files = data_files(path, name, listed, dims)
-    # Also where the values follow the header it counts from the first byte of the file.
+    # HeaderSize counts from the first byte of the file, even if values follow the header.
     start = skip if skip > 0 else end if local else 0
     encoding = "text" if text else "gzip" if packed else "raw"
     return ValueFiles(files, encoding, start, skip=-1 if skip < 0 and not packed else 0)
@@ -124,11 +124,11 @@ def _value_files(
 def _type(
     path: Path, header: dict[str, str], stored: ValueFiles, shape: Sequence[int]
 ) -> tuple[np.dtype[Any], tuple[str, ...]]:
-    """(the type of the values, notes about it)."""
+    """Returns (type of the values, notes about it)."""
     name = header["ElementType"].upper().removesuffix("_ARRAY")
     if name not in _TYPES:
         raise LeaflightError(
-            f"{path}: the type {header['ElementType'][:40]} is not known; convert the file first."
+            f"{path}: the type {header['ElementType'][:40]} is unknown; convert the file first."
         )
     orders = [header.get(f"{key}ByteOrderMSB", "False") for key in ("BinaryData", "Element")]
     dtype = np.dtype((">" if any(map(_true, orders)) else "<") + _TYPES[name])
@@ -153,11 +153,11 @@ def _matrix(path: Path, header: dict[str, str]) -> Array:
 
 
 def _numbers(header: dict[str, str], default: str, *keys: str) -> Array:
-    """Those of the first key that the header has: they were called otherwise over time."""
+    """Returns the numbers of the first key that the header has. Older files have other keys."""
     words = next((header[key] for key in keys if key in header), default)
     return np.array(words.split(), np.float64)
 
 
 def _true(word: str) -> bool:
-    """As ITK has it, by the first letter, and 1."""
+    """Returns the truth of a word as ITK does: by its first letter, or 1."""
     return word[:1].lower() in ("t", "y", "1")

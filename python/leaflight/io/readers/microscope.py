@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of microscopes, through libraries that trust them: by a process of their own."""
+"""Reads files of microscopes in a subprocess, because their libraries trust them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -26,8 +26,10 @@ from .voxel_size import voxel_size
 class Picture:
     """One image of a file, as the module of its format describes it.
 
-    outer, inner: as of Blocks; P (position) tells volumes apart. dtype: of the values, by its name.
-    sizes: of a voxel along x, y and z, None where it is not known; unit: of these.
+    outer, inner: As in Blocks. P (position) separates volumes.
+    dtype: Name of the type of the values.
+    sizes: Voxel sizes along x, y and z, None if unknown.
+    unit: Unit of the sizes.
     """
 
     name: str
@@ -44,11 +46,13 @@ class Picture:
 
 @dataclass(frozen=True)
 class Format:
-    """A kind of file. name: for people; package: that reads it; module: of this package with
+    """A format of microscopes.
 
-    pictures(path), which gives the Pictures of a file, and
-    blocks(path, number, places), which checks that these blocks of a Picture are in the file, by
-    their places along its outer axes, and gives an iterator of them.
+    name: Name for display.
+    package: Package that reads it.
+    module: Module of this package with pictures(path) and blocks(path, number, places).
+    The first returns the Pictures of a file. The second yields the blocks of a Picture at these
+    places along its outer axes, and checks that they are in the file.
     """
 
     name: str
@@ -59,7 +63,7 @@ class Format:
 def open_pictures(
     path: Path, kind: Format, dataset: str | None, spacing: float | Sequence[float] | None
 ) -> StoredVolume:
-    """Opens the volume of a file, or the one of its images that dataset names."""
+    """Opens the only volume of a file, or the image that dataset names."""
     if not has_package(kind.package):
         raise ModuleNotFoundError(name=kind.package)
     with ReaderProcess(path, kind.name, __name__, "describe", kind.module) as process:
@@ -76,8 +80,8 @@ def open_pictures(
                 volumes.append((name, partial(_stack, path, kind, number, position, made)))
     if not volumes:
         raise LeaflightError(
-            f"{path}: its images are single planes ({listed(flat)}), but a volume needs three "
-            "dimensions."
+            f"{path}: the images are single planes ({listed(flat)}), but a volume needs three "
+            "dimensions; choose another file."
         )
     stored_volume = stored(path, volumes, dataset, spacing)
     if not flat:
@@ -87,13 +91,13 @@ def open_pictures(
 
 
 def _picture(outer: list[list[Any]], inner: list[list[Any]], **others: Any) -> Picture:
-    """Makes a Picture of JSON, which has lists in place of tuples."""
+    """Returns the Picture of JSON data, with tuples for lists."""
     axes = [tuple((str(name), int(n)) for name, n in one) for one in (outer, inner)]
     return Picture(outer=axes[0], inner=axes[1], **others)
 
 
 def _positions(picture: Picture) -> Iterator[tuple[str, tuple[int, int] | None, Picture]]:
-    """Yields (name, (place of the axis of positions, position) or None, picture of that)."""
+    """Yields (name, (index of the axis of positions, position) or None, Picture) of each volume."""
     places = [k for k, (name, n) in enumerate(picture.outer) if name == "P" and n > 1]
     if not places:
         yield picture.name, None, picture
@@ -106,9 +110,10 @@ def _positions(picture: Picture) -> Iterator[tuple[str, tuple[int, int] | None, 
 
 
 def _upright(picture: Picture) -> tuple[Picture, str] | None:
-    """Turns a picture so that X and Y run along rows and columns, and returns its order, too.
+    """Returns a picture with X and Y along rows and columns, and its order.
 
-    Microscopes scan planes such as xz, too. None where it is no volume, nor a film of planes.
+    Microscopes also scan other planes, such as xz. Returns None if it is no volume, nor a film of
+    planes.
     """
     row, column = [name for name, _ in picture.inner if name != "S"][:-3:-1]
     if not {row, column} <= set("XYZ"):
@@ -154,7 +159,7 @@ def _open_blocks(
     picture: Picture,
     numbers: Sequence[int],
 ) -> Iterator[Callable[[int], Array]]:
-    """Yields a function for Blocks that gives one block after the other from a process."""
+    """Yields a function for Blocks that returns one block after the other from a subprocess."""
     shape = [n for _, n in picture.inner]
     places = [_place(picture.outer, k, position) for k in numbers]
     options = (kind.module, number, places, picture.dtype)
@@ -172,7 +177,7 @@ def _open_blocks(
 
 
 def _place(outer: Axes, number: int, position: tuple[int, int] | None) -> list[int]:
-    """Returns where a block is along the outer axes of its picture, with that of positions."""
+    """Returns the position of a block along the outer axes of its picture, with P."""
     place: list[int] = []
     for _, n in reversed(outer):
         number, k = divmod(number, n)
@@ -183,13 +188,13 @@ def _place(outer: Axes, number: int, position: tuple[int, int] | None) -> list[i
 
 
 def describe(path: Path, module: str) -> tuple[list[dict[str, Any]], tuple[()]]:
-    """Returns, within the process, the pictures of a file."""
+    """Returns the pictures of a file. Runs in the subprocess."""
     return [asdict(one) for one in import_module(module).pictures(path)], ()
 
 
 def read(
     path: Path, module: str, number: int, places: list[list[int]], dtype: str
 ) -> tuple[None, Iterator[Array]]:
-    """Reads, within the process, blocks of a picture."""
+    """Yields blocks of a picture. Runs in the subprocess."""
     blocks = import_module(module).blocks(path, number, places)
     return None, (np.ascontiguousarray(block, dtype=dtype) for block in blocks)

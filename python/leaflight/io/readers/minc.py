@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """MINC 1 and 2 through nibabel, which scales the values of each plane.
 
-In a process of its own: MINC 2 is HDF5, which on damaged files ends the process that it is in.
+It runs in a subprocess, because MINC 2 is HDF5, which may crash on damaged files.
 """
 
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ from .watched import STAGE, begin, open_head
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Three axes of space, of which the last in the file is fastest, or time before them."""
+    """Opens three axes of space, the last fastest, or time before them."""
     if not _is_minc1(path) and not has_package("h5py"):
         raise ModuleNotFoundError(name="h5py")
     with _reader(path, "describe") as process:
@@ -43,7 +43,7 @@ def open_volume(path: Path) -> StoredVolume:
 
     return StoredVolume(
         dims=tuple(shape[-3:][::-1]),
-        # The values are scaled, each plane otherwise.
+        # Each plane has its own scale.
         dtype=np.dtype(np.float32),
         load=load,
         voxel_size=lengths(matrix),
@@ -58,20 +58,20 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 
 def describe(path: Path) -> tuple[list[Any], tuple[()]]:
-    """Within the process: [sizes, slowest axis first; the matrix, of the fastest first]."""
+    """Returns [sizes, slowest axis first; matrix, fastest axis first]. Runs in the subprocess."""
     image, names = _image(path)
     in_space = [name.endswith("space") for name in names]
     if in_space not in ([True] * 3, [False, *[True] * 3]):
         raise LeaflightError(
-            f"{path}: its axes are {', '.join(names)[:80]}, but a volume needs three in space, and "
-            "at most time before them; reorder them with mincreshape."
+            f"{path}: the axes are {', '.join(names)[:80]}, but a volume needs three in space, "
+            "and optionally time before them; reorder them with mincreshape."
         )
     matrix = np.asarray(image.affine, np.float64)[:, [2, 1, 0, 3]]
     return [[int(size) for size in image.shape], matrix.tolist()], ()
 
 
 def read_planes(path: Path, frame: int | None) -> tuple[list[int], Iterator[Array]]:
-    """Within the process: one volume, plane by plane; frame: of four dimensions, else None."""
+    """Yields the planes of one volume. frame: Index of time, else None. Runs in the subprocess."""
     image, _ = _image(path)
     first: tuple[int, ...] = () if frame is None else (frame,)
     planes = (
@@ -82,7 +82,7 @@ def read_planes(path: Path, frame: int | None) -> tuple[list[int], Iterator[Arra
 
 
 def _image(path: Path) -> tuple[Any, list[str]]:
-    """(nibabel's image, the names of its axes)."""
+    """Returns (nibabel's image, the names of its axes)."""
     if _is_minc1(path):
         files = {"image": FileHolder(fileobj=open_head(path))}
         image = nibabel.Minc1Image.from_file_map(files)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The error for a package that a format needs, with the command that installs it here."""
+"""The error for a missing package of a format, with the command that installs it."""
 
 import os
 import shlex
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..._core import LeaflightError
 
-# Packages of Debian 12. Others have none there.
+# Import name -> package of Debian 12, if it has one.
 _DEBIAN = {
     "crc32c": "python3-crc32c",
     "gdcm": "python3-gdcm",
@@ -26,8 +26,8 @@ _DEBIAN = {
 }
 # Import name -> name for pip, if they differ.
 _OF_PIP = {"PIL": "pillow"}
-# Dependencies that reading needs besides NumPy. The metadata of some packages ask for more, even
-# for CMake.
+# Dependencies that reading needs in addition to NumPy. Metadata of some packages list more, even
+# CMake.
 _NEEDS = {"pylibCZIrw": "validators xmltodict"}
 _ENVIRONMENT = "~/leaflight-python"
 
@@ -35,8 +35,9 @@ _ENVIRONMENT = "~/leaflight-python"
 class MissingPackage(LeaflightError):
     """A Python package that a format needs is not installed.
 
-    package: its name; of_debian: that of Debian's package, or None; wanted: what pip is to install
-    where it must leave what is there as it is, such as Blender's own NumPy.
+    package: Its name.
+    of_debian: Its package in Debian, or None.
+    wanted: Packages for pip to install without dependencies, if Blender's own NumPy must stay.
     """
 
     def __init__(self, path: Path, kind: str, package: str) -> None:
@@ -56,8 +57,8 @@ class MissingPackage(LeaflightError):
             return f"run '{python} -m pip install {self.package}'"
         if self.of_debian and shutil.which("apt"):
             return f"run 'apt install {self.of_debian}' as root"
-        # There pip installs into virtual environments alone. Newer versions of what the system
-        # has, which it would add, may not fit to what the system has built for the older ones.
+        # pip installs only into virtual environments there. It would add newer versions of system
+        # packages, which may not fit compiled ones of the system.
         started = f"{_ENVIRONMENT}/bin/python -m leaflight"
         root = str(Path(__file__).parents[3])
         if root in os.environ.get("PYTHONPATH", "").split(os.pathsep):
@@ -70,7 +71,7 @@ class MissingPackage(LeaflightError):
 
 
 def _is_managed() -> bool:
-    """Returns whether pip refuses to install for this interpreter (PEP 668), as on Debian."""
+    """Returns True if pip refuses to install for this interpreter (PEP 668), as on Debian."""
     if sys.prefix != sys.base_prefix:
         return False
     return Path(sysconfig.get_path("stdlib"), "EXTERNALLY-MANAGED").is_file()

@@ -22,31 +22,31 @@ from .unit_cell import cell_axes
 from .value_files import Index, ValueFiles
 from .watched import is_packed, open_head
 
-# Bytes of the header, and where the length of the text behind it stands.
+# Bytes of the header, and offset of the length of the text behind it.
 _HEADER, _LENGTH = 1024, 92
-# The stamp, which old files lack, and modes; of values that are bytes, and halves of bytes.
+# The stamp, which old files lack, and the modes of 8-bit and of 4-bit values.
 _STAMP, _MODES = b"MAP ", (0, 1, 2, 3, 4, 6, 12, 101)
 _BYTES, _HALVES = 0, 101
-# IMOD's stamp, the byte where it stands with its flags behind, and the flag for bytes with a sign.
+# IMOD's stamp, its offset (flags follow it), and the flag for signed bytes.
 _IMOD, _IMOD_PLACE, _SIGNED = 1146047817, 152, 1
-# The standard's year, by which bytes have a sign; the last digit of a version counts changes.
+# Version of the standard from which bytes are signed, and digits of the version for revisions.
 _MRC2014 = 2014
-# Bytes that are looked at where nothing else says whether they have a sign.
+# Number of values that are examined if the header does not tell if bytes are signed.
 _SAMPLED = 1 << 22
 _BY_HISTOGRAM = (
-    "The header does not say whether its bytes have a sign. By their histogram they are read as "
-    "{low} to {high}."
+    "The header does not say if its bytes are signed. By their histogram they are read as {low} "
+    "to {high}."
 )
-_IMAGES = "The file is a stack of images by its header; z counts these."
+_IMAGES = "The file is a stack of images by its header; z counts the images."
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """The axes of the file may run along x, y and z in any order; stacks of volumes are frames."""
+    """Opens a map. Its axes may be x, y and z in any order. Stacks of volumes are frames."""
     header = _header(path)
     if int(header["mode"]) == _HALVES:
         raise LeaflightError(
-            f"{path}: its values have four bits each, which is not supported; save it with eight, "
-            "for instance by IMOD's newstack -mode 0."
+            f"{path}: values of four bits are not supported; save the file with eight, for "
+            "example with IMOD's newstack -mode 0."
         )
     dtype = mrcfile.utils.data_dtype_from_header(header)
     check_scalar(path, dtype)
@@ -56,13 +56,15 @@ def open_volume(path: Path) -> StoredVolume:
     stored = path.stat().st_size - (0 if packed else offset)
     check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
     if min(counts) < 1:
-        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
+        )
     notes: tuple[str, ...] = ()
     if int(header["mode"]) == _BYTES:
         dtype, notes = _type_of_bytes(path, header, offset)
     if path.suffix.lower() in (".mrcs", ".st") and int(header["ispg"]) == 0:
         notes += (_IMAGES,)
-    # Columns, rows and sections run along these; x is 0. Old files leave them out.
+    # Axes of columns, rows and sections; x is 0. Old files leave them out.
     axes = [int(header[name]) - 1 for name in ("mapc", "mapr", "maps")]
     axes = axes if sorted(axes) == [0, 1, 2] else [0, 1, 2]
     frames, depth = 1, int(header["mz"])
@@ -72,7 +74,7 @@ def open_volume(path: Path) -> StoredVolume:
     for axis, count in zip(axes, counts):
         dims[axis] = count
     matrix = _matrix(path, header, axes)
-    # Axes of the array (sections, rows, columns) that run along z, y and x.
+    # Numbers of the axes z, y and x among sections, rows and columns.
     order = [2 - axes.index(axis) for axis in (2, 1, 0)]
     values = ValueFiles((path,), "gzip" if packed else "raw", skip=offset)
 
@@ -85,9 +87,9 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _header(path: Path) -> Array:
-    """The fields of the header, in the byte order that mrcfile finds.
+    """Returns the fields of the header, in the byte order that mrcfile finds.
 
-    It never sees the length of the text behind them, which it would believe.
+    The length of the text is hidden from mrcfile, which would trust it.
     """
     with open_head(path) as file:
         head = file.read(_HEADER)
@@ -96,26 +98,29 @@ def _header(path: Path) -> Array:
     header: Array = interpreter.header.copy()
     if header["map"].item() != _STAMP and int(header["mode"]) not in _MODES:
         raise SettingError(
-            f"{path}: this is not a readable MRC or CCP4 map; if its values are plain, give the "
-            "dimensions and the type.",
+            f"{path}: this is not a readable MRC or CCP4 map; for raw values, give the dimensions "
+            "and the type.",
             "dims",
             "type",
         )
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:
-        raise LeaflightError(f"{path}: the header claims {length} bytes of text; it is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims {length} bytes of text, so it is damaged; fetch the file "
+            "again."
+        )
     check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if is_packed(path) else 1)
     return header
 
 
 def _type_of_bytes(path: Path, header: Array, offset: int) -> tuple[np.dtype[Any], tuple[str, ...]]:
-    """(int8 or uint8, a note where nothing says which): programs differ in what they write."""
+    """Returns (int8 or uint8, a note if it is a guess), because programs differ."""
     signed, unsigned = np.dtype(np.int8), np.dtype(np.uint8)
     words = np.frombuffer(header.tobytes(), header["nsymbt"].dtype, 2, _IMOD_PLACE)
     if words[0] == _IMOD:
         return (signed if words[1] & _SIGNED else unsigned), ()
-    # The lowest and the highest value, where they are given.
+    # Use the lowest and the highest value, if they are given.
     low, high = float(header["dmin"]), float(header["dmax"])
     if -128 <= low < 0 and low <= high <= 127:
         return signed, ()
@@ -131,8 +136,8 @@ def _type_of_bytes(path: Path, header: Array, offset: int) -> tuple[np.dtype[Any
 def _cross_zero(path: Path, offset: int) -> bool:
     """Returns True if more bytes are near 0 and 255 than near 127 and 128.
 
-    The former are neighbors if they have a sign, the latter if they have none. The ends themselves
-    do not count: values are often cut off there.
+    Signed values cross 0 there, unsigned ones 127. The ends do not count, because values are often
+    clipped.
     """
     if is_packed(path):
         with open_head(path) as file:
@@ -148,19 +153,19 @@ def _cross_zero(path: Path, offset: int) -> bool:
 
 
 def _matrix(path: Path, header: Array, axes: list[int]) -> Array:
-    """From the cell, whose angles need not be right ones."""
+    """Returns the matrix of the unit cell, which may have any angles."""
     sizes = [float(header["cella"][name]) for name in "xyz"]
     angles = [float(header["cellb"][name]) for name in ("alpha", "beta", "gamma")]
     cell = cell_axes(np.ones(3), angles)
     samples = [max(1, int(header[name])) for name in ("mx", "my", "mz")]
-    # Without a cell a voxel has the size 1.
+    # Without a cell the voxel size is 1.
     steps = np.array([size / n if size > 0 else 1.0 for size, n in zip(sizes, samples)])
     matrix = np.eye(4)
     matrix[:3, :3] = cell * steps
     starts = [0, 0, 0]
     for axis, name in zip(axes, ("nxstart", "nystart", "nzstart")):
         starts[axis] = int(header[name])
-    # Microscopists give the origin, crystallographers the first index.
+    # Microscopes write the origin, programs of crystallography the first index.
     origin = np.array([float(header["origin"][name]) for name in "xyz"])
     matrix[:3, 3] = origin if np.isfinite(origin).all() and origin.any() else cell * steps @ starts
     check_matrix(path, matrix)

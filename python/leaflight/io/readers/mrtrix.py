@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MRtrix: a header of text, and values behind it (.mif, .mif.gz) or in other files (.mih).
+"""MRtrix: a text header, with values behind it (.mif, .mif.gz) or in other files (.mih).
 
 https://mrtrix.readthedocs.io/en/latest/getting_started/image_data.html
 """
@@ -23,22 +23,22 @@ from .watched import is_packed, open_head, watched
 
 _TYPE = re.compile(r"(?:(u?int|float)(8|16|32|64)|bit)(le|be)?", re.IGNORECASE)
 _AXIS = re.compile(r"([+-]?)(\d{1,2})")
-# Upper bound on the bytes of a header, also with a long history of commands.
+# Upper bound on the bytes of a header, including a long history of commands.
 _MOST = 1 << 22
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Three axes of space; the fourth counts frames and the fifth channels, as in NIfTI."""
+    """Opens three axes of space. The fourth axis counts frames, the fifth channels."""
     fields = _header(path)
     sizes = tuple(map(int, _words(fields, "dim")))
     check_shape(path, sizes if len(sizes) < 4 else (*sizes[:3], prod(sizes[3:5])))
     dtype, bits = _type(path, fields)
-    # The axes as they are in the file, slowest first, and whether each runs backwards.
+    # Axes of the file, slowest first, and True for each that is reversed.
     axes, backwards = _layout(path, fields, len(sizes))
     shape = [sizes[axis] for axis in axes]
     stored, matrix = _value_files(path, fields), _matrix(path, fields)
-    whole = [(prod(shape) + 7) // 8] if bits else shape
-    stored.check(whole, dtype)
+    stored_shape = [(prod(shape) + 7) // 8] if bits else shape
+    stored.check(stored_shape, dtype)
     offset, scale = _numbers(fields, "scaling", "0 1")
     scaled = None if (offset, scale) == (0, 1) else scaled_type(dtype, scale, offset)
 
@@ -49,7 +49,7 @@ def open_volume(path: Path) -> StoredVolume:
             for axis in axes
         )
         if bits:
-            packed = stored.read(whole, dtype, (slice(None),), progress)
+            packed = stored.read(stored_shape, dtype, (slice(None),), progress)
             values = np.unpackbits(packed, count=prod(shape)).reshape(shape)[index]
         else:
             values = stored.read(shape, dtype, index, progress)
@@ -75,7 +75,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _header(path: Path) -> dict[str, str]:
-    """The fields; the lines of one that has several are joined."""
+    """Returns the fields; lines of the same field are joined."""
     with open_head(path) as file:
         text = file.read(_MOST)
     lines = re.split(r"\r?\n", text.partition(b"\nEND")[0].decode("utf-8", "replace"))
@@ -101,12 +101,12 @@ def _numbers(fields: dict[str, str], name: str, default: str = "") -> list[float
 
 
 def _type(path: Path, fields: dict[str, str]) -> tuple[np.dtype[Any], bool]:
-    """(the type of the values, whether they are bits, eight of them in each)."""
+    """Returns (type of the values, True if they are single bits)."""
     name = fields.get("datatype", "")
     found = _TYPE.fullmatch(name)
     if not found or (found[1] or "").lower() == "float" and found[2] == "8":
         raise LeaflightError(
-            f"{path}: the type {name[:40]!r} is not that of a real number; convert the file with "
+            f"{path}: the type {name[:40]!r} is not a real number; convert the file with "
             "mrconvert first."
         )
     if found[1] is None:
@@ -116,13 +116,13 @@ def _type(path: Path, fields: dict[str, str]) -> tuple[np.dtype[Any], bool]:
 
 
 def _layout(path: Path, fields: dict[str, str], count: int) -> tuple[list[int], list[bool]]:
-    """(the axes, slowest first; for each axis whether it runs backwards in the file)."""
+    """Returns (axes, slowest first; True for each axis that is reversed in the file)."""
     default = ",".join(map(str, range(count)))
     found = [_AXIS.fullmatch(word) for word in _words(fields, "layout", default)]
     ranks = [int(each[2]) for each in found if each]
     if len(set(ranks)) != count or len(found) != count:
         raise LeaflightError(
-            f"{path}: its layout is not {count} different numbers, one for each axis; repair the "
+            f"{path}: the layout is not {count} different numbers, one for each axis; repair the "
             "header."
         )
     axes = sorted(range(count), key=lambda axis: -ranks[axis])
@@ -134,13 +134,13 @@ def _from(backwards: bool, place: int, size: int) -> int:
 
 
 def _value_files(path: Path, fields: dict[str, str]) -> ValueFiles:
-    """From the lines of the file field: a dot is the header's own file; then the first byte."""
+    """Returns the files of the field "file", with the first byte. A dot is the header's file."""
     lines = [line.rsplit(None, 1) for line in fields.get("file", "").split("\n")]
     lines = [[*words, "0"] if len(words) == 1 else words for words in lines]
     names, offsets = [words[0] for words in lines if words], {words[-1] for words in lines if words}
     if len(offsets) != 1 or not re.fullmatch(r"\d{1,15}", min(offsets)):
         raise LeaflightError(
-            f"{path}: its header does not say where the values are; convert the file with "
+            f"{path}: the header does not name the file of the values; convert the file with "
             "mrconvert first."
         )
     files = tuple(path if name == "." else data_file(path, name) for name in names)
@@ -150,7 +150,7 @@ def _value_files(path: Path, fields: dict[str, str]) -> ValueFiles:
 def _matrix(path: Path, fields: dict[str, str]) -> Array:
     matrix = np.eye(4)
     rows = np.array(_numbers(fields, "transform", "1 0 0 0 0 1 0 0 0 0 1 0"))
-    # Old headers have the last row, too.
+    # Old headers include the last row.
     matrix[:3] = rows[:12].reshape(3, 4)
     matrix[:3, :3] *= np.array(_numbers(fields, "vox"))[:3]
     check_matrix(path, matrix)

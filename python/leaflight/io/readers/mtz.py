@@ -2,7 +2,7 @@
 """Electron densities from the structure factors of .mtz files, through gemmi.
 
 https://gemmi.readthedocs.io/en/latest/hkl.html
-In a process of its own, which alone imports gemmi: damaged files may ask it for any amount of
+It runs in a subprocess, which alone imports gemmi, because damaged files may request any amount of
 memory.
 """
 
@@ -22,26 +22,26 @@ from .stored import StoredVolume, lengths
 from .unit_cell import cell_axes
 from .watched import STAGE, begin
 
-# Voxels for the shortest wave, gemmi's own choice for maps.
+# Voxels per shortest wavelength, gemmi's default for maps.
 _SAMPLES = 3.0
-# Waves along an edge of the cell, at most.
+# Upper bound on the waves along an edge of the cell.
 _MOST_WAVES = 1 << 14
-# Amplitudes of the map that programs of refinement make for looking at, the best known first.
+# Columns of amplitudes that refinement programs write for display, the most common first.
 _BEST = ("FWT", "2FOFCWT", "2FOFCWT_fill", "2FOFCWT_no_fill")
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Opens one cell of the crystal; pairs of amplitudes and phases are datasets.
+    """Opens one cell of the crystal. Pairs of amplitudes and phases are datasets.
 
-    The grid is periodic: behind its last voxel the first one of the next cell follows.
+    The grid is periodic: after its last voxel comes the first one of the next cell.
     """
     with _reader(path, "list_maps") as process:
         found = process.answer()
     names = tuple(found["maps"])
     if not names:
         raise LeaflightError(
-            f"{path}: it holds no phases, without which there is no map; open the .mtz of a "
-            "program of refinement, which has columns such as FWT and PHWT."
+            f"{path}: the file holds no phases, which a map needs; open the .mtz of a refinement "
+            "program, with columns such as FWT and PHWT."
         )
     amplitudes = {name.partition("/")[0]: name for name in reversed(names)}
     name = choose_named(path, names, amplitudes.get(dataset or "", dataset))
@@ -52,7 +52,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     if dataset is None and len(names) > 1:
         others = listed([other for other in names if other != name])
-        notes = (f"The map of {name} is computed; the dataset can also be {others}.",)
+        notes = (f"The map of {name} is computed; other datasets are {others}.",)
     dims = tuple(int(n) for n in found["dims"])
     matrix = np.eye(4)
     matrix[:3, :3] = cell_axes(found["cell"][:3], found["cell"][3:]) / dims
@@ -76,14 +76,14 @@ def _reader(path: Path, function: str, *options: object) -> ReaderProcess:
 
 
 def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
-    """Lists, within the process, the maps that can be computed, their dims and the cell."""
+    """Returns the maps that can be computed, their dims and the cell. Runs in the subprocess."""
     import gemmi
 
     mtz = gemmi.read_mtz_file(str(path))
     maps = _pairs([(column.label, column.type) for column in mtz.columns])
     if not maps:
         return {"maps": ()}, ()
-    # On others gemmi never ends.
+    # gemmi never ends for other cells.
     waves = np.asarray(mtz)[:, :3]
     if not (len(waves) and np.isfinite(waves).all() and np.abs(waves).max() < _MOST_WAVES):
         raise ValueError("the indices of the waves")
@@ -93,7 +93,7 @@ def list_maps(path: Path) -> tuple[dict[str, Any], tuple[()]]:
 
 
 def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
-    """Pairs each column of phases with the last one of amplitudes before it."""
+    """Returns each column of phases with the last column of amplitudes before it."""
     pairs, amplitudes = [], None
     for label, kind in columns:
         if kind == "F":
@@ -105,7 +105,7 @@ def _pairs(columns: Sequence[tuple[str, str]]) -> list[str]:
 
 
 def compute_map(path: Path, amplitudes: str, phases: str) -> tuple[list[int], Iterable[Array]]:
-    """Computes, within the process, the density [z, y, x] of a whole cell."""
+    """Returns the density [z, y, x] of a whole cell. Runs in the subprocess."""
     import gemmi
 
     mtz = gemmi.read_mtz_file(str(path))

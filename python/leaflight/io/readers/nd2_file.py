@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nikon's ND2 through the package nd2, in a subprocess."""
+"""Nikon ND2 through the package nd2, in a subprocess."""
 
 from collections.abc import Iterator, Sequence
 from math import prod
@@ -21,12 +21,12 @@ _WITHIN_FRAMES = "CYXS"
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """Opens the image of a file; of several positions the one that dataset names."""
+    """Opens the image of a file. dataset chooses one of several positions."""
     return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:
-    """Returns, within the process, the image of a file."""
+    """Returns the image of a file. Runs in the subprocess."""
     import nd2
 
     with nd2.ND2File(path) as file:
@@ -35,26 +35,25 @@ def pictures(path: Path) -> list[Picture]:
 
 
 def _voxel_size(file: Any) -> list[float | None]:
-    """Returns that of the first channel, None for an axis that is not calibrated."""
+    """Returns the voxel size of the first channel, None for an axis without calibration."""
     try:
         volume = file.metadata.channels[0].volume
         known = zip(volume.axesCalibration, volume.axesCalibrated)
     except Exception:
-        # The package fails with whatever comes first on metadata of microscopes it does not know,
-        # and the pixels are readable all the same.
+        # Ignore any exception on metadata of unknown microscopes, because the pixels are readable.
         return [None, None, None]
     return [size if calibrated else None for size, calibrated in known]
 
 
 def _axes(file: Any) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:
-    """Returns the axes of the frames in the file, and those within a frame."""
+    """Returns the axes of the frames, and those within a frame."""
     sizes = [(name, int(n)) for name, n in file.sizes.items()]
     outer = tuple(axis for axis in sizes if axis[0] not in _WITHIN_FRAMES)
     return outer, tuple(axis for axis in sizes if axis[0] in _WITHIN_FRAMES)
 
 
 def blocks(path: Path, _number: int, places: list[list[int]]) -> Iterator[Array]:
-    """Reads, within the process, frames of the image. Raises LeaflightError without one."""
+    """Yields frames of the image, in the subprocess. Raises LeaflightError if one is missing."""
     import nd2
 
     file = nd2.ND2File(path)
@@ -65,15 +64,15 @@ def blocks(path: Path, _number: int, places: list[list[int]]) -> Iterator[Array]
 
 
 def _check_frames(path: Path, file: Any, frames: list[int], size: int) -> None:
-    """Raises LeaflightError for frames that are not there: the package would give zeros."""
+    """Raises LeaflightError for missing frames, for which the package would return zeros."""
     offsets = getattr(file._rdr, "_frame_offsets", None)
     if offsets is None:
         return
     for frame in frames:
         if frame not in offsets:
             raise LeaflightError(
-                f"{path}: frame {frame} of the recording is missing: the file is incomplete; fetch "
-                "it again, or choose another frame."
+                f"{path}: frame {frame} of the recording is missing; fetch the file again, or "
+                "choose another frame."
             )
         stored = file.attributes.compressionType is None
         if stored and offsets[frame] + size > path.stat().st_size:

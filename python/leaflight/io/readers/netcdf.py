@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NetCDF: version 4 is HDF5; the classic format is read by the copy of SciPy's reader in nibabel.
+"""NetCDF: version 4 is HDF5. nibabel's copy of SciPy's reader reads the classic format.
 
 https://docs.unidata.ucar.edu/netcdf-c/current/file_format_specifications.html
 """
@@ -31,13 +31,12 @@ _CLASSIC_5 = b"CDF\x05"
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """dataset: the name of a variable."""
+    """Opens the only volume, or the variable that dataset names."""
     with open(path, "rb") as file:
         mark = file.read(4)
     if mark == _CLASSIC_5:
         raise LeaflightError(
-            f"{path}: this is netCDF of the format CDF-5, which is not read; convert it by "
-            "'nccopy -k nc4'."
+            f"{path}: netCDF in the format CDF-5 is not supported; convert it with 'nccopy -k nc4'."
         )
     if mark not in _CLASSIC:
         return hdf5.open_volume(path, dataset, 0, spacing)
@@ -73,7 +72,7 @@ def open_volume(
 
 
 class _Classic(netcdf_file):  # type: ignore[misc]
-    """One that does not warn where arrays of it are still alive: none of them is used."""
+    """A reader without the warning about arrays that are still in use; none is."""
 
     def close(self) -> None:
         with warnings.catch_warnings():
@@ -86,7 +85,7 @@ class _Classic(netcdf_file):  # type: ignore[misc]
 def _variable(
     file: _Classic, name: str
 ) -> tuple[Grid, tuple[int, ...], np.dtype[Any], Packing] | None:
-    """(Grid, shape, type, Packing) of a variable; None for one that holds no volume."""
+    """Returns (Grid, shape, type, Packing) of a variable; None if it is no volume."""
     variable = file.variables[name]
     data = variable.data
     if data.dtype.kind not in "biuf" or not data.size:
@@ -97,7 +96,7 @@ def _variable(
 
 
 def _axis(file: _Classic, name: str, size: int) -> Axis:
-    """By the variable of the same name, which has the places."""
+    """Returns the axis with the coordinates of the variable of the same name."""
     places = file.variables.get(name)
     if places is None or places.data.shape != (size,):
         return Axis(size, name)
@@ -110,7 +109,7 @@ def _axis(file: _Classic, name: str, size: int) -> Axis:
 def _values(
     data: Array, letters: str, packing: Packing, frame: int, channel: int, progress: Progress
 ) -> Array:
-    """One volume as [z, y, x]."""
+    """Returns one volume as [z, y, x]."""
     chosen: dict[str, int | slice] = {axis: slice(None) for axis in "xyz"}
     chosen |= {"t": frame, "c": channel}
     order = [letter for letter in letters if letter in "zyx"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NIfTI-1 and -2, and Analyze, through nibabel, in the scanner's or template's own coordinates."""
+"""NIfTI-1 and -2, and Analyze, through nibabel, in coordinates of the scanner or the template."""
 
 import zlib
 from collections.abc import Iterator
@@ -21,16 +21,15 @@ from .scans import Scan, stored_scan
 from .stored import StoredVolume
 from .watched import open_head, open_watched
 
-# Bytes that have the words by which the kinds differ.
+# Number of first bytes that distinguish the formats.
 _SNIFFED = 348
-# By the lowest three bits of the header's field; where it does not say, it is millimeter.
+# Unit by the lowest three bits of the header's field. The default is millimeters.
 _UNITS = {0: "mm", 1: "m", 2: "mm", 3: "µm"}
-_ODD_UNIT = "The header's code {code} for the unit of length is unknown; it is read as millimeter."
+_ODD_UNIT = "The header's code {code} for the unit of length is unknown; millimeters are assumed."
 _SIDES = (
-    "Analyze files do not say which side is left: their x axis is taken to run from right to left, "
-    "as SPM does."
+    "Analyze files do not say which side is left; the x axis is read from right to left, as in SPM."
 )
-# By the bytes that say so: a pair of files, or one.
+# Magic bytes: a pair of files, or one.
 _PAIRS = {
     **dict.fromkeys((b"n+1\0", b"ni1\0"), (nibabel.Nifti1Pair, nibabel.Nifti1Image)),
     **dict.fromkeys((b"n+2\0", b"ni2\0"), (nibabel.Nifti2Pair, nibabel.Nifti2Image)),
@@ -38,10 +37,10 @@ _PAIRS = {
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """The values and the affine (sform, else qform), whichever way it may mirror.
+    """Opens the values with their affine (sform, else qform), which may mirror.
 
-    Values that the header scales become float32, or float64 where that would hide
-    differences. The fifth axis, of vectors, counts channels.
+    Values that the header scales become float32, or float64 if float32 would hide differences. The
+    fifth axis, of vectors, counts channels.
     """
     header, file = _files(path)
     image = _image(path, header, file)
@@ -54,7 +53,7 @@ def open_volume(path: Path) -> StoredVolume:
         index += (0,) * (len(shape) - len(index))
         with open_watched(file, progress) as opened:
             stored = ArrayProxy(opened, layout, mmap=False)
-            # Without a frame to cut out, nibabel scales in float32 rather than float64.
+            # If it reads the whole array, nibabel scales in float32 instead of float64.
             return np.asarray(stored, kind) if len(shape) == 3 else stored[index]
 
     unit, notes = _unit(image)
@@ -77,7 +76,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _files(path: Path) -> tuple[Path, Path]:
-    """(the file with the header, that with the values): one, or .hdr and .img."""
+    """Returns the files of the header and of the values: one file, or .hdr and .img."""
     stem, packed = (path.with_suffix(""), True) if path.suffix.lower() == ".gz" else (path, False)
     kind = stem.suffix.lower()
     if kind not in (".hdr", ".img"):
@@ -89,18 +88,20 @@ def _files(path: Path) -> tuple[Path, Path]:
     beside = next((file for file in found if file.is_file()), None)
     if beside is None and kind == ".img":
         raise SettingError(
-            f"{path}: there is no header {names[0]} beside it; put it there, or give the "
-            "dimensions and the type of its values.",
+            f"{path}: the header {names[0]} is missing; put it beside the file, or give the "
+            "dimensions and the type of the values.",
             "dims",
             "type",
         )
     if beside is None:
-        raise LeaflightError(f"{path}: there are no values {names[0]} beside it; put them there.")
+        raise LeaflightError(
+            f"{path}: the values {names[0]} are missing; put them beside the header."
+        )
     return (path, beside) if kind == ".hdr" else (beside, path)
 
 
 def _image(path: Path, header: Path, file: Path) -> Any:
-    """nibabel's image, with the header alone."""
+    """Returns nibabel's image, with the header alone."""
     try:
         with _quiet_nibabel(), open_head(header) as opened:
             block = opened.read(_SNIFFED)
@@ -129,7 +130,7 @@ def _image(path: Path, header: Path, file: Path) -> Any:
     ):
         kind = "NIfTI file" if header == file else "NIfTI or Analyze header"
         raise LeaflightError(
-            f"{path}: this is not a readable {kind}; it is damaged or of another kind."
+            f"{path}: this is not a readable {kind}, or it is damaged; fetch it again."
         ) from None
 
 
@@ -140,7 +141,7 @@ def _matrix_file(header: Path) -> Path:
 
 
 def _unit(image: Any) -> tuple[str, tuple[str, ...]]:
-    """(the unit of length, notes about it)."""
+    """Returns (unit of length, notes about it)."""
     if isinstance(image, nibabel.Spm2AnalyzeImage):
         word = bytes(image.header["vox_units"].item()).decode("latin-1")
         return unit_of(word) or "mm", ()
@@ -150,7 +151,7 @@ def _unit(image: Any) -> tuple[str, tuple[str, ...]]:
 
 @contextmanager
 def _quiet_nibabel() -> Iterator[None]:
-    """nibabel logs harmless oddities of a header to stderr."""
+    """Suppresses nibabel's log of harmless oddities of a header."""
     logger = nibabel.imageglobals.logger
     before, logger.disabled = logger.disabled, True
     try:

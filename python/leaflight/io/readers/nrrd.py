@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NRRD: a header of text, and values behind it (.nrrd) or in files of their own (.nhdr).
+"""NRRD: a text header, with values behind it (.nrrd) or in other files (.nhdr).
 
 https://teem.sourceforge.net/nrrd/format.html
 """
@@ -34,7 +34,7 @@ _TYPES = {
     "float": "f4",
     "double": "f8",
 }
-# Name -> how it is called here.
+# Other names of a field -> its name here.
 _ENCODINGS = {
     "raw": "raw",
     **dict.fromkeys(("text", "txt", "ascii"), "text"),
@@ -42,20 +42,23 @@ _ENCODINGS = {
     **dict.fromkeys(("gzip", "gz"), "gzip"),
     **dict.fromkeys(("bzip2", "bz2"), "bzip2"),
 }
-# Upper bound on the bytes of a header, also with many comments.
+# Upper bound on the bytes of a header, including many comments.
 _MOST = 1 << 20
 _LARGEST_SIDE, _MOST_AXES = 1 << 16, 16
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Axes of time are frames; others that are not in space are channels, as of vectors."""
+    """Opens a volume. Axes of time are frames.
+
+    Other axes outside space, such as those of vectors, are channels.
+    """
     fields, listed, end = _header(path)
     sizes = _sizes(path, fields)
     dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
     if dtype.kind == "V":
         raise LeaflightError(
-            f"{path}: the type {fields['type'][:40]} is not a number's; convert it to a scalar "
-            "type first."
+            f"{path}: the type {fields['type'][:40]} is not a number; convert the file to a "
+            "scalar type first."
         )
     endian = fields.get("endian", "little").lower()
     dtype = dtype.newbyteorder(">" if endian == "big" else "<")
@@ -63,8 +66,7 @@ def open_volume(path: Path) -> StoredVolume:
     dims = tuple(sizes[i] for i in axes.space)
     if max(dims) > _LARGEST_SIDE:
         raise LeaflightError(
-            f"{path}: the header claims the impossible size {text(dims)}; check that the file is "
-            "complete."
+            f"{path}: the header claims the impossible size {text(dims)}; fetch the file again."
         )
     stored = _value_files(path, fields, listed, end, sizes)
     stored.check(sizes[::-1], dtype)
@@ -92,7 +94,7 @@ def open_volume(path: Path) -> StoredVolume:
 
 
 def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
-    """(the fields, the names of files behind them, where the data begin if they follow)."""
+    """Returns (fields, file names after them, start of the data if they follow)."""
     with open(path, "rb") as file:
         head = file.read(_MOST)
     if not re.match(rb"NRRD000\d\r?\n", head):
@@ -105,21 +107,21 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
         place = end + 1
         closed = not line
         if line.startswith("#") or re.match(r"[^:]*:=", line):
-            continue  # a comment, or a key and value, which is a note for others
+            continue  # a comment, or a key and a value for other programs
         name, colon, value = line.partition(":")
         name = {"datafile": "data file"}.get(name.strip().lower(), name.strip().lower())
         if colon and name in fields:
             raise LeaflightError(
-                f"{path}: the header says its {name[:40]} twice; remove one of them."
+                f"{path}: the header has the field {name[:40]} twice; remove one of them."
             )
         if colon:
             fields[name] = value.strip()
-        # By the format's rule the last field.
+        # This is the last field by the format's rule.
         if name == "data file" and value.strip()[:4].upper() == "LIST":
             return fields, head[place:].decode("utf-8", "replace").splitlines(), place
     if not closed and "data file" not in fields:
         raise LeaflightError(
-            f"{path}: its header has no end, which is a blank line: it is truncated or damaged, "
+            f"{path}: the header does not end with a blank line: it is truncated or damaged, "
             "fetch it again."
         )
     return fields, [], place
@@ -127,7 +129,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
 
 def _need(path: Path, fields: dict[str, str], name: str) -> str:
     if name not in fields:
-        raise LeaflightError(f"{path}: its header does not say its {name}; fetch it again.")
+        raise LeaflightError(f"{path}: the header has no {name}; fetch it again.")
     return fields[name]
 
 
@@ -136,13 +138,13 @@ def _sizes(path: Path, fields: dict[str, str]) -> tuple[int, ...]:
     dimension = fields.get("dimension", str(len(words)))
     if not all(re.fullmatch(r"\d{1,9}", word) for word in words) or dimension != str(len(words)):
         raise LeaflightError(
-            f"{path}: its header does not say how large each of its axes is; fetch it again."
+            f"{path}: the header does not give the size of each axis; fetch it again."
         )
     shape = tuple(map(int, words))
     if not 0 < len(shape) <= _MOST_AXES or min(shape) < 1:
         raise LeaflightError(
-            f"{path}: the header claims the impossible size {text(shape[:_MOST_AXES])}; check that "
-            "the file is complete."
+            f"{path}: the header claims the impossible size {text(shape[:_MOST_AXES])}; fetch the "
+            "file again."
         )
     return shape
 
@@ -153,7 +155,7 @@ def _value_files(
     encoding = _need(path, fields, "encoding").lower()
     if encoding not in _ENCODINGS:
         raise LeaflightError(
-            f"{path}: the encoding {encoding[:40]} is not known; save it as raw or gzip."
+            f"{path}: the encoding {encoding[:40]} is unknown; save the file as raw or gzip."
         )
     name = fields.get("data file")
     return ValueFiles(
@@ -166,10 +168,11 @@ def _value_files(
 
 
 def _whole(path: Path, fields: dict[str, str], name: str, least: int) -> int:
-    """A field that is a whole number, 0 where it is missing."""
+    """Returns a field that is a whole number, 0 if it is missing."""
     value = fields.get(name, fields.get(name.replace(" ", ""), "0"))
     if not re.fullmatch(r"-?\d{1,15}", value) or int(value) < least:
         raise LeaflightError(
-            f"{path}: its {name} is {value[:40]!r}, but must be a whole number; repair the header."
+            f"{path}: the field {name} is {value[:40]!r}, but must be a whole number; repair the "
+            "header."
         )
     return int(value)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The axes of an NRRD: which three are in space and where, and which count frames or channels."""
+"""Finds the axes of an NRRD: those in space, with directions, and frames and channels."""
 
 import math
 import re
@@ -16,23 +16,25 @@ from .checks import check_matrix, text
 
 _SPACES = {"ras": "right-anterior-superior", "las": "left-anterior-superior"}
 _SPACES["lps"] = "left-posterior-superior"
-# To right-anterior-superior.
+# Signs that convert each space to right-anterior-superior.
 _TURNED = {
     "left-posterior-superior": (-1.0, -1.0, 1.0, 1.0),
     "left-anterior-superior": (-1.0, 1.0, 1.0, 1.0),
 }
-# Kinds of axes that are in space, or may be.
+# Kinds of axes that are in space, and kinds that may be.
 _IN_SPACE, _UNKNOWN = ("space", "domain"), ("???", "none", "unknown")
-# More values than a color, a tensor or a complex number has.
+# Size of an axis above those of colors, tensors and complex numbers.
 _MOST_CHANNELS = 16
 
 
 @dataclass(frozen=True)
 class Axes:
-    """The meaning of each axis, by their numbers, fastest first.
+    """The meaning of each axis, by number, fastest first.
 
-    matrix: from voxels to right-anterior-superior; unit: a key of METERS or empty; patient: whether
-    these are a patient's coordinates; notes: for the user, about guesses.
+    matrix: Matrix from voxels to right-anterior-superior.
+    unit: Unit of length, a key of METERS or "".
+    patient: True if the coordinates are those of a patient.
+    notes: Sentences for the user about guesses.
     """
 
     space: tuple[int, ...]
@@ -45,7 +47,7 @@ class Axes:
 
 
 def axes_of(path: Path, fields: dict[str, str], sizes: Sequence[int]) -> Axes:
-    """Raises LeaflightError where there are not three axes in space, or they have no place."""
+    """Returns the Axes. Raises LeaflightError unless three axes in space have positions."""
     name = fields.get("space", "").lower().removesuffix("-time")
     name = _SPACES.get(name, _SPACES.get(name.removesuffix("t"), name))
     directions = _directions(path, fields, sizes)
@@ -56,7 +58,7 @@ def axes_of(path: Path, fields: dict[str, str], sizes: Sequence[int]) -> Axes:
     )
     if directions is not None:
         matrix = _oriented(path, fields, [directions[i] for i in space])
-        # They are those of the world, which without directions is that of the axes.
+        # Units belong to the axes of the world. Without directions these are the axes of the array.
         units = _units(fields.get("space units", ""), range(3))
     else:
         matrix = _upright(path, fields, sizes, space)
@@ -78,12 +80,12 @@ def _roles(
     sizes: Sequence[int],
     directions: Sequence[Array | None] | None,
 ) -> tuple[list[str], tuple[str, ...]]:
-    """("space", "frame" or "channel" for each axis, notes about guesses)."""
+    """Returns ("space", "frame" or "channel" for each axis; notes about guesses)."""
     kinds = [word.lower() for word in _words(path, fields, "kinds", len(sizes), "???")]
     roles, notes = [], []
     for i, kind in enumerate(kinds):
         direction = directions[i] if directions is not None else None
-        # Some spaces have time as their fourth axis.
+        # The fourth axis of some spaces is time.
         if kind == "time" or (direction is not None and not direction[:3].any()):
             roles.append("frame")
         elif direction is not None or (
@@ -97,7 +99,7 @@ def _roles(
         roles[axis] = role
         if sizes[axis] > 1 and kinds[axis] in _UNKNOWN:
             notes.append(
-                f"The header does not say what its {len(sizes)} axes are: the "
+                f"The header does not name its {len(sizes)} axes: the "
                 f"{'last' if axis else 'first'}, of {sizes[axis]}, is read as {role}s."
             )
     if roles.count("space") < 3:
@@ -105,8 +107,8 @@ def _roles(
         raise _no_volume(path, roles.count("space"), sizes, others)
     if directions is None and "kinds" not in fields and sizes[0] in (3, 4) and min(sizes[1:]) > 16:
         notes.append(
-            f"The header does not say what its axes are: the first, of {sizes[0]}, is read as x, "
-            "though it may be the colors of a picture."
+            f"The header does not name its axes: the first, of {sizes[0]}, is read as x, but it "
+            "may be the colors of a picture."
         )
     return roles, tuple(notes)
 
@@ -114,13 +116,13 @@ def _roles(
 def _no_volume(path: Path, count: int, sizes: Sequence[int], others: str = "") -> LeaflightError:
     also = f" (the others are {others[:60]})" if others else ""
     return LeaflightError(
-        f"{path}: only {count} of its axes, {text(sizes)}, are in space{also}, but a volume needs "
-        "three; join its slices into one file."
+        f"{path}: only {count} of the axes {text(sizes)} are in space{also}, but a volume needs "
+        "three; join the slices to one file."
     )
 
 
 def _left_over(sizes: Sequence[int], axes: Sequence[int]) -> tuple[str, int]:
-    """(its role, which of more than three axes in space is none)."""
+    """Returns the role and the number of one axis that is not in space, of four or more."""
     first, last = axes[0], axes[-1]
     small = sizes[first] <= _MOST_CHANNELS and sizes[first] < min(sizes[i] for i in axes[1:])
     if sizes[last] > 1 and (sizes[first] == 1 or small):
@@ -142,7 +144,10 @@ def _oriented(path: Path, fields: dict[str, str], axes: Sequence[Array | None]) 
 def _upright(
     path: Path, fields: dict[str, str], sizes: Sequence[int], space: Sequence[int]
 ) -> Array:
-    """From the spacings, or from the ends of each axis, which cells reach and nodes lie on."""
+    """Returns the matrix from the spacings, or from the ends of each axis.
+
+    Ends are the outer faces of cells, or nodes.
+    """
     lists = [
         [_number(word) for word in _words(path, fields, name, len(sizes), "nan")]
         for name in ("spacings", "axis mins", "axis maxs")
@@ -155,7 +160,7 @@ def _upright(
         node = centers[i].lower() == "node"
         if not (math.isfinite(step) and step):
             step = (high - low) / max(1, sizes[i] - node)
-        # NaN stands for unknown.
+        # NaN means unknown.
         matrix[row, row] = step if math.isfinite(step) and step else 1.0
         if math.isfinite(low):
             matrix[row, 3] = low if node else low + matrix[row, row] / 2
@@ -165,7 +170,7 @@ def _upright(
 def _directions(
     path: Path, fields: dict[str, str], sizes: Sequence[int]
 ) -> list[Array | None] | None:
-    """One for each axis, None for those that have none; None where the header gives none at all."""
+    """Returns a direction for each axis, None for axes without one; None if the header has none."""
     if "space directions" not in fields:
         return None
     words = re.findall(r"\([^()]*\)|[^\s()]+", fields["space directions"])
@@ -173,14 +178,14 @@ def _directions(
         raise _no_volume(path, 2, sizes)
     if len(words) != len(sizes):
         raise LeaflightError(
-            f"{path}: its space directions are not {len(sizes)}, one for each axis; repair the "
-            "header."
+            f"{path}: the header does not have {len(sizes)} space directions, one for each axis; "
+            "repair the header."
         )
     return [None if word.lower() == "none" else _vector(path, word) for word in words]
 
 
 def _vector(path: Path, words: str) -> Array | None:
-    """Three numbers or four, of which the last is time; None where each is unknown."""
+    """Returns three numbers, or four of which the last is time; None if all are unknown."""
     numbers = np.array([_number(word) for word in words.strip("() ").split(",")])
     if np.isnan(numbers).all() and len(numbers) > 1:
         return None
@@ -199,12 +204,13 @@ def _units(words: str, axes: Iterable[int]) -> list[str]:
 def _words(
     path: Path, fields: dict[str, str], name: str, count: int, default: str
 ) -> Sequence[str]:
-    """The words of a field, one for each axis; some leave out the space in its name."""
+    """Returns the words of a field, one for each axis. Some files omit the space in its name."""
     value = fields.get(name, fields.get(name.replace(" ", "")))
     words = [default] * count if value is None else value.split()
     if len(words) != count:
         raise LeaflightError(
-            f"{path}: its {name} are not {count}, one for each axis; repair the header."
+            f"{path}: the field {name} does not have {count} entries, one for each axis; repair "
+            "the header."
         )
     return words
 

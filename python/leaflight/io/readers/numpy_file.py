@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays that NumPy saved, [z, y, x] or [frame, z, y, x]: .npy, and .npz with several of them."""
+"""NumPy arrays [z, y, x] or [frame, z, y, x]: .npy, and .npz with several of them."""
 
 import zipfile
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ _Header = tuple[tuple[int, ...], bool, np.dtype[Any]]
 _READ_HEADER: dict[tuple[int, int], Callable[[IO[bytes]], _Header]] = {
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
-    # It differs from 2.0 in the names of fields alone, which volumes do not have.
+    # Version 3.0 differs from 2.0 only in names of fields, which volumes do not have.
     (3, 0): np.lib.format.read_array_header_2_0,
 }
 
@@ -36,7 +36,7 @@ _READ_HEADER: dict[tuple[int, int], Callable[[IO[bytes]], _Header]] = {
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] = 1.0
 ) -> StoredVolume:
-    """Pickled objects are never read."""
+    """Opens an array. Never reads pickled objects."""
     matrix = index_to_world(path, spacing)
     if not zipfile.is_zipfile(path):
         with open(path, "rb") as file:
@@ -62,8 +62,8 @@ def open_volume(
 
     def array() -> Array:
         with np.load(path) as archive:
-            whole: Array = archive[name]
-        return whole
+            loaded: Array = archive[name]
+        return loaded
 
     return _stored(path, shape, dtype, matrix, array, names)
 
@@ -88,7 +88,7 @@ def _stored(
 
 
 def _header(file: IO[bytes]) -> _Header:
-    """(shape, whether Fortran's order, dtype)."""
+    """Returns (shape, True for Fortran order, dtype)."""
     return _READ_HEADER[_READ_MAGIC(file)](file)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OME-XML: which page of which file is which plane of an image.
+"""OME-XML: finds the file and the page of each plane of an image.
 
 https://docs.openmicroscopy.org/ome-model/latest/ome-tiff/specification.html
 """
@@ -15,16 +15,18 @@ from ..._core import LeaflightError
 from .checks import text
 from .voxel_size import VoxelSize, voxel_size
 
-# Upper bound on the planes of one element, beyond any microscope's data.
+# Upper bound on the planes of one element, above any microscope's data.
 _MOST_PLANES = 10**7
 
 
 @dataclass(frozen=True)
 class Part:
-    """Planes that follow each other in an image and in a file.
+    """Consecutive planes of an image in a file.
 
-    first: their first place in the image; count: how many, None where all pages of the file are;
-    file: its name, "" for the file with the metadata; page: the first one there.
+    first: Index of the first plane in the image.
+    count: Number of planes, None for all pages of the file.
+    file: Name of the file, "" for the file with the metadata.
+    page: First page in the file.
     """
 
     first: int
@@ -37,9 +39,10 @@ class Part:
 class Image:
     """An image of OME-XML.
 
-    order: the axes of its planes, "ZCT" in some order, fastest first; sizes: of these and of "X"
-        and "Y". "C" counts channels that lie in one plane, such as colors, once.
-    parts: where its planes are.
+    order: Axes of its planes, "ZCT" in some order, fastest first.
+    sizes: Sizes of these axes and of "X" and "Y". "C" counts channels that share a plane, such as
+        colors, once.
+    parts: Positions of its planes in files.
     """
 
     name: str
@@ -49,7 +52,7 @@ class Image:
     parts: tuple[Part, ...]
 
     def place(self, **indices: int) -> int:
-        """Returns the place among the planes of one with these indices, by the names of axes."""
+        """Returns the index of the plane with these indices by axis."""
         place, step = 0, 1
         for axis in self.order:
             place += step * indices[axis]
@@ -60,10 +63,11 @@ class Image:
 def images(
     path: Path, xml: str | bytes, read: Callable[[Path], str | bytes | None]
 ) -> tuple[Path, list[Image]]:
-    """Returns (file with the metadata, the images that these describe). Raises LeaflightError.
+    """Returns (file with the metadata, the images in it). Raises LeaflightError.
 
-    xml: of the file, of a TIFF file or one of OME-XML alone, which may refer to that of another
-    file of the set; read: gives the OME-XML of a file, or None.
+    xml: OME-XML of a TIFF file or of a separate file. It may refer to that of another file of the
+        set.
+    read: Function that returns the OME-XML of a file, or None.
     """
     root = _root(path, xml)
     binary_only = next(_children(root, "BinaryOnly"), None)
@@ -79,32 +83,33 @@ def images(
 def member(path: Path, name: str) -> Path:
     """Returns the file of this name in the set that `path` belongs to. Raises LeaflightError.
 
-    Metadata from elsewhere must not make us open files outside the folder of the set.
+    For security, it opens no file outside the folder of the set.
     """
     folder = path.parent.resolve()
     file = (path.parent / name).resolve()
     if re.match(r"[A-Za-z]:", name) or "\0" in name or folder not in file.parents:
         raise LeaflightError(
-            f"{path}: its image lies in several files, of which {name[:100]!r} is outside its own "
-            "folder; put all files of the set into one folder."
+            f"{path}: the image is in several files, and {name[:100]!r} is outside this folder; "
+            "put all files of the set into one folder."
         )
     if not file.is_file():
         raise LeaflightError(
-            f"{path}: its image lies in several files, of which {name[:100]!r} is missing; put all "
-            "files of the set into one folder."
+            f"{path}: the image is in several files, and {name[:100]!r} is missing; put all files "
+            "of the set into one folder."
         )
     return file
 
 
 def table(path: Path, image: Image, pages_of: Callable[[Path], int]) -> dict[int, tuple[Path, int]]:
-    """Returns {place of a plane: (file, page)} of all planes of an image.
+    """Returns {index of a plane: (file, page)} of all planes of an image.
 
-    pages_of: how many pages a file has. Raises LeaflightError where a file or a plane is missing.
+    pages_of: Function that returns the number of pages of a file.
+    Raises LeaflightError if a file or a plane is missing.
     """
     total = prod(image.sizes[axis] for axis in image.order)
     found: dict[int, tuple[Path, int]] = {}
     files = {name: member(path, name) if name else path for name in {p.file for p in image.parts}}
-    # A number of planes is believed where the file has so many pages.
+    # Trust a number of planes only if the file has as many pages.
     pages = {file: 0 for file in files.values()}
     for part in image.parts:
         file, count = files[part.file], part.count
@@ -125,8 +130,8 @@ def _incomplete(path: Path, image: Image, place: int) -> LeaflightError:
         place, k = divmod(place, image.sizes[axis])
         where.append(f"{axis} {k}")
     return LeaflightError(
-        f"{path}: its OME metadata describe {text([total])} planes, but the one at "
-        f"{', '.join(where)} is in none of its files: the image is incomplete, fetch it again."
+        f"{path}: the OME metadata describe {text([total])} planes, but the one at "
+        f"{', '.join(where)} is missing; fetch all files again."
     )
 
 
@@ -142,12 +147,12 @@ def _root(path: Path, xml: str | bytes | None) -> ElementTree.Element:
 
 def _damaged(path: Path) -> LeaflightError:
     return LeaflightError(
-        f"{path}: its OME metadata do not describe an image, or are damaged; fetch it again."
+        f"{path}: the OME metadata describe no image, or are damaged; fetch it again."
     )
 
 
 def _local(element: ElementTree.Element) -> str:
-    """Returns the name of an element, without the namespace that stands for the version."""
+    """Returns the name of an element without its namespace, which contains the version."""
     return element.tag.rpartition("}")[2]
 
 
@@ -156,12 +161,11 @@ def _children(element: ElementTree.Element, name: str) -> Iterator[ElementTree.E
 
 
 def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) -> Image:
-    """Returns an image. Raises KeyError, ValueError or StopIteration where it breaks the model."""
+    """Returns an image. Raises KeyError, ValueError or StopIteration if the XML is invalid."""
     pixels = next(_children(element, "Pixels"))
     if next(_children(pixels, "BinData"), None) is not None:
         raise LeaflightError(
-            f"{path}: its pixels lie within the XML, which is not supported; save the image as "
-            "OME-TIFF."
+            f"{path}: pixels within the XML are not supported; save the image as OME-TIFF."
         )
     order = pixels.attrib["DimensionOrder"][2:]
     sizes = {axis: int(pixels.attrib[f"Size{axis}"]) for axis in "XYZCT"}
@@ -184,13 +188,13 @@ def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) 
 def _parts(
     path: Path, root: ElementTree.Element, image: Image, pixels: ElementTree.Element
 ) -> Iterator[Part]:
-    own = _own_names(path, root)
+    own_names = _own_names(path, root)
     elements = list(_children(pixels, "TiffData"))
     for data in elements:
         named = next(_children(data, "UUID"), None)
         name = "" if named is None else named.get("FileName", "")
         first = {axis: int(data.get(f"First{axis}", 0)) for axis in image.order}
-        # ImageJ leaves places of what it cropped.
+        # ImageJ keeps the entries of planes that it cropped.
         if any(not 0 <= first[axis] < image.sizes[axis] for axis in image.order):
             continue
         count = data.get("PlaneCount", data.get("NumPlanes", "1" if "IFD" in data.attrib else None))
@@ -201,7 +205,7 @@ def _parts(
             yield Part(
                 image.place(**first),
                 None if count is None else int(count),
-                "" if name in own else name,
+                "" if name in own_names else name,
                 page,
             )
     if not elements:
@@ -209,18 +213,18 @@ def _parts(
 
 
 def _own_names(path: Path, root: ElementTree.Element) -> set[str]:
-    """Returns the names by which the metadata in a file mean that file, which may be renamed."""
+    """Returns the names of a file in its own metadata. The file may have been renamed."""
     names: dict[str, set[str]] = {}
     for named in root.iter():
         if _local(named) == "UUID" and named.get("FileName"):
             names.setdefault((named.text or "").strip(), set()).add(named.attrib["FileName"])
     every = set().union(*names.values())
-    own = {path.name}
+    found = {path.name}
     if path.name not in every:
         with_own_id = names.get(root.get("UUID", ""), set())
         absent = {name for name in every if not (path.parent / name).exists()}
         if len(with_own_id) == 1:
-            own |= with_own_id
+            found |= with_own_id
         elif len(every) == 1:
-            own |= absent
-    return own
+            found |= absent
+    return found

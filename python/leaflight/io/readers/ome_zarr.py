@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OME-Zarr folders, of which one resolution is read; and plain Zarr arrays.
+"""OME-Zarr folders, of which one resolution is read, and plain Zarr arrays.
 
 https://ngff.openmicroscopy.org/0.4, and 0.5
 """
@@ -21,12 +21,16 @@ from .packing import packing_of
 from .stored import StoredVolume, lengths
 from .zarr_folder import ZarrArray, ZarrGroup, open_zarr
 
-# Images within a folder that are looked for.
+# Upper bound on the images in a folder.
 _MOST_IMAGES = 1000
 
 
 def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> StoredVolume:
-    """dataset: which image of a folder of several; level: which resolution, 0 the finest."""
+    """Opens an image of a folder.
+
+    dataset: Name of one of several images.
+    level: Resolution; 0 is the finest.
+    """
     node = open_zarr(path)
     names: tuple[str, ...] = ()
     notes: list[str] = []
@@ -44,8 +48,8 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
     if grid is None:
         named = ", ".join(f"{axis.name or '(no name)'} {text([axis.size])}" for axis in axes)
         raise LeaflightError(
-            f"{path}: its axes are {named[:200]}, but a volume needs x, y and z of two samples at "
-            "least."
+            f"{path}: the axes are {named[:200]}, but a volume needs x, y and z with at least two "
+            "samples each; choose another image."
         )
     check_matrix(path, grid.matrix)
     packing = packing_of(array.attributes)
@@ -71,7 +75,7 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
 
 
 def _values(array: ZarrArray, grid: Grid, frame: int, channel: int, progress: Progress) -> Array:
-    """One volume as [z, y, x]."""
+    """Returns one volume as [z, y, x]."""
     chosen = {"x": None, "y": None, "z": None, "t": frame, "c": channel}
     places = [chosen.get(letter, 0) for letter in grid.letters]
     axes = [grid.letters.index(letter) for letter in "zyx"]
@@ -86,15 +90,15 @@ def _dims(levels: list[tuple[ZarrArray, list[Axis]]], grid: Grid) -> tuple[tuple
 
 
 def _images(path: Path, group: ZarrGroup) -> dict[str, ZarrGroup]:
-    """{name: the group of an image}: the folder itself, or those in it as of bioformats2raw."""
+    """Returns {name: group of an image}: the folder itself, or those in it (bioformats2raw)."""
     if _multiscales(group):
         return {path.name: group}
     groups = islice(group.groups(), _MOST_IMAGES)
     found = {one.path.name: one for one in groups if _multiscales(one)}
     if not found:
         raise LeaflightError(
-            f"{path}: it has no multiscale image of OME-Zarr; give the folder of one image, or of "
-            "one array."
+            f"{path}: this folder has no multiscale OME-Zarr image; give the folder of one image, "
+            "or of one array."
         )
     return found
 
@@ -104,9 +108,9 @@ def _multiscales(group: ZarrGroup) -> Any:
 
 
 def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Axis]]], list[str]]:
-    """([(array, its axes)], notes), from the finest resolution on."""
+    """Returns ([(array, its axes)], notes), the finest resolution first."""
     image = _multiscales(group)[0]
-    # Before 0.4 axes were names alone, and before 0.3 always these.
+    # Before version 0.4 axes were only names, and before 0.3 always these.
     named = image.get("axes") or ["t", "c", "z", "y", "x"]
     named = [axis if isinstance(axis, dict) else {"name": axis} for axis in named]
     levels, left_out = [], set()
@@ -114,8 +118,8 @@ def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Ax
         array = group.array(part["path"])
         if len(named) != len(array.shape):
             raise LeaflightError(
-                f"{path}: its metadata name {len(named)} axes, but its arrays have "
-                f"{len(array.shape)}; repair them."
+                f"{path}: the metadata have {len(named)} axes, but the arrays have "
+                f"{len(array.shape)}; repair the metadata."
             )
         steps, firsts, others = _transform([part, image], len(named))
         left_out |= others
@@ -124,7 +128,7 @@ def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Ax
             for n, axis, first, step in zip(array.shape, named, firsts, steps)
         ]
         levels.append((array, axes))
-    notes = [f"Its transformation {kind[:40]!r} is left out." for kind in sorted(left_out)]
+    notes = [f"The transformation {kind[:40]!r} is ignored." for kind in sorted(left_out)]
     return levels, notes
 
 
@@ -136,7 +140,7 @@ def _axis(size: int, named: dict[str, Any], first: float, step: float) -> Axis:
 
 
 def _transform(parts: Sequence[dict[str, Any]], axes: int) -> tuple[Array, Array, set[str]]:
-    """(steps, places of the first samples, kinds of others) by lists of scales and translations."""
+    """Returns (steps, first positions, unknown kinds) of lists of scales and translations."""
     steps, firsts, others = np.ones(axes), np.zeros(axes), set()
     for part in parts:
         for one in part.get("coordinateTransformations") or ():
@@ -153,7 +157,7 @@ def _transform(parts: Sequence[dict[str, Any]], axes: int) -> tuple[Array, Array
 
 
 def _plain_axes(array: ZarrArray) -> list[Axis]:
-    """The axes of an array by itself, with the names that Zarr 3 or xarray gives them."""
+    """Returns the axes of a single array, with the names of Zarr 3 or xarray."""
     names = array.names or tuple(array.attributes.get("_ARRAY_DIMENSIONS") or ())
     names = names if len(names) == len(array.shape) else ("",) * len(array.shape)
     return [Axis(n, str(name or "")) for n, name in zip(array.shape, names)]

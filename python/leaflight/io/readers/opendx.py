@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of OpenDX, as APBS, VMD, MDAnalysis and fpocket write them, plain or gzipped.
+"""OpenDX maps of APBS, VMD, MDAnalysis and fpocket, plain or gzipped.
 
 https://apbs.readthedocs.io/en/latest/formats/opendx.html
 """
@@ -33,15 +33,15 @@ _TYPES = {
     "float": "f4",
     "double": "f8",
 }
-# Characters of a line of the header, and lines of it, at most.
+# Upper bounds on the characters of a line of the header, and on its lines.
 _MOST_LINE, _MOST_LINES = 1 << 12, 1 << 12
-# Another file with the values, and where they begin in it.
+# Name of another file with the values, and their start in it.
 _ELSEWHERE = re.compile(r'data file "?([^",]+)"?(?:,(\d+))?', re.IGNORECASE)
 
 
 @dataclass
 class _Map:
-    """The grid of a file and its array; start: where the numbers begin in the file `data`."""
+    """The grid of a file and its array. start: First byte of the numbers in the file `data`."""
 
     counts: list[int] = field(default_factory=list)
     origin: list[float] = field(default_factory=lambda: [0.0] * 3)
@@ -72,13 +72,13 @@ def open_volume(path: Path) -> StoredVolume:
     dims: tuple[int, ...] = points
     cells = tuple(max(1, n - 1) for n in points)
     if grid.items == prod(cells) != prod(points):
-        # It has a value for each connection, in the middle of eight positions.
+        # Values belong to connections (cells), in the middle of eight positions.
         dims = cells
         matrix[:3, 3] += matrix[:3, :3] @ [0.5, 0.5, 0.5]
     if grid.items != prod(dims):
         raise LeaflightError(
-            f"{path}: it claims {text([grid.items])} values for {text(points)} positions; it is "
-            "damaged."
+            f"{path}: the header claims {text([grid.items])} values for {text(points)} positions, "
+            "so it is damaged; fetch the file again."
         )
     check_matrix(path, matrix)
     shape = (*dims, grid.channels)
@@ -92,14 +92,14 @@ def open_volume(path: Path) -> StoredVolume:
         values = _values(grid, shape, progress)[..., channel]
         return Volume(values.transpose(2, 1, 0), matrix, path.name.partition(".")[0])
 
-    note = "The file names no unit; its lengths are taken for angstrom, as in maps of molecules."
+    note = "The file has no unit; lengths are read as angstrom, as in maps of molecules."
     return StoredVolume(
         dims, grid.dtype, load, lengths(matrix), "Å", channels=grid.channels, notes=(note,)
     )
 
 
 def _header(path: Path, file: io.BufferedIOBase) -> _Map:
-    """Reads all before the values of the first array. Raises ValueError where there is none."""
+    """Reads the header of the first array. Raises ValueError if there is none."""
     grid = _Map(data=path)
     for _ in range(_MOST_LINES):
         line = file.readline(_MOST_LINE)
@@ -122,7 +122,7 @@ def _header(path: Path, file: io.BufferedIOBase) -> _Map:
 
 
 def _read_array(grid: _Map, line: str, file: io.BufferedIOBase) -> None:
-    """Reads the line that announces the values, which follow it or lie in another file."""
+    """Reads the line about the values, which follow it or are in another file."""
     words = line.lower().replace('"', "").split()
     kind = _after(words, "type", "float")
     if kind in ("signed", "unsigned"):

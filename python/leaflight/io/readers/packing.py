@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values that files store as other numbers, with those that stand for missing data.
+"""Packed values: numbers in a file with a scale, an offset and codes for missing data.
 
-By attributes of netCDF: https://cfconventions.org, Packed Data and Missing Data
+Attributes of netCDF describe them: https://cfconventions.org, Packed Data and Missing Data
 """
 
 from collections.abc import Mapping
@@ -13,19 +13,19 @@ import numpy as np
 from ...arrays import Array
 from .attributes import numbers_of, text_of
 
-# The attributes that packing_of() looks at.
+# Attributes that packing_of() uses.
 NAMES = ("scale_factor", "add_offset", "_FillValue", "missing_value", "_Unsigned")
-# Values that stand for missing data; more is damage.
+# Upper bound on the codes for missing data.
 _MOST_FILLS = 8
-# A scale of so many steps of single precision keeps neighboring values apart.
+# Least scale, in steps of single precision, at which neighboring values differ.
 _STEPS = 16
 
 
 @dataclass(frozen=True)
 class Packing:
-    """Values are offset + scale * stored; stored ones of `fills` are missing data, NaN.
+    """Values are offset + scale * stored. Stored numbers in `fills` are missing data, NaN.
 
-    unsigned: whether integers that are stored with a sign have none.
+    unsigned: True if integers that are stored as signed are unsigned.
     """
 
     unsigned: bool = False
@@ -34,14 +34,14 @@ class Packing:
     fills: tuple[float, ...] = ()
 
     def dtype(self, stored: np.dtype[Any]) -> np.dtype[Any]:
-        """The type of unpacked values."""
+        """Returns the type of unpacked values."""
         plain = self._plain(stored)
         if plain.kind == "f" or not (self._is_scaled or self.fills):
             return plain
         return scaled_type(plain, self.scale, self.offset)
 
     def unpacked(self, stored: Array) -> Array:
-        """The values; `stored` itself where it holds them already."""
+        """Returns the values. It is `stored` itself if nothing must be converted."""
         plain = stored.view(self._plain(stored.dtype))
         dtype = self.dtype(stored.dtype)
         values = plain.astype(dtype) if self._is_scaled or plain.dtype != dtype else plain
@@ -56,14 +56,14 @@ class Packing:
         return values
 
     def note(self, values: Array) -> tuple[str, ...]:
-        """A sentence about those of the unpacked values that are missing, if any are."""
+        """Returns a sentence about missing values, if there are any."""
         if not self.fills:
             return ()
         missing = sum(int(np.isnan(plane).sum()) for plane in values)
         if not missing:
             return ()
         fills = " or ".join(f"{fill:g}" for fill in self.fills)
-        return (f"{missing} of its voxels are missing data: the file marks them by {fills}.",)
+        return (f"{missing} of the voxels are missing data, which the file marks by {fills}.",)
 
     @property
     def _is_scaled(self) -> bool:
@@ -76,7 +76,7 @@ class Packing:
 
 
 def scaled_type(stored: np.dtype[Any], scale: float, offset: float) -> np.dtype[Any]:
-    """The type of offset + scale * stored: float64 where float32 would hide differences."""
+    """Returns the type of offset + scale * stored: float64 if float32 would hide differences."""
     wide = stored.itemsize > (2 if stored.kind in "iu" else 4)
     with np.errstate(over="ignore", invalid="ignore"):
         fine = abs(scale) > _STEPS * np.spacing(np.float32(abs(offset)))
@@ -84,7 +84,7 @@ def scaled_type(stored: np.dtype[Any], scale: float, offset: float) -> np.dtype[
 
 
 def packing_of(attributes: Mapping[str, Any]) -> Packing:
-    """The Packing that the attributes of an array describe, those of NAMES."""
+    """Returns the Packing that the attributes of an array (NAMES) describe."""
     scale = [number for number in numbers_of(attributes.get("scale_factor")) if number]
     offset = numbers_of(attributes.get("add_offset"))
     fills = [
@@ -100,11 +100,11 @@ def packing_of(attributes: Mapping[str, Any]) -> Packing:
 
 
 def _as(fill: float, dtype: np.dtype[Any]) -> Any:
-    """The number of this type that a fill value is, which a file may give in another type."""
+    """Returns a fill value as a number of this type. A file may give it in another type."""
     if dtype.kind == "f":
         with np.errstate(over="ignore"):
             return dtype.type(fill)
     if dtype.kind == "u" and fill < 0:
-        # As the signed integer that it is stored as.
+        # Return the signed integer with the same bits.
         fill += 2.0 ** (8 * dtype.itemsize)
     return fill

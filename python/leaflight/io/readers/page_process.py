@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compressed pages of pictures, which one process decodes for all that a volume takes."""
+"""Decodes compressed pages of pictures in one subprocess for all pages of a volume."""
 
 import os
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from ..reader_process import ENDLESS, ReaderProcess
 
 @dataclass
 class _Processes:
-    """By (module, function), and what ends them."""
+    """Processes by (module, function), and the stack that ends them."""
 
     started: dict[tuple[str, str], ReaderProcess] = field(default_factory=dict)
     ends: ExitStack = field(default_factory=ExitStack)
@@ -24,7 +24,7 @@ _kept: ContextVar[_Processes | None] = ContextVar("_kept", default=None)
 
 @contextmanager
 def kept_processes() -> Iterator[None]:
-    """While this lasts, decoded() needs no more than one process of each kind."""
+    """Keeps a process of each kind alive for decoded() within the context."""
     processes = _Processes()
     with processes.ends:
         before = _kept.set(processes)
@@ -39,8 +39,10 @@ def decoded(
 ) -> Array:
     """Returns the page of a file that a function decodes in a subprocess.
 
-    kind: of file, for people; function: (module, name) of one that answers reader_process
-    .requests() of (path, *request); most: bytes that the page may have.
+    kind: Kind of file, for messages.
+    function: (module, name) of a function that answers reader_process.requests() of (path,
+        *request).
+    most: Upper bound on the bytes of the page.
     Raises LeaflightError, ModuleNotFoundError and ValueError as ReaderProcess does.
     """
     processes = _kept.get()
@@ -55,6 +57,6 @@ def decoded(
     try:
         return process.ask(path, most, *request)
     except Exception:
-        # It has ended.
+        # The process has ended.
         del processes.started[function]
         raise

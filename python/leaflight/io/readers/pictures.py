@@ -25,12 +25,12 @@ _KINDS = ("PNG", "JPEG", "BMP")
 def open_volume(
     path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
 ) -> StoredVolume:
-    """Opens a folder of slices, whose voxels have the size 1 without spacing."""
+    """Opens a folder of slices. Without spacing the voxel size is 1."""
     if not path.is_dir():
         height, width = _pixels(path).shape[:2]
         raise LeaflightError(
-            f"{path}: it holds one picture of {text((width, height))} pixels, but a volume needs "
-            "three dimensions; if this is one slice of many, open their folder."
+            f"{path}: the file holds one picture of {text((width, height))} pixels, but a volume "
+            "needs three dimensions; if this is one slice of many, open their folder."
         )
     files = visible_files(path, SUFFIXES)
     with _opened(files[0]) as image:
@@ -41,18 +41,18 @@ def open_volume(
 def _pixels(path: Path, palette: bytes | None = None) -> Array:
     """Reads the pixels [y, x] or RGB [y, x, s] of a picture. Raises LeaflightError.
 
-    palette: of the first slice; the numbers of colors are values only where all have the same.
+    palette: Palette of the first slice. Palette indices are values only if all slices share it.
     """
     with _opened(path) as image:
         if image.mode == "P" and not _is_gray(image):
             if palette is not None and _palette(image) != palette:
                 raise LeaflightError(
-                    f"{path}: its color palette is not that of the first slice; convert all "
-                    "slices to gray values first."
+                    f"{path}: the color palette differs from that of the first slice; convert all "
+                    "slices to gray first."
                 )
             return np.array(image)
         if image.mode.startswith("I"):
-            # Pillow has 16 bits in 32.
+            # Pillow stores 16 bits in 32.
             return np.array(image).astype(np.uint16)
         if image.mode not in ("L", "RGB"):
             image = image.convert("L" if image.mode in ("1", "LA", "P") else "RGB")
@@ -60,7 +60,7 @@ def _pixels(path: Path, palette: bytes | None = None) -> Array:
 
 
 def _palette(image: Any) -> bytes | None:
-    """Returns red, green and blue of each color, None for a picture without a palette."""
+    """Returns red, green and blue of each color, None without a palette."""
     return bytes(image.getpalette("RGB")) if image.mode == "P" else None
 
 
@@ -70,11 +70,11 @@ def _is_gray(image: Any) -> bool:
 
 
 def _notes(image: Any) -> tuple[str, ...]:
-    """Returns notes about what the volume leaves out of such a picture."""
+    """Returns notes about parts of such pictures that the volume leaves out."""
     if image.mode == "P" and not _is_gray(image):
-        return ("The values are the numbers of colors in the palette of the pictures.",)
+        return ("The values are color indices of the palette of the pictures.",)
     if image.mode in ("RGB", "RGBA", "LA") and ";16" in image.info["stored"]:
-        return ("Of the 16 bits of each color the upper 8 are read.",)
+        return ("Only the upper 8 of the 16 bits of each color are read.",)
     return ()
 
 
@@ -82,20 +82,21 @@ def _notes(image: Any) -> tuple[str, ...]:
 def _opened(path: Path) -> Iterator[Any]:
     """Reads the whole picture in a file. Raises LeaflightError."""
     try:
-        # A warning of a large picture is harmless; of a far too large one Pillow raises an error.
+        # Ignore Pillow's warning of a large picture; it raises an error for one that is far too
+        # large.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path, formats=_KINDS) as image:
-                # How the pixels are stored, which loading forgets.
+                # Read the storage of the pixels first, because loading discards it.
                 image.info["stored"] = str(image.tile)
                 image.load()
                 yield image
     except (LeaflightError, MemoryError):
         raise
     except Image.DecompressionBombError:
-        raise LeaflightError(f"{path}: the picture is too large; use smaller ones.") from None
+        raise LeaflightError(f"{path}: the picture is too large; use a smaller one.") from None
     except Exception:
-        # On damaged files Pillow fails with whatever comes first, from OSError to struct.error.
+        # On damaged files Pillow raises many types, from OSError to struct.error.
         raise LeaflightError(
             f"{path}: this is not a readable picture, or it is truncated or damaged; fetch it "
             "again."

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point clouds of .ply whose points have a value, interpolated into a volume.
+"""Point clouds in .ply whose points have a value, interpolated to a volume.
 
 http://paulbourke.net/dataformats/ply
 """
@@ -36,7 +36,7 @@ _TYPES = {
     "float64": "f8",
 }
 _MARKS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-# Properties that are no value of the point.
+# Properties that are not values.
 _OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t", "u", "v"}
 # Upper bound on the bytes of a header.
 _MOST = 1 << 16
@@ -45,20 +45,24 @@ _MOST = 1 << 16
 def open_volume(
     path: Path, dataset: str | None = None, dims: Sequence[int] | None = None
 ) -> StoredVolume:
-    """dataset: name of the property that is the value, where there are several."""
+    """Opens a point cloud.
+
+    dataset: Name of the property with the value, if there are several.
+    dims: Nodes, see interpolated().
+    """
     form, count, dtype, offset = _header(path)
     fields = dtype.names or ()
     names = tuple(name for name in fields if name not in _OTHERS)
     if not names or not set("xyz") <= set(fields):
         raise LeaflightError(
-            f"{path}: its points need x, y, z and a value, a property of any other name; it has "
-            f"{', '.join(fields) or 'none'}."
+            f"{path}: the points have the properties {', '.join(fields) or '(none)'}, but need x, "
+            "y, z and a value of any other name; add them."
         )
     name = "value" if dataset is None and "value" in names else choose_named(path, names, dataset)
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     stored = path.stat().st_size - offset
-    # A number of text takes two characters at least.
+    # A number in text takes at least two characters.
     itemsize = dtype.itemsize if _MARKS[form] else 2 * len(fields)
     check_size(path, (count,), itemsize, stored)
 
@@ -79,7 +83,7 @@ def open_volume(
 
 
 def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
-    """(format, number of points, dtype of one, where they begin)."""
+    """Returns (format, number of points, dtype of a point, first byte of the points)."""
     with open(path, "rb") as file:
         begin = file.read(_MOST)
     found = re.search(rb"end_header\r?\n", begin)
@@ -93,10 +97,14 @@ def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
         )
     elements = [number for number, line in enumerate(words) if line[0] == "element"]
     if not elements or words[elements[0]][1] != "vertex":
-        raise LeaflightError(f"{path}: its points must be the first element; save it so.")
+        raise LeaflightError(
+            f"{path}: the points are not the first element; save the file with points first."
+        )
     last = elements[1] if len(elements) > 1 else len(words)
     properties = [line[1:] for line in words[elements[0] + 1 : last] if line[0] == "property"]
     if any(kind not in _TYPES for kind, *_ in properties):
-        raise LeaflightError(f"{path}: its points have properties that are no numbers.")
+        raise LeaflightError(
+            f"{path}: the points have properties that are lists; save only numbers."
+        )
     dtype = np.dtype([(name, _MARKS[form] + _TYPES[kind]) for kind, name in properties])
     return form, int(words[elements[0]][2]), dtype, found.end()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values without a header, or behind one to skip: the caller gives the layout."""
+"""Raw values without a header, or after one to skip. The caller gives the layout."""
 
 from collections.abc import Sequence
 from math import prod
@@ -28,9 +28,10 @@ def open_volume(
     spacing: float | Sequence[float] = 1.0,
     skip: int = 0,
 ) -> StoredVolume:
-    """x-fastest values; behind `skip` bytes the file must hold just dims (nx, ny, nz) of them.
+    """Opens values, x fastest.
 
-    skip: -1 where the values are the end of the file, whatever is before them.
+    dims: Numbers of values (nx, ny, nz). They must end exactly at the end of the file.
+    skip: Bytes before the values; -1 if the values are the end of the file, after anything.
     """
     if dims is None or type is None:
         raise SettingError(
@@ -41,20 +42,22 @@ def open_volume(
         )
     if len(dims) != 3 or any(n != int(n) or n < 1 for n in dims):
         raise SettingError(
-            f"{path}: the dimensions must be three positive whole numbers, of voxels along x, y "
+            f"{path}: the dimensions are not three positive integers; give the voxels along x, y "
             "and z.",
             "dims",
         )
     if type not in TYPES:
         raise SettingError(
-            f"{path}: the type {type} is not known; known are {', '.join(TYPES)}.", "type"
+            f"{path}: the type {type} is unknown; choose one of {', '.join(TYPES)}.", "type"
         )
     if endian not in ENDIANS:
-        raise SettingError(f"{path}: the byte order must be little or big, not {endian}.", "endian")
+        raise SettingError(
+            f"{path}: the byte order {endian} is unknown; choose little or big.", "endian"
+        )
     if skip != int(skip) or skip < -1:
         raise SettingError(
-            f"{path}: the bytes to skip must be a whole number, or -1 for all before the values, "
-            f"not {skip}.",
+            f"{path}: the number of bytes to skip is {skip}; give a whole number, or -1 for "
+            "everything before the values.",
             "skip",
         )
     nx, ny, nz = (int(n) for n in dims)
@@ -70,7 +73,7 @@ def open_volume(
 
 
 def _check_length(path: Path, shape: Sequence[int], dtype: np.dtype[Any], skip: int) -> None:
-    """Raises SettingError unless the values reach exactly to the end of the file."""
+    """Raises SettingError unless the values end exactly at the end of the file."""
     needed, found = prod(shape) * dtype.itemsize, path.stat().st_size
     left = found - max(skip, 0)
     if needed == left or (skip == -1 and needed <= left):
@@ -78,7 +81,7 @@ def _check_length(path: Path, shape: Sequence[int], dtype: np.dtype[Any], skip: 
     behind = f" behind the {skip} that are skipped" if skip > 0 else ""
     header = f": {left - needed} more, which may be a header to skip" if needed < left else ""
     raise SettingError(
-        f"{path}: {text(shape[::-1])} values of {dtype.name} are {needed} bytes, but the file "
+        f"{path}: {text(shape[::-1])} values of {dtype.name} take {needed} bytes, but the file "
         f"holds {max(0, left)}{behind}{header}; check dimensions and type.",
         "dims",
         "type",

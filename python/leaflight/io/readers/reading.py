@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one gate through which volumes come from files."""
+"""Entry point of all readers: read_volume() and probe()."""
 
 import os
 import warnings
@@ -73,38 +73,39 @@ def read_volume(
 ) -> Volume:
     """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
 
-    stored: StoredOptions by their names, what a kind of file leaves open, as follow.
-    dims: of a .raw (nx, ny, nz); of scattered points the nodes along x, y and z, or one number,
-        those along the longest side.
-    type ("uint8", "float32", ...), endian ("little", "big"): of the values in a .raw; with dims and
-        type any file is read as one.
-    skip: bytes of a .raw before its values; -1 where these are the end of the file.
-    spacing: size of a voxel, one number or (x, y, z), for files that often lack it.
-    grid: name of the grid in a .vdb; None is the first scalar one.
-    frame, channel: which of several volumes, from 0; data that have some demand a choice.
-    level: which resolution of those that a file holds, from 0, the finest, which is the default.
-    dataset: name of the array or series, where a file or folder holds several.
-    downsample: 2, 4 or 8 keep the mean of so many voxels along each axis; 1 is the default.
-    smooth: standard deviation of a Gaussian that the values are smoothed by, in the voxels that
-        are kept; 0 is the default. smooth_normals: the same of the normals alone (Volume).
-    progress: as of bake().
-    Returns a Volume. Raises LeaflightError: one sentence with the file and the remedy.
-    Raises Cancelled.
+    stored: StoredOptions by name, for facts that a format does not store, as follows.
+    dims: Size of a .raw, (nx, ny, nz). For scattered points the nodes along x, y and z, or one
+        number along the longest side.
+    type: Type of the values in a .raw: "uint8", "float32", ... With dims and type any file is read
+        as a .raw.
+    endian: Byte order of the values in a .raw, "little" or "big".
+    skip: Bytes of a .raw before its values. -1 means that the values are the end of the file.
+    spacing: Voxel size, one number or (x, y, z), for files that often lack it.
+    grid: Name of the grid in a .vdb. None is the first scalar one.
+    frame, channel: Numbers of the frame and the channel, from 0. Files with several need a choice.
+    level: Resolution of a file that holds several. 0 is the finest and the default.
+    dataset: Name of the array or series, if a file or folder holds several.
+    downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8.
+    smooth: Standard deviation of a Gaussian on the values, in voxels after downsampling. 0 is the
+        default.
+    smooth_normals: The same for the normals alone (see Volume).
+    progress: As for bake().
+    Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
+    remedy.
     """
     assert progress is not None
     _check_names(stored)
     path = Path(path)
     if downsample is not None and downsample not in DOWNSAMPLE:
         raise SettingError(
-            f"{path}: downsample must be one of {', '.join(map(str, DOWNSAMPLE))}, not "
-            f"{downsample}.",
+            f"{path}: downsample is {downsample}; choose one of {', '.join(map(str, DOWNSAMPLE))}.",
             "downsample",
         )
     smooth = checked(smooth or 0.0, "smooth", path)
     smooth_normals = checked(smooth_normals or 0.0, "smooth_normals", path)
     with _sentences(path, stored) as kind:
         opened = _opened(path, kind(), stored)
-        # Files of channels alone were read by `frame` before there was `channel`.
+        # Earlier versions read channels by `frame`, if the file had no frames.
         if channel is None and opened.frames == 1 and opened.channels > 1:
             frame, channel = None, frame
         frame = choose(path, "frame", frame, opened.frames)
@@ -129,17 +130,18 @@ def read_volume(
             smooth_normals=smooth_normals,
             notes=(*opened.notes, *volume.notes, *notes),
         )
-    progress.begin("Looking at the values")
+    progress.begin("Examining values")
     progress.check()
     volume.field()
     return volume if smooth > 0 or step > 1 else volume.noted(*about_labels(volume))
 
 
 def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> StoredVolume:
-    """What the file tells of its volume before its voxels are read: a StoredVolume.
+    """Returns a StoredVolume, the facts of a file, without reading its voxels.
 
-    stored: as of read_volume(); without a choice that is needed the file's own list of them comes
-        back, with dims None. Raises LeaflightError.
+    stored: As for read_volume(). Without a choice that is needed, the result has dims None and the
+        list to choose from.
+    Raises LeaflightError.
     """
     _check_names(stored)
     path = Path(path)
@@ -148,7 +150,7 @@ def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> St
 
 
 def _check_names(stored: StoredOptions) -> None:
-    """Raises TypeError for an option that no kind of file has, as for a wrong keyword."""
+    """Raises TypeError for an option of no format, as Python does for a wrong keyword."""
     for name in stored:
         if name not in StoredOptions.__annotations__:
             raise TypeError(
@@ -161,7 +163,8 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
     for name in options:
         if name not in kind.options:
             raise SettingError(
-                f"{path}: {name} has no meaning for this kind of file; leave it out.", name
+                f"{path}: the option {name} does not apply to this kind of file; leave it out.",
+                name,
             )
     reader = import_module(f".{kind.module}", __package__)
     opened: StoredVolume = reader.open_volume(path, **options)
@@ -171,7 +174,10 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
 
 @contextmanager
 def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Format]]:
-    """Turns whatever reading a file raises into one sentence; gives a function to its Format."""
+    """Converts any exception of reading a file to one sentence.
+
+    Yields a function that sets the Format for the sentence.
+    """
     kinds: list[Format] = []
 
     def kind() -> Format:
@@ -189,7 +195,7 @@ def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Forma
     except (Cancelled, SettingError):
         raise
     except LeaflightError as error:
-        # The sentence may be about another file, the detached data of a header.
+        # The error may name another file, such as the data of a header.
         if str(path) in str(error):
             raise
         raise LeaflightError(f"{path}: {error}") from None
@@ -203,7 +209,7 @@ def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Forma
             f"{path}: the volume does not fit into memory; downsample it, or use a smaller one."
         ) from None
     except Exception as error:
-        # On damaged files libraries fail with whatever comes first.
+        # On damaged files libraries raise many types of exceptions.
         name = kinds[0].name if kinds else "file"
         raise LeaflightError(
             f"{path}: this is not a readable {name}, or it is truncated or damaged; fetch it again."
@@ -211,27 +217,30 @@ def _sentences(path: Path, stored: StoredOptions) -> Iterator[Callable[[], Forma
 
 
 def _check_memory(path: Path, stored: StoredVolume, step: int) -> None:
-    """Refuses what cannot fit, before it is allocated: a header may claim anything."""
+    """Raises SettingError if the volume cannot fit into memory.
+
+    It runs before memory is allocated, because a header may claim any size.
+    """
     needed, here = stored.bytes(step), machine_memory()
-    # Where the memory is limited they lie in a file, for which there is room or not.
+    # With limited memory the voxels are stored in a file.
     if needed is None or stored.dims is None:
         return
     if 0 < here < needed and not is_limited():
         raise SettingError(
-            f"{path}: its {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
-            f"there are {here / 1e9:.1f} GB; downsample it, or limit the memory, so "
-            "that they lie on the disk.",
+            f"{path}: the {text(stored.dims)} voxels need {needed / 1e9:.1f} GB of memory, but "
+            f"{here / 1e9:.1f} GB are available; downsample the volume, or limit the memory, so "
+            "that it is stored on disk.",
             "downsample",
         )
 
 
 def _held(values: Array | Usable, progress: Progress) -> Array:
-    """The voxels as a volume has them, its own: a mapped file might change behind our back."""
+    """Returns a copy of the voxels in memory, because a mapped file might change."""
     stored = values.stored if isinstance(values, Usable) else values
     kept, mapped = held_type(values.dtype), isinstance(stored, np.memmap)
-    own = isinstance(stored, np.ndarray) and not mapped and stored.flags.c_contiguous
-    own = own and stored.dtype == kept and (values is stored or stored.flags.writeable)
-    held = stored if own else new_voxels(values.shape, kept)
+    is_owned = isinstance(stored, np.ndarray) and not mapped and stored.flags.c_contiguous
+    is_owned = is_owned and stored.dtype == kept and (values is stored or stored.flags.writeable)
+    held = stored if is_owned else new_voxels(values.shape, kept)
     if held is not values:
         for k in watched(progress, range(len(values))):
             held[k] = as_voxels(values[k])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scans whose headers nibabel reads, and whose values stand in one file, x fastest."""
+"""Scans whose headers nibabel reads. Their values are in one file, x fastest."""
 
 import zlib
 from collections.abc import Callable
@@ -17,7 +17,8 @@ from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 from .watched import is_packed
 
-# scaled(place, progress) reads and scales the values of one frame and channel, as [x, y, z].
+# Type of scaled(place, progress), which reads and scales the values of one frame and channel, [x,
+# y, z].
 Scaled = Callable[[tuple[int, ...], Progress], Array]
 
 
@@ -25,9 +26,10 @@ Scaled = Callable[[tuple[int, ...], Progress], Array]
 class Scan:
     """The data of a header.
 
-    file: that has the values from byte `offset` on, packed or not. shape: (x, y, z) and then
-    frames and channels, if any. affine: to right, anterior, superior. scaled: where a header gives
-    other values than are in the file; they have the type scaled_dtype.
+    file: File with the values from byte `offset` on, compressed or not.
+    shape: Sizes (x, y, z) and then frames and channels, if any.
+    affine: Matrix to right, anterior, superior.
+    scaled: Function that returns scaled values of the type scaled_dtype, if the header scales.
     """
 
     file: Path
@@ -42,7 +44,7 @@ class Scan:
 
 
 def stored_scan(path: Path, scan: Scan) -> StoredVolume:
-    """Raises LeaflightError where the file cannot hold what the header claims."""
+    """Returns the StoredVolume of a Scan. Raises LeaflightError if the header claims too much."""
     shape = scan.shape
     while len(shape) > 3 and shape[-1] == 1:
         shape = shape[:-1]
@@ -51,7 +53,9 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
     if not np.isfinite(scan.affine).all():
         raise LeaflightError(f"{path}: the affine in the header is not finite; repair the header.")
     if scan.offset < 0 or min(shape) < 1:
-        raise LeaflightError(f"{path}: the header claims no values; the file is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims no values, so it is damaged; fetch the file again."
+        )
     values = ValueFiles((scan.file,), "gzip" if is_packed(scan.file) else "raw", skip=scan.offset)
     values.check(shape[::-1], scan.dtype)
     name = Path(path.name[:-3] if path.name.lower().endswith(".gz") else path.name).stem
@@ -75,7 +79,7 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
         unit=scan.unit,
         frames=shape[3] if len(shape) > 3 else 1,
         channels=shape[4] if len(shape) > 4 else 1,
-        # By the rule of each of these formats.
+        # Coordinates of all these formats are those of a patient.
         patient=True,
         notes=scan.notes,
     )

@@ -23,10 +23,11 @@ def open_slices(
     spacing: float | Sequence[float] | None = None,
     notes: Sequence[str] = (),
 ) -> StoredVolume:
-    """Opens the volume of the slices in a folder, or one of several by the common part of names.
+    """Opens the volume of the slices in a folder. Raises LeaflightError.
 
-    files: of the slices and of other pictures; read: gives the pixels of one, [y, x] or RGB
-    [y, x, s]. Raises LeaflightError.
+    files: Slices, and other pictures.
+    read: Function that returns the pixels of a file, [y, x] or RGB [y, x, s].
+    dataset: Common part of the names of one of several volumes.
     """
     found = sequences(folder, files)
     volumes = [(one.name, partial(_stack, one, read, tuple(notes))) for one in found]
@@ -43,8 +44,8 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
             pixels = read(slices.files[k])
             if pixels.shape != first.shape:
                 raise LeaflightError(
-                    f"{slices.files[k]}: the slice is {_dims(pixels)}, but every slice of the "
-                    f"folder must be one plane of the same size, {_dims(first)}."
+                    f"{slices.files[k]}: the slice is {_dims(pixels)}, but the first slice of the "
+                    f"folder is {_dims(first)}; keep slices of one size."
                 )
             return pixels
 
@@ -53,7 +54,8 @@ def _stack(slices: Slices, read: Callable[[Path], Array], notes: tuple[str, ...]
     inner = tuple(zip("YXS", first.shape))
     if not has_depth((*slices.axes, *inner)):
         raise LeaflightError(
-            f"{slices.files[0]}: it is the only slice of the folder, but a volume needs several."
+            f"{slices.files[0]}: the folder has only this slice, but a volume needs several; "
+            "choose another folder."
         )
     blocks = Blocks(slices.axes, inner, first.dtype, reading, 3, first.ndim == 3)
     return stack_of(slices.files[0].parent, blocks, None, (*notes, *slices.notes))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds the reader of a file from its content, if its name does not tell."""
+"""Finds the reader of a file by its content, if its name is not enough."""
 
 import re
 import zipfile
@@ -8,10 +8,10 @@ from pathlib import Path
 
 from ..._core import LeaflightError
 
-# Bytes that a file is looked at, and that packed ones are unpacked to.
+# Number of first bytes that are examined, also after decompression.
 _LOOKED_AT = 1 << 16
 
-# (module of the reader, where the bytes stand, the bytes), of formats that are binary.
+# (module of the reader, offset of the bytes, the bytes) of binary formats.
 _SIGNATURES = (
     ("dicom", 128, b"DICM"),
     ("nifti", 344, b"n+1\0"),
@@ -36,10 +36,10 @@ _SIGNATURES = (
 _DIGITS = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
 _THREE = 3 * (rb"[ \t]+" + _DIGITS)
 _LINE = rb"[^\n]{0,999}\n"
-# A whole number and three others, as in the header of a cube, and in tables.
+# One whole number and three numbers, as in the header of a cube, and in tables.
 _FOUR = rb"[ \t]*[-+]?\d+" + _THREE + rb"(?:[ \t]+\d+)?\s*\n"
 _VECTOR = rb"[ \t]*" + _DIGITS + 2 * (rb"[ \t]+" + _DIGITS) + rb"\s*\n"
-# (module, what the text begins with or holds).
+# (module, pattern) of text formats.
 _TEXTS = (
     ("nrrd", rb"\ANRRD000\d"),
     ("vtk_legacy", rb"\A# vtk DataFile"),
@@ -48,21 +48,21 @@ _TEXTS = (
     ("metaimage", rb"\A\s*(?:ObjectType|NDims)[ \t]*="),
     ("opendx", rb"\A(?:\s*#" + _LINE + rb")*\s*object[ \t]+\S+[ \t]+class[ \t]+gridpositions"),
     ("xsf", rb"^[ \t]*BEGIN_BLOCK_DATAGRID_?3D"),
-    # Two lines of text, the number of atoms and the origin, and three axes.
+    # Gaussian cube: two lines of text, the number of atoms and the origin, and three axes.
     ("cube", rb"\A(?!" + _FOUR + rb")" + 2 * _LINE + rb"(?:" + _FOUR + rb"){4}"),
-    # A line of text, a scale, and three vectors.
+    # VASP: a line of text, a scale, and three vectors.
     ("vasp", rb"\A" + _LINE + rb"\s*" + _DIGITS + rb"\s*\n" + 3 * _VECTOR),
 )
 
 
-# Readers of files that are packed by gzip, too.
+# Readers that also read files compressed by gzip.
 _UNPACKING = {"nifti", "mrc", "mrtrix", "opendx", "xsf", "cube", "vasp", "dsn6"}
 
 
 def module_of(path: Path) -> str | None:
-    """Returns the module of the reader for what a file holds, None where that is not known.
+    """Returns the module of the reader for a file's content, None if it is unknown.
 
-    Raises LeaflightError for a packed file whose reader does not unpack it.
+    Raises LeaflightError for a compressed file whose reader does not decompress it.
     """
     try:
         with open(path, "rb") as file:
@@ -76,12 +76,14 @@ def module_of(path: Path) -> str | None:
         return None
     module = _module_of(head)
     if packed and module and module not in _UNPACKING:
-        raise LeaflightError(f"{path}: it is packed by gzip; unpack it first, as gunzip does.")
+        raise LeaflightError(
+            f"{path}: the file is compressed by gzip; decompress it first, for example with gunzip."
+        )
     return module
 
 
 def _module_of(head: bytes) -> str | None:
-    """Returns the module for what begins so."""
+    """Returns the module of the reader for these first bytes."""
     for module, place, signature in _SIGNATURES:
         if head[place : place + len(signature)] == signature:
             return module
@@ -90,7 +92,7 @@ def _module_of(head: bytes) -> str | None:
 
 
 def _is_npz(path: Path) -> bool:
-    """Returns whether all that an archive holds are arrays of NumPy."""
+    """Returns True if an archive holds only NumPy arrays."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = archive.namelist()

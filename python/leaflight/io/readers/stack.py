@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes that lie in planes: TIFF stacks, folders of slices, the files of microscopes."""
+"""Volumes stored in planes: TIFF stacks, folders of slices, files of microscopes."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -22,10 +22,11 @@ from .watched import watched
 class Stack:
     """One volume of a file, or a series of them.
 
-    shape: (depth, height, width); dtype: of the values.
-    planes: planes(frame, channel) gives the planes [y, x] of one volume from the lowest on, each
-        wholly read from the file.
-    order: the axes of space along a row, along a column and along the depth.
+    shape: Sizes (depth, height, width).
+    dtype: Type of the values.
+    planes: planes(frame, channel) yields the planes [y, x] of one volume, lowest first. Each is
+        read completely.
+    order: Spatial axes along rows, columns and depth.
     """
 
     shape: tuple[int, int, int]
@@ -46,7 +47,7 @@ def stored(
 ) -> StoredVolume:
     """Returns the StoredVolume of the only volume of a file, or of the one that dataset names.
 
-    volumes: the name of each, and a function that gives its Stack.
+    volumes: Name of each volume, and a function that returns its Stack.
     """
     names = unique([name for name, _ in volumes])
     name = choose_named(path, names, dataset)
@@ -79,7 +80,7 @@ def stored(
 
 
 def unique(names: Sequence[str]) -> tuple[str, ...]:
-    """Returns the names, those that occur more than once with their number among all, from 0."""
+    """Returns the names; repeated ones get their number among all, from 0."""
     return tuple(
         f"{name} #{k}" if not name or names.count(name) > 1 else name
         for k, name in enumerate(names)
@@ -87,7 +88,7 @@ def unique(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _filled(path: Path, stack: Stack, frame: int, channel: int, progress: Progress) -> Array:
-    """Reads one volume. Each plane is assigned as a whole, or this raises LeaflightError."""
+    """Reads one volume. Assigns complete planes, or raises LeaflightError."""
     values = new_voxels(stack.shape, stack.dtype)
     planes = iter(stack.planes(frame, channel))
     for k in watched(progress, range(stack.shape[0])):
@@ -95,8 +96,8 @@ def _filled(path: Path, stack: Stack, frame: int, channel: int, progress: Progre
         if plane is None or plane.shape != stack.shape[1:]:
             found = "missing" if plane is None else text(plane.shape[::-1])
             raise LeaflightError(
-                f"{path}: plane {k} is {found}, but every plane of the volume must be "
-                f"{text(stack.shape[:0:-1])}: the file is damaged, fetch it again."
+                f"{path}: plane {k} is {found}, but the others are {text(stack.shape[:0:-1])}: "
+                "the file is damaged, fetch it again."
             )
         if not np.can_cast(plane.dtype, values.dtype):
             values = values.astype(np.promote_types(plane.dtype, values.dtype))

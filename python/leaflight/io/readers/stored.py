@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume in its file: what is known of it before its voxels are read."""
+"""The facts of a volume in a file that are known before its voxels are read."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ from ...volume.voxels import held_type
 
 @dataclass(frozen=True)
 class StoredVolume:
-    """The facts of a file's header, and how to read the rest.
+    """The facts of a file's header, and the function that reads the values.
 
-    dims: voxels (nx, ny, nz), None where only reading shows; dtype: of the values as they come.
-    load: load(frame, channel, progress) reads one scalar volume, its values an array [z, y, x] or
-        what can be sliced like one, of any type of real numbers; it reports to the core's Progress,
-        and raises Cancelled once that is cancelled.
-    voxel_size: (x, y, z) in `unit`, None where only reading shows; unit: a key of METERS, "" where
-        the file does not say.
-    frames, channels: how many volumes there are to choose from, over time and otherwise.
-    levels: dims of each resolution that the file holds, finest first; datasets: names of the
-        volumes in it. Both empty where there is but one.
-    patient: whether its world coordinates are a patient's: towards right, front and up.
-    missing: numbers that the header itself names as fill values; they are NaN in the volume where
-        they lie far from all other values.
-    notes: sentences for the user about choices that the header left to the reader, such as slices
-        that it leaves out. load() may add others, as notes of its Volume.
+    dims: Voxels (nx, ny, nz), None if they are known only after reading.
+    dtype: Type of the values in the file.
+    load: load(frame, channel, progress) reads one scalar volume. Its values are an array [z, y, x]
+        of real numbers, or an object that can be sliced as one. It reports to a Progress and raises
+        Cancelled.
+    voxel_size: Sizes (x, y, z) in `unit`, None if they are known only after reading.
+    unit: A key of METERS, "" if the file has none.
+    frames, channels: Numbers of volumes over time, and of other components.
+    levels: Dims of each resolution in the file, finest first; empty if there is only one.
+    datasets: Names of the volumes in the file; empty if there is only one.
+    patient: True if world coordinates are those of a patient: towards right, front and up.
+    missing: Fill values in the header. They become NaN if they are far from all other values.
+    notes: Sentences for the user about choices of the reader, such as omitted slices. load() may
+        add others as notes of its Volume.
     """
 
     dims: tuple[int, ...] | None
@@ -48,7 +48,7 @@ class StoredVolume:
     notes: tuple[str, ...] = ()
 
     def bytes(self, downsample: int = 1) -> int | None:
-        """Memory of the voxels once they are read, None where only reading shows."""
+        """Returns the memory of the voxels after reading, None if unknown."""
         if self.dims is None:
             return None
         halved = (max(1, n // downsample) for n in self.dims)
@@ -56,5 +56,5 @@ class StoredVolume:
 
 
 def lengths(index_to_world: Array) -> tuple[float, ...]:
-    """The sizes (x, y, z) of a voxel."""
+    """Returns the voxel size (x, y, z) of a matrix."""
     return tuple(float(n) for n in np.linalg.norm(np.asarray(index_to_world)[:3, :3], axis=0))

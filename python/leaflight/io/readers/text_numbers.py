@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers that files hold as text, millions of them, as C, Fortran and Python write them."""
+"""Reads millions of numbers from text, as C, Fortran and Python write them."""
 
 import io
 import re
@@ -16,18 +16,18 @@ from ...volume.voxels import new_voxels
 from .checks import DEFLATE_MOST, truncated
 from .watched import is_packed
 
-# Bytes of text that are turned into numbers at once.
+# Bytes of text that are converted at once.
 _PIECE = 1 << 20
-# Characters that no line is longer than unless spaces part it.
+# Upper bound on the characters of a line without spaces.
 _LONGEST = 1 << 16
-# A number takes at least so many characters, with the space before it.
+# Least number of characters of a number, with the space before it.
 _SHORTEST = 2
 
-# Fortran writes 0.5D+01, and leaves the letter out before three digits: 0.5-100.
+# Fortran writes 0.5D+01, and omits the letter before three digits: 0.5-100.
 _WITHOUT_LETTER = re.compile(rb"(\d\.\d*|\.\d+)([-+]\d{3})(?![\d.])")
 _NUMBER = rb"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 _ONE = re.compile(rb"\s*[-+]?" + _NUMBER + rb"\s*")
-# Numbers that fill their columns touch; where the next one has a sign it shows where it begins.
+# Numbers that fill their columns touch. A sign shows the start of the next one.
 _GLUED = re.compile(rb"[-+]?" + _NUMBER + rb"(?:[-+]" + _NUMBER + rb")*")
 _SIGNED = re.compile(rb"[-+]?" + _NUMBER)
 
@@ -39,10 +39,10 @@ def read_numbers(
     progress: Progress,
     width: int | None = None,
 ) -> Array:
-    """Reads the array of the next `count` numbers in a file of text.
+    """Reads the array of the next `count` numbers in a text file.
 
-    width: of a column, where a format has one. Raises EOFError where the file ends before, and
-    ValueError for what is no number of this type.
+    width: Width of a column, if the format has one.
+    Raises EOFError if the file ends before, and ValueError for other text.
     """
     values = new_voxels((count,), dtype)
     filled, rest = 0, b""
@@ -50,7 +50,7 @@ def read_numbers(
         progress.check()
         piece = file.read(_PIECE)
         text = rest + piece
-        # The last line may go on in the next piece, and where there are no lines the last number.
+        # The last line, or the last number of a long line, may continue in the next piece.
         end = _end(text) if piece else len(text)
         text, rest = text[:end], text[end:]
         if len(rest) > _LONGEST or (not piece and not text):
@@ -69,7 +69,7 @@ def numbers_of(line: str | bytes) -> list[float]:
 
 
 def check_count(path: Path, shape: Sequence[int], packed: bool | None = None) -> None:
-    """Raises LeaflightError when a file of text is too short for so many numbers."""
+    """Raises LeaflightError if a text file is too short for these numbers."""
     packed = is_packed(path) if packed is None else packed
     claimed = np.prod([float(n) for n in shape]) * _SHORTEST
     if claimed > (path.stat().st_size + 1) * (DEFLATE_MOST if packed else 1):
@@ -77,7 +77,7 @@ def check_count(path: Path, shape: Sequence[int], packed: bool | None = None) ->
 
 
 def _end(text: bytes) -> int:
-    """Finds where the last line of a text ends that is whole; of long lines, the last number."""
+    """Returns the end of the last complete line of a text; of a long line, the last number."""
     line = text.rfind(b"\n", max(0, len(text) - _LONGEST))
     if line < 0 and len(text) > _LONGEST:
         line = max(map(text.rfind, (b" ", b"\t", b"\r", b"\n")))
@@ -106,7 +106,7 @@ def _parsed(text: bytes, most: int, width: int | None) -> Array:
 
 
 def _of_line(line: bytes, most: int, width: int | None) -> list[float]:
-    """Returns the numbers of a line, of which some may touch."""
+    """Returns the numbers of a line. Some may touch."""
     words = line.split(None, most)[:most]
     try:
         return [float(word) for word in words]
@@ -125,7 +125,7 @@ def _of_line(line: bytes, most: int, width: int | None) -> list[float]:
 
 
 def _check_range(numbers: Array, dtype: np.dtype[Any]) -> None:
-    """Raises ValueError for numbers that integers of this type do not hold."""
+    """Raises ValueError for numbers outside the range of an integer type."""
     if dtype.kind in "iu" and len(numbers):
         limits = np.iinfo(dtype)
         finite = np.isfinite(numbers).all()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""TIFF stacks, of ImageJ, OME and others, and folders with one TIFF per slice."""
+"""TIFF stacks of ImageJ, OME and other programs, and folders with one TIFF per slice."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -24,7 +24,7 @@ from .tiff_pages import axes_of, check_pages, opened, read_page, series_of
 from .voxel_size import VoxelSize, voxel_size
 
 SUFFIXES = (".tif", ".tiff")
-# Pages beside a stack that are no part of it: previews, labels, pictures of the whole slide.
+# Pages that do not belong to a stack: previews, labels, pictures of the whole slide.
 _MOST_EXTRA_PAGES = 2
 
 
@@ -33,7 +33,7 @@ def open_volume(
 ) -> StoredVolume:
     """Opens a stack, a set of OME-TIFF files by any of them, or a folder of slices.
 
-    The size of a voxel comes from spacing, else from the metadata of the file, else it is 1.
+    The voxel size comes from spacing, else from the metadata of the file, else it is 1.
     """
     if path.is_dir():
         files = visible_files(path, SUFFIXES)
@@ -46,7 +46,7 @@ def open_volume(
 
 
 def _is_set(path: Path) -> bool:
-    """Returns whether a file is one of several that hold an image of OME-TIFF."""
+    """Returns True if a file is one of several with an OME-TIFF image."""
     xml = ome_xml(path)
     return xml is not None and any(
         len({part.file for part in image.parts}) > 1 for image in ome.images(path, xml, ome_xml)[1]
@@ -54,7 +54,7 @@ def _is_set(path: Path) -> bool:
 
 
 def ome_xml(path: Path) -> str | bytes | None:
-    """Reads the OME-XML of a file, None where it has none."""
+    """Returns the OME-XML of a file, or None."""
     if path.suffix.lower() in (".ome", ".xml"):
         return path.read_bytes()
     with opened(path) as file:
@@ -78,7 +78,7 @@ def _of_ome(path: Path, xml: str | bytes) -> list[tuple[str, Callable[[], Stack]
 
 
 def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool) -> Stack:
-    """Opens an image of OME-TIFF. alone: whether the metadata describe no other one."""
+    """Opens an image of OME-TIFF. alone: True if the metadata have only this image."""
 
     def pages_of(file: Path) -> int:
         with opened(file) as tiff:
@@ -87,7 +87,7 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
     places = ome.table(path, image, pages_of)
     if alone and {file for file, _ in places.values()} == {path}:
         left = pages_of(path) - len(set(places.values()))
-        more = f"Pages that the OME metadata do not describe are left out: {left}."
+        more = f"Pages without OME metadata are left out: {left}."
         notes = (*notes, more) if left > 0 else notes
     file, number = places[0]
     with opened(file) as tiff:
@@ -98,8 +98,8 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
     sizes = dict(inner)
     if (sizes["X"], sizes["Y"]) != (image.sizes["X"], image.sizes["Y"]):
         raise LeaflightError(
-            f"{path}: its OME metadata describe {image.sizes['X']} x {image.sizes['Y']} pixels, "
-            f"but its pages have {sizes['X']} x {sizes['Y']}; fetch it again."
+            f"{path}: the OME metadata describe {image.sizes['X']} x {image.sizes['Y']} pixels, "
+            f"but the pages have {sizes['X']} x {sizes['Y']}; fetch it again."
         )
     outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
     blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
@@ -110,7 +110,7 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
 def _open_places(
     places: dict[int, tuple[Path, int]], _numbers: Sequence[int]
 ) -> Iterator[Callable[[int], Array]]:
-    """Yields a function for Blocks that reads the page of a place; one file is open at once."""
+    """Yields a function for Blocks that reads a page. Only one file is open at a time."""
     with ExitStack() as last:
         path, tiff = None, None
 
@@ -136,7 +136,7 @@ def _of_series(path: Path) -> list[tuple[str, Callable[[], Stack]]]:
         if not volumes:
             sizes = [dict(one.axes) for one in found.values()]
             raise _flat(path, [(size["X"], size["Y"]) for size in sizes])
-        # Previews and labels are no part of the volume.
+        # Previews and labels do not belong to the volume.
         most = max(_planes(one) for one in volumes.values())
         for extra in (
             reduced,
@@ -183,11 +183,11 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
     names = [sample if axis == "S" else axis for axis in series.axes]
     axes = tuple(zip(names, (int(n) for n in series.shape)))
     if series.kind == "lsm":
-        # Old versions of tifffile take the channels, which are in a page, for the slowest axis.
+        # Old versions of tifffile report channels within a page as the slowest axis.
         sizes = {axis: file.lsm_metadata.get(f"Dimension{axis}", 0) for axis in ("P", "Time", "Z")}
         axes = (*((axis[0], max(1, int(n))) for axis, n in sizes.items()), *page_axes)
     if series.dataoffset is not None:
-        # One contiguous block, which ImageJ writes under a single page.
+        # ImageJ writes one contiguous block and a single page.
         split = names.index("Y")
     else:
         fits = (k for k in range(len(axes)) if prod(n for _, n in axes[:k]) == len(series))
@@ -196,8 +196,8 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
     of_page = prod(series.keyframe.shape)
     if series.dataoffset is None and prod(n for _, n in inner) != of_page or len(inner) < 2:
         raise LeaflightError(
-            f"{path}: its {len(series)} pages are no array of {text(series.shape[::-1])}; save it "
-            "anew as a plain stack."
+            f"{path}: the {len(series)} pages do not form an array of {text(series.shape[::-1])}; "
+            "save the file as a plain stack."
         )
     open_blocks = partial(_open_series, path, index, tuple(n for _, n in inner))
     return Blocks(outer, inner, series.dtype, open_blocks, samples, colors)
@@ -240,7 +240,7 @@ def _check_series(path: Path, file: Any, series: Any) -> None:
 
 
 def _voxel_size(file: Any) -> VoxelSize | None:
-    """Returns what the metadata of ImageJ or of Zeiss' LSM tell."""
+    """Returns the voxel size in the metadata of ImageJ or of Zeiss LSM."""
     if file.is_imagej:
         return imagej.size_of_voxel(file.imagej_metadata, file.pages[0].tags)
     if file.is_lsm:
@@ -250,7 +250,7 @@ def _voxel_size(file: Any) -> VoxelSize | None:
 
 
 def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:
-    """Returns a note about those pictures in a file that are no part of its volume."""
+    """Returns a note about pictures in a file that do not belong to its volume."""
     if not pictures:
         return ()
     kinds = listed(sorted(set(pictures)))
@@ -260,19 +260,19 @@ def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:
 def _flat(path: Path, sizes: Sequence[tuple[int, int]]) -> LeaflightError:
     pictures = "one picture" if len(sizes) == 1 else f"{len(sizes)} single pictures"
     return LeaflightError(
-        f"{path}: it holds {pictures} of {listed([text(size) for size in sizes])} pixels, but a "
-        "volume needs three dimensions; if this is one slice of many, open their folder."
+        f"{path}: the file holds {pictures} of {listed([text(size) for size in sizes])} pixels, "
+        "but a volume needs three dimensions; if this is one slice of many, open their folder."
     )
 
 
 def _slice(path: Path) -> Array:
-    """Reads the pixels [y, x] or RGB [y, x, s] of a file that is one slice of a folder."""
+    """Returns the pixels [y, x] or RGB [y, x, s] of a file that is one slice of a folder."""
     with opened(path) as file:
         blocks = _blocks(path, file, 0)
         if has_depth(blocks.axes):
             raise LeaflightError(
-                f"{path}: the slice is {_dims(blocks)}, but every slice of the folder must be one "
-                "plane of the same size."
+                f"{path}: the slice is {_dims(blocks)}, but a slice of a folder must be one "
+                "plane; open this file alone, or remove it."
             )
         _check_series(path, file, series_of(file)[0])
     return picture(blocks)

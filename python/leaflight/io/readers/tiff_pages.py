@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages of a TIFF file through tifffile, each checked before it is read."""
+"""Pages of a TIFF file through tifffile, each checked before it is read."""
 
 import logging
 from collections.abc import Iterator
@@ -18,13 +18,13 @@ from ..reader_process import requests
 from .checks import check_scalar, check_size, truncated
 from .page_process import decoded
 
-# No compression of TIFF that is decoded here expands more: 12-bit LZW makes 4 KB of 12 bits.
+# Upper bound on the ratio of TIFF's compressions: 12-bit LZW expands 12 bits to 4 KB.
 LZW_MOST = 4096
 _RGB, _YCBCR = 2, 6
 _NOT_COMPRESSED = 1
 _ALPHAS = (1, 2)
 if int(tifffile.__version__.partition(".")[0]) < 2025:
-    # Older ones multiply sizes that a damaged file gives as bytes: these become gigabytes.
+    # Older versions multiply sizes of damaged files as bytes objects, which take gigabytes.
     tifffile.tifffile.product = lambda sizes: prod(int(size) for size in sizes)
 
 
@@ -44,8 +44,7 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
     try:
         # ome.py reads the metadata of OME-TIFF.
         with tifffile.TiffFile(path, is_ome=False) as file:
-            # Counting the pages finds a chain of them that leads back to itself; whoever takes
-            # one after the other never comes to its end.
+            # Count the pages, which detects a cyclic chain. Iterating over one would not end.
             if len(file.pages) == 0:
                 raise damage
             yield file
@@ -58,10 +57,10 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
     except (Cancelled, ImportError, MemoryError, OSError):
         raise
     except Exception as error:
-        # On damaged files tifffile fails with whatever comes first, from KeyError to a failed
-        # assertion and the XML parser's own error.
+        # On damaged files tifffile raises many types, from KeyError to AssertionError and the XML
+        # parser's own.
         if "requires the 'imagecodecs'" in str(error):
-            # LZW, JPEG and others that microscopes write.
+            # Compressions of microscopes, such as LZW and JPEG, need imagecodecs.
             raise ModuleNotFoundError(name="imagecodecs") from None
         raise damage from None
     finally:
@@ -70,7 +69,10 @@ def opened(path: Path) -> Iterator[tifffile.TiffFile]:
 
 
 class _Complaints(logging.Handler):
-    """tifffile logs a broken chain of pages and continues with the pages before the break."""
+    """A log handler that collects the complaints of tifffile.
+
+    tifffile logs a broken chain of pages and continues with those before the break.
+    """
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -84,15 +86,15 @@ class _Complaints(logging.Handler):
 def series_of(file: tifffile.TiffFile) -> list[Any]:
     """Returns the series of a file.
 
-    tifffile writes a picture that is given to it alone as a series of one page. Such series of one
-    size and type, one after the other, are returned as one.
+    tifffile writes a single picture as a series of one page. Consecutive series of one size and
+    type are returned as one.
     """
     series = list(file.series)
     if len(series) == 1 or any(one.kind != "shaped" for one in series):
         return series
 
     def kind(one: Any) -> tuple[Any, ...]:
-        # No two stacks are equal.
+        # Stacks are never equal.
         alone = 0 if len(one) == 1 and len(one.shape) == 2 else id(one)
         return one.shape, one.dtype, one.keyframe.is_reduced, alone
 
@@ -107,13 +109,13 @@ def _joined(run: list[Any]) -> Any:
 
 
 def check_pages(path: Path, pages: list[Any]) -> None:
-    """Raises LeaflightError unless the file holds all the bytes of these pages."""
+    """Raises LeaflightError unless the file holds all bytes of these pages."""
     stored = 0
     for page in pages:
         check_scalar(path, page.dtype)
         size = page.parent.filehandle.size
         parts = list(zip(page.dataoffsets, page.databytecounts))
-        # With too few of them tifffile would return memory that nobody wrote.
+        # If bytes are missing, tifffile returns uninitialized memory.
         if len(parts) < prod(page.chunked) or any(sum(part) > size for part in parts):
             raise truncated(path, page.shape)
         stored += sum(count for _, count in parts)
@@ -122,7 +124,7 @@ def check_pages(path: Path, pages: list[Any]) -> None:
 
 
 def read_page(path: Path, page: Any) -> Array:
-    """Reads a page, checked by itself: frames of tifffile have the header of another."""
+    """Reads a page. Checks it first, because tifffile's frames copy the header of another page."""
     page = page.aspage()
     check_pages(path, [page])
     if page.compression == _NOT_COMPRESSED:
@@ -133,7 +135,7 @@ def read_page(path: Path, page: Any) -> Array:
 
 
 def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
-    """Within a process of its own, which imports imagecodecs: the pages of requests()."""
+    """Yields the pages of requests(). Runs in a subprocess, which imports imagecodecs."""
 
     def pages() -> Iterator[Array]:
         last: Path | None = None
@@ -145,7 +147,7 @@ def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
                     tiff = files.enter_context(opened(last))
                 page = tiff.pages[number].aspage()
                 if page.offset != offset:
-                    # It is within another page.
+                    # The page is within another page.
                     tiff.filehandle.seek(offset)
                     page = tifffile.TiffPage(tiff, number)
                 yield np.ascontiguousarray(page.asarray())
@@ -154,7 +156,7 @@ def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
 
 
 def axes_of(page: Any) -> tuple[tuple[tuple[str, int], ...], int, bool]:
-    """Returns the axes of a page for Blocks, how many samples are values, and whether colors."""
+    """Returns the axes of a page for Blocks, the number of samples that are values, and colors."""
     count = dict(zip(page.axes, page.shape)).get("S", 1)
     alpha = sum(int(kind) in _ALPHAS for kind in page.extrasamples or ())
     colors = page.photometric in (_RGB, _YCBCR) and count >= 3

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cells of crystals, from the lengths of their edges and the angles between them."""
+"""Unit cells of crystals, from the lengths of edges and the angles between them."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from ...arrays import Array
 def cell_axes(sizes: Sequence[float] | Array, angles: Sequence[float]) -> Array:
     """Returns the edges a, b and c, in columns: a along x, b in the plane of x and y.
 
-    angles: alpha, beta and gamma in degrees; old files have 0 where they mean right angles.
+    angles: alpha, beta and gamma in degrees. Old files use 0 for right angles.
     """
     cosines = [np.cos(np.radians(angle or 90.0)) for angle in angles]
     alpha, beta, gamma = [0.0 if abs(cosine) < 1e-9 else float(cosine) for cosine in cosines]

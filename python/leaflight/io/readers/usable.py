@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The values of files as volumes use them: without fill values, and fit for single precision."""
+"""Converts values of files for volumes: without fill values, and fit for single precision."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,14 +15,15 @@ from ...words import figures
 
 # Planes to examine before a volume is downsampled.
 _PLANES = 64
-# Whole numbers up to this are exact in single precision.
+# Largest integer below which all integers are exact in single precision.
 _EXACT = 1 << 24
 
 
 class Usable:
-    """Values [z, y, x] that are sliced like an array: float32, NaN where they are missing.
+    """Values [z, y, x] that can be sliced as an array: float32, NaN if missing.
 
-    missing: fill values; offset: what is taken off the others.
+    missing: Fill values.
+    offset: Number that is subtracted from the other values.
     """
 
     dtype = np.dtype(np.float32)
@@ -36,7 +37,7 @@ class Usable:
 
     def __getitem__(self, index: Any) -> Array:
         part = np.asarray(self.stored[index])
-        # Integers of 64 bits stay exact; what would leave the type's range is missing.
+        # 64-bit integers stay exact. Values that leave the range of the type are missing.
         of_type = part.dtype if part.dtype.kind in "iu" else np.dtype(np.float64)
         less = part - of_type.type(self._offset) if self._offset else part
         values = np.array(less, np.float32, ndmin=part.ndim)
@@ -48,10 +49,11 @@ class Usable:
 def usable(
     stored: Array, named: Sequence[float], step: int, progress: Progress
 ) -> tuple[Any, Number, tuple[str, ...]]:
-    """(the values, what was taken off them, sentences about it).
+    """Returns (values, the offset that was subtracted, sentences about them).
 
-    stored: what load() of a StoredVolume gave; named: fill values by the header; step: how many
-    voxels along each axis are averaged.
+    stored: Result of load() of a StoredVolume.
+    named: Fill values in the header.
+    step: Number of voxels along each axis that are averaged.
     """
     if stored.dtype.itemsize == 1 and not named:
         return stored, 0, ()
@@ -70,33 +72,33 @@ def usable(
     for value, count in found.fills.items():
         least, most = figures(found.low, found.high)
         notes.append(
-            f"{_share(count / found.voxels)} of the voxels hold {value:.7g}, far from all other "
-            f"values {least}..{most}: they count as missing data."
+            f"{_share(count / found.voxels)} of the voxels are {value:.7g}, far from all other "
+            f"values {least}..{most}: they are read as missing data."
         )
     if offset:
         least, most = figures(found.low, found.high)
         notes.append(
-            f"Its values {least}..{most} differ too little for single precision: {offset:.15g} is "
-            "taken off them and off isovalues."
+            f"The values {least}..{most} differ too little for single precision: {offset:.15g} is "
+            "subtracted from them and from isovalues."
         )
     return Usable(stored, tuple(found.fills), offset), offset, tuple(notes)
 
 
 def about_labels(volume: Volume) -> list[str]:
-    """Sentences about a mask or a label map."""
+    """Returns sentences about a mask or a label map."""
     found = volume.distribution
     if not found.are_labels or found.levels is None:
         return []
     levels, _ = found.levels
     kind = "a mask" if len(levels) == 2 else "labels"
     notes = [
-        f"It holds {len(levels)} different values, like {kind}: Smooth (--smooth 1) rounds the "
-        "stairs of its isosurfaces."
+        f"The volume holds {len(levels)} different values, like {kind}: Smooth (--smooth 1) "
+        "removes the steps of its isosurfaces."
     ]
     if np.abs(levels).max() > _EXACT:
         notes.append(
-            f"Single precision tells the first 7 digits of its labels up to {levels[-1]:.0f} "
-            "apart: neighboring numbers may have become one."
+            f"Single precision keeps 7 digits of labels up to {levels[-1]:.0f}: neighboring "
+            "numbers may have become equal."
         )
     return notes
 

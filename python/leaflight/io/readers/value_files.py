@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of which a header says where they are: behind it, beside it, or in several files."""
+"""Values whose position a header gives: behind it, in another file, or in several files."""
 
 import io
 from collections.abc import Generator, Iterator, Sequence
@@ -21,20 +21,22 @@ from .watched import open_watched, read_into, read_values, watched
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
-# For each axis, slowest first, the place on it that is read, or a slice where all are.
+# Index along each axis, slowest first; a slice for all of them.
 Index = tuple[int | slice, ...]
-# Bytes that are skipped at once, and that may stand before values which are the end of a file.
+# Bytes that are skipped at once, and the most before values at the end of a file.
 _PIECE, _MOST_BEFORE = 1 << 20, 1 << 30
 
 
 @dataclass(frozen=True)
 class ValueFiles:
-    """Where the values of an array are, x fastest.
+    """The positions of the values of an array, x fastest.
 
-    files: in the order of the values, each with as many as the others. encoding: of ENCODINGS.
-    start: the byte of each file from which on the rest counts; lines: of text to skip there.
-    skip: bytes to skip then, once they are unpacked; -1: the values are the end of the file, -2:
-        one byte is behind them, and so on.
+    files: Files in the order of the values, with equal shares.
+    encoding: A key of ENCODINGS.
+    start: First byte of each file that is used.
+    lines: Text lines to skip after it.
+    skip: Bytes to skip after decompression. -1 means that the values are the end of the file, -2
+        that one byte follows them, and so on.
     """
 
     files: tuple[Path, ...]
@@ -44,24 +46,24 @@ class ValueFiles:
     skip: int = 0
 
     def check(self, shape: Sequence[int], dtype: np.dtype[Any]) -> None:
-        """Raises LeaflightError where an array of this shape, slowest first, cannot be in them."""
+        """Raises LeaflightError if the files cannot hold an array of this shape, slowest first."""
         encoding = ENCODINGS[self.encoding]
         if self.skip < 0 and self.encoding in ("text", "hex"):
             raise LeaflightError(
-                f"{self.files[0]}: values as {self.encoding} cannot be found from the end of their "
-                "file; give the number of bytes before them."
+                f"{self.files[0]}: values in {self.encoding} cannot be located from the end of "
+                "the file; give the number of bytes before them."
             )
         shape = shape[::-1] if len(self.files) == 1 else (prod(shape) // len(self.files),)
         size = prod(shape) * dtype.itemsize
         for file in self.files:
             behind = 0 if encoding.packed else max(0, -self.skip - 1)
             stored = file.stat().st_size - self._begin(file, size) - behind
-            # The last number of a text needs nothing behind it.
+            # The last number of a text needs no separator.
             stored = max(0, stored) + (self.encoding == "text")
             check_size(file, shape, encoding.least(dtype), stored, encoding.most)
 
     def holds(self, size: int) -> bool:
-        """Returns True if exactly so many bytes remain in a single raw file."""
+        """Returns True if exactly `size` bytes remain in a single raw file."""
         if self.encoding != "raw" or len(self.files) != 1 or self.skip < 0:
             return False
         return self.files[0].stat().st_size - self._begin(self.files[0], size) == size
@@ -71,7 +73,7 @@ class ValueFiles:
     ) -> Array:
         """Reads the part `index` of the array of this shape, [z, y, x]; both are slowest first.
 
-        Raises LeaflightError where the files end before.
+        Raises LeaflightError if the files end before.
         """
         size = prod(shape) * dtype.itemsize
         if self.encoding == "raw" and len(self.files) == 1:
@@ -84,12 +86,12 @@ class ValueFiles:
             raise truncated(self.files[0], reversed(shape)) from None
 
     def _begin(self, file: Path, size: int) -> int:
-        """The byte of a file where its values begin, or the packed bytes that become them."""
+        """Returns the first byte of the values in a file, raw or compressed."""
         length = file.stat().st_size
         with open(file, "rb") as opened:
             begin = opened.seek(self.start)
             for _ in range(self.lines):
-                # Lines of any length, without having them in memory.
+                # Lines may have any length, so do not hold them in memory.
                 while (part := opened.readline(_PIECE)) and not part.endswith(b"\n"):
                     pass
                 if not part:
@@ -102,7 +104,7 @@ class ValueFiles:
     def _pieces(
         self, size: int, dtype: np.dtype[Any], progress: Progress
     ) -> Generator[memoryview, None, None]:
-        """The bytes of all files, `size` of each. Raises EOFError where one ends before."""
+        """Yields `size` bytes of each file. Raises EOFError if one ends before."""
         if len(self.files) == 1:
             with open_watched(self.files[0], progress, unpacked=False) as opened:
                 yield from self._part(opened, self.files[0], size, dtype, progress)
@@ -129,7 +131,8 @@ class ValueFiles:
                 progress.check()
             if length >= most:
                 raise LeaflightError(
-                    f"{file}: more than {_MOST_BEFORE} bytes are before its values; unpack it."
+                    f"{file}: more than {_MOST_BEFORE} bytes precede the values; decompress the "
+                    "file."
                 )
             skip = length - size + self.skip + 1
             opened.seek(begin)
@@ -140,7 +143,7 @@ class ValueFiles:
             progress.check()
             wanted = memoryview(piece)[:left]
             left -= len(wanted)
-            # The last `size` bytes of them.
+            # Keep the last `size` bytes.
             if left < size:
                 yield wanted[max(0, len(wanted) - (size - left)) :]
             if not left:
@@ -153,7 +156,8 @@ def picked(
 ) -> Array:
     """Reads the part `index` of the next array of this shape in a file.
 
-    At most one plane of it is in memory beside the result. Raises EOFError where the file ends.
+    Holds at most one plane of it in memory in addition to the result. Raises EOFError if the file
+    ends.
     """
     first = next(axis for axis, place in enumerate(index) if isinstance(place, slice))
     before = 0
@@ -181,7 +185,7 @@ def _skip(file: io.RawIOBase | io.BufferedIOBase, count: int) -> None:
 
 
 class _Stream(io.RawIOBase):
-    """A file made of pieces."""
+    """A binary file made of pieces."""
 
     def __init__(self, pieces: Iterator[memoryview]) -> None:
         super().__init__()

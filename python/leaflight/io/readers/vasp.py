@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VASP's densities and potentials: CHGCAR, AECCAR, PARCHG, LOCPOT, ELFCAR; plain or gzipped.
+"""VASP densities and potentials: CHGCAR, AECCAR, PARCHG, LOCPOT, ELFCAR; plain or gzipped.
 
 https://www.vasp.at/wiki/index.php/CHGCAR
 """
@@ -23,22 +23,26 @@ from .stored import StoredVolume, lengths
 from .text_numbers import check_count, numbers_of, read_numbers
 from .watched import open_watched
 
-# Characters of a line, and lines between two grids, such as those of the PAW spheres, at most.
+# Upper bounds on the characters of a line, and on lines between two grids, such as PAW spheres.
 _MOST_LINE, _MOST_LINES = 1 << 16, 1 << 22
-# Parts of names. Densities are stored times the volume of the cell.
+# Parts of file names. Densities are stored multiplied by the volume of the cell.
 _DENSITIES, _OTHERS = ("CHG", "AECCAR"), ("LOCPOT", "ELF", "POT")
 _SETS = {
-    (True, 2): "channel 0 is the density of all electrons, 1 that of spin up less spin down",
+    (True, 2): "channel 0 is the density of all electrons, 1 is spin up less spin down",
     (True, 4): "channel 0 is the density of all electrons, 1 to 3 are their magnetization",
-    (False, 2): "channel 0 is that of spin up, 1 that of spin down",
-    (False, 4): "channel 0 is that of all electrons, 1 to 3 are those of their magnetization",
+    (False, 2): "channel 0 is spin up, 1 is spin down",
+    (False, 4): "channel 0 is all electrons, 1 to 3 are their magnetization",
 }
 
 
 @dataclass
 class _Grids:
-    """The grids of a file; starts: where the numbers of each begin; lattices: of each step of a
-    run, vectors in rows; augmented: whether there are also values of the PAW spheres."""
+    """The grids of a file.
+
+    starts: First byte of the numbers of each grid.
+    lattices: Lattice of each step of a run, vectors in rows.
+    augmented: True if there are also values of PAW spheres.
+    """
 
     dims: tuple[int, ...] = ()
     starts: list[int] = field(default_factory=list)
@@ -47,16 +51,16 @@ class _Grids:
 
 
 def open_volume(path: Path) -> StoredVolume:
-    """Opens a grid: spins are channels, steps of a run frames; densities are per cubic angstrom.
+    """Opens a grid. Spins are channels, steps of a run frames. Densities are per cubic angstrom.
 
-    The grid is periodic: behind its last voxel the first one of the next cell follows.
+    The grid is periodic: after its last voxel comes the first one of the next cell.
     """
     try:
         with open_watched(path, Progress()) as file:
             grids = _grids(path, file)
     except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
         raise LeaflightError(
-            f"{path}: this is not a readable file of VASP with values on a grid, or it is damaged; "
+            f"{path}: this is not a readable VASP file with values on a grid, or it is damaged; "
             "fetch it again."
         ) from None
     dims, frames = grids.dims, len(grids.lattices)
@@ -66,7 +70,7 @@ def open_volume(path: Path) -> StoredVolume:
         check_matrix(path, matrix)
     is_density, notes = _quantity(path, grids)
     if (is_density, channels) in _SETS:
-        notes += (f"It holds {channels} grids: {_SETS[is_density, channels]}.",)
+        notes += (f"The file holds {channels} grids: {_SETS[is_density, channels]}.",)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         try:
@@ -91,20 +95,20 @@ def _matrix(lattice: Array, dims: tuple[int, ...]) -> Array:
 
 
 def _quantity(path: Path, grids: _Grids) -> tuple[bool, tuple[str, ...]]:
-    """Returns (whether the values are a density, what was guessed)."""
+    """Returns (True if the values are a density, notes about guesses)."""
     name = path.name.upper()
     if grids.augmented or any(word in name for word in _DENSITIES):
         return True, ()
     if any(word in name for word in _OTHERS):
         return False, ()
     return True, (
-        "Its values are divided by the volume of the cell, as those of CHGCAR; LOCPOT or ELFCAR in "
-        "its name says that they are no density.",
+        "The values are divided by the volume of the cell, as in CHGCAR, unless the file name "
+        "contains LOCPOT or ELFCAR.",
     )
 
 
 def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
-    """Reads all but the numbers. Raises ValueError, or LeaflightError where there is no grid."""
+    """Reads everything but the numbers. Raises ValueError, and LeaflightError without a grid."""
     grids, lines = _Grids(), iter(lambda: file.readline(_MOST_LINE), b"")
     title = next(lines, b"")
     grids.lattices.append(_structure(lines))
@@ -126,8 +130,8 @@ def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
             raise ValueError("no grid")
     if not grids.starts:
         raise LeaflightError(
-            f"{path}: it holds the structure of a crystal, but no values on a grid; open CHGCAR, "
-            "LOCPOT or another file of its kind."
+            f"{path}: the file holds the structure of a crystal, but no values on a grid; open "
+            "CHGCAR, LOCPOT or a similar file."
         )
     if min(grids.dims) < 1 or len(grids.starts) % len(grids.lattices):
         raise ValueError("grids")
@@ -135,15 +139,15 @@ def _grids(path: Path, file: io.BufferedIOBase) -> _Grids:
 
 
 def _structure(lines: Iterator[bytes]) -> Array:
-    """Reads the lattice in angstrom, vectors in rows, and goes on behind the atoms."""
+    """Returns the lattice in angstrom, vectors in rows, and skips the atoms."""
     scales = numbers_of(next(lines, b""))
     lattice = np.array([numbers_of(next(lines, b""))[:3] for _ in range(3)]).reshape(3, 3)
     words = next(lines, b"").split()
     if not words or not words[0].isdigit():
-        # The names of the elements.
+        # Skip the names of the elements.
         words = next(lines, b"").split()
     atoms = sum(int(word) for word in words if word.isdigit())
-    # Selective dynamics adds a line before the kind of coordinates.
+    # Skip the line of selective dynamics before the kind of coordinates.
     if next(lines, b"").strip()[:1].lower() == b"s":
         next(lines, b"")
     deque(islice(lines, atoms), maxlen=0)
@@ -155,7 +159,7 @@ def _structure(lines: Iterator[bytes]) -> Array:
 
 
 def _skip(lines: Iterator[bytes], count: int) -> None:
-    """Goes on behind so many numbers, of which each line but the last has as many as the first."""
+    """Skips `count` numbers. Each line but the last has as many numbers as the first."""
     first = len(next(lines, b"").split())
     if not first:
         raise ValueError("no numbers")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scalar grids of OpenVDB files, made dense by the core, in a subprocess."""
+"""Scalar grids of OpenVDB files. The core makes them dense in a subprocess."""
 
 import math
 from pathlib import Path
@@ -19,7 +19,7 @@ _MOST_VOXELS = 2**31 - 1
 
 
 def open_volume(path: Path, grid: str = "") -> StoredVolume:
-    """Only the grid itself has the number of active voxels."""
+    """Opens a grid. Its size is unknown before it is read."""
 
     def load(_frame: int, _channel: int, _progress: Progress) -> Volume:
         with ReaderProcess(path, "OpenVDB file", __name__, "read_grid", grid) as process:
@@ -35,7 +35,7 @@ def open_volume(path: Path, grid: str = "") -> StoredVolume:
 
 
 def read_grid(path: Path, grid: str) -> tuple[dict[str, Any], list[Array]]:
-    """Within the process: a scalar grid, [z, y, x]."""
+    """Yields a scalar grid, [z, y, x]. Runs in the subprocess."""
     values, index_to_world, name = _core.read_vdb_volume(path, grid)
     answer = {"shape": values.shape, "index_to_world": index_to_world.tolist(), "name": name}
     return answer, [values]

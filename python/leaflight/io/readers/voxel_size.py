@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sizes of voxels as the metadata of pictures give them: an own unit for each axis."""
+"""Voxel sizes in the metadata of pictures, with a unit for each axis."""
 
 import re
 import unicodedata
@@ -10,15 +10,15 @@ from typing import SupportsFloat
 
 from ...volume.units import METERS, meters_of, unit_of
 
-# Encodings that UTF-8 is often mistaken for.
+# Encodings that are often confused with UTF-8.
 _MISREAD_AS = ("latin-1", "cp1252", "mac_roman")
 
 
 @dataclass(frozen=True)
 class VoxelSize:
-    """Sizes (x, y, z), and the key of their unit in METERS, "" where that is not known.
+    """Sizes (x, y, z), and the key of their unit in METERS, "" if unknown.
 
-    note: a sentence about a size that was assumed, else empty.
+    note: A sentence about an assumed size, else "".
     """
 
     sizes: tuple[float, float, float]
@@ -29,9 +29,10 @@ class VoxelSize:
 def voxel_size(
     sizes: Sequence[object], words: Sequence[object], unit: str | None = None
 ) -> VoxelSize | None:
-    """Returns the size of a voxel by numbers (x, y, z) of a file and its words for their units.
+    """Returns the voxel size from numbers (x, y, z) of a file and its words for their units.
 
-    None where neither x nor y has one. unit: a key of METERS to convert to, None is that of x.
+    unit: Key of METERS to convert to. None is the unit of x.
+    Returns None if neither x nor y has a size.
     """
     x, y, z = (_positive(size) for size in sizes)
     if x is None and y is None:
@@ -39,21 +40,19 @@ def voxel_size(
     known = [_length(word) for word in words]
     first = known[0]
     if first is None:
-        # Pixels, or a word that says nothing: the numbers still give the proportions.
+        # Pixels and unknown words: the numbers still give the proportions.
         scales, unit = [1.0, 1.0, 1.0], ""
     else:
         unit = unit or first[1]
         scales = [
-            scale * METERS[own] / METERS[unit] for scale, own in (one or first for one in known)
+            scale * METERS[key] / METERS[unit] for scale, key in (one or first for one in known)
         ]
     x, y = x or y, y or x
     assert x is not None and y is not None
     note = ""
     if z is None:
         z = 1.0 / scales[2]
-        note = (
-            f"The file does not say how far apart its planes are; 1 {unit or 'pixel'} is assumed."
-        )
+        note = f"The file has no distance between planes; 1 {unit or 'pixel'} is assumed."
     x, y, z = (size * scale for size, scale in zip((x, y, z), scales))
     return VoxelSize((x, y, z), unit, note)
 
@@ -61,7 +60,7 @@ def voxel_size(
 def _positive(size: object) -> float | None:
     try:
         if isinstance(size, str):
-            # Programs of some countries write a comma.
+            # Programs in some languages write a decimal comma.
             size = size.replace(",", ".")
         number = abs(float(size)) if isinstance(size, (str, SupportsFloat)) else 0.0
     except (ValueError, OverflowError):
@@ -70,12 +69,12 @@ def _positive(size: object) -> float | None:
 
 
 def _length(word: object) -> tuple[float, str] | None:
-    """Returns (factor, key of METERS) of a file's word for a unit, None where it is no length.
+    """Returns (factor, key of METERS) of a word for a unit, None if it is no length.
 
     Inches become millimeters.
     """
     text = str(word or "").strip("\x00 ")
-    # ImageJ escapes letters as Java does. A letter that was lost can only be that of micrometers.
+    # ImageJ escapes letters as in Java. A lost letter can only be the micro sign.
     text = re.sub(r"\\u([0-9a-fA-F]{4})", lambda found: chr(int(found[1], 16)), text)
     text = text.replace("\ufffdm", "µm")
     for encoding in _MISREAD_AS:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK's image data in XML, in one piece or several; .pvti files have them in other files."""
+"""VTK image data in XML, in one piece or several. A .pvti has its pieces in other files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,46 +19,49 @@ from .vtk_xml import TYPES, Document, check_claim, dtype_of, open_document, valu
 from .watched import STAGE, begin
 
 _MOST_PIECES = 1 << 14
-# How many times as large as its pieces together an image may be.
+# Upper bound on the size of an image, relative to all of its pieces.
 _MOST_EMPTY = 100
 _PLACE = {"Origin": "0 0 0", "Spacing": "1 1 1", "Direction": "1 0 0 0 1 0 0 0 1"}
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """A part of an image; extent: the first and last of its points along x, y and z."""
+    """A part of an image. extent: The first and last of its points along x, y and z."""
 
     document: Document
     element: Element
     extent: Array
 
     def arrays(self, of_cells: bool) -> dict[str, Element]:
-        """Returns those of numbers, by name."""
+        """Returns the numeric arrays by name."""
         found = self.element.findall(("CellData" if of_cells else "PointData") + "/DataArray")
         return {one.get("Name") or "unnamed": one for one in found if one.get("type") in TYPES}
 
     def shape(self, of_cells: bool) -> tuple[int, ...]:
-        """Returns [z, y, x] of an array."""
+        """Returns the shape [z, y, x] of an array."""
         counts = self.extent[:, 1] - self.extent[:, 0] + 1
         return tuple(int(n) for n in (np.maximum(1, counts - 1) if of_cells else counts)[::-1])
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
+    """Opens an image. Its arrays are datasets; components of vectors and colors are channels."""
     document = open_document(path)
     image = _image(document)
     pieces = _pieces(document, image)
-    # Some programs claim a larger image than they save.
+    # Some programs write a larger extent than they save.
     low = np.min([piece.extent[:, 0] for piece in pieces], axis=0)
     high = np.max([piece.extent[:, 1] for piece in pieces], axis=0)
     points = tuple(int(n) for n in high - low + 1)
     claimed = tuple(int(n) for n in _extent(image, "WholeExtent") @ [-1, 1] + 1)
     if prod(points) > _MOST_EMPTY * sum(prod(piece.shape(False)) for piece in pieces):
-        raise LeaflightError(f"{path}: nearly all of its {text(points)} points lie in no piece.")
+        raise LeaflightError(
+            f"{path}: nearly all of the {text(points)} points are in no piece; save the image "
+            "again."
+        )
     notes: tuple[str, ...] = ()
     if claimed != points:
-        notes = (f"Its pieces hold {text(points)} of the {text(claimed)} points that it claims.",)
-    # Parallel files leave out the direction.
+        notes = (f"The pieces hold {text(points)} of the {text(claimed)} points in the header.",)
+    # Parallel files omit the direction.
     first = _image(pieces[0].document)
     places = [image.get(key) or first.get(key) or default for key, default in _PLACE.items()]
     origin, spacing, axes = (np.array(numbers.split(), np.float64) for numbers in places)
@@ -78,29 +81,32 @@ def _image(document: Document) -> Element:
             return image
     kind = (document.root.get("type") or "no")[:40]
     raise LeaflightError(
-        f"{document.path}: it holds {kind} data, but a volume needs ImageData; in ParaView apply "
-        "Resample To Image to it, and save that as .vti."
+        f"{document.path}: the file holds {kind} data, but a volume needs ImageData; apply "
+        "Resample To Image in ParaView, and save as .vti."
     )
 
 
 def _pieces(document: Document, image: Element) -> list[_Piece]:
-    """Returns the pieces of an image, also those in other files. Raises LeaflightError."""
+    """Returns the pieces of an image, including those in other files. Raises LeaflightError."""
     found: list[_Piece] = []
     for piece in image.findall("Piece"):
         source = piece.get("Source")
         if source is None:
-            whole = piece.get("Extent") is None
-            extent = _extent(image, "WholeExtent") if whole else _extent(piece, "Extent")
+            is_whole = piece.get("Extent") is None
+            extent = _extent(image, "WholeExtent") if is_whole else _extent(piece, "Extent")
             found.append(_Piece(document, piece, extent))
         elif image.tag == "PImageData":
             other = open_document(data_file(document.path, source))
             if other.root.find("PImageData") is not None:
-                raise LeaflightError(f"{document.path}: its piece {source[:100]} has pieces, too.")
+                raise LeaflightError(
+                    f"{document.path}: the piece {source[:100]} consists of pieces itself; save "
+                    "the image from ParaView as one."
+                )
             found += _pieces(other, _image(other))
     found = [piece for piece in found if (piece.extent[:, 0] <= piece.extent[:, 1]).all()]
     if not 0 < len(found) <= _MOST_PIECES:
         raise LeaflightError(
-            f"{document.path}: its image has {len(found)} pieces that are not empty; save it from "
+            f"{document.path}: the image has {len(found)} pieces that are not empty; save it from "
             "ParaView as one."
         )
     return found
@@ -114,7 +120,7 @@ def _extent(element: Element, key: str) -> Array:
 
 
 def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> ImageArray:
-    """Joins the arrays of this name of all pieces; low: the first of the image's points."""
+    """Joins the arrays of this name of all pieces. low: First of the image's points."""
     parts = [(one, one.arrays(of_cells)[name]) for one in pieces if name in one.arrays(of_cells)]
     document, element = parts[0][0].document, parts[0][1]
     dtype, channels = dtype_of(document, element), int(element.get("NumberOfComponents") or 1)
@@ -136,7 +142,7 @@ def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> I
         missing = found.size - int(found.sum())
         if not missing:
             return values, ()
-        note = f"No piece of it holds {missing} of its {found.size} voxels: these have no data."
+        note = f"{missing} of {found.size} voxels are in no piece, so they are missing data."
         return np.where(found, values, np.float32(np.nan)).astype(np.float32), (note,)
 
     return ImageArray(name, of_cells, dtype, channels, read)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The arrays of VTK's images, whichever kind of file they come from: of points or of cells."""
+"""Arrays of points or cells in VTK images, for all formats of them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from ...volume.volume import Volume
 from .checks import check_matrix, choose_named, listed, undecided
 from .stored import StoredVolume, lengths
 
-# VTK marks voxels by them which another piece has, too.
+# VTK marks voxels by them that belong to another piece, too.
 _NOT_VALUES = {"vtkGhostType", "vtkGhostLevels"}
 
 
@@ -23,9 +23,11 @@ _NOT_VALUES = {"vtkGhostType", "vtkGhostLevels"}
 class ImageArray:
     """One array of an image.
 
-    name: in the file; of_cells: whether each cell has a value, not each point; dtype: of a value;
-    channels: values of a point or cell.
-    read: read(channel, dims, progress) gives (the values [z, y, x], notes on them).
+    name: Name in the file.
+    of_cells: True if values belong to cells, False if to points.
+    dtype: Type of a value.
+    channels: Number of values of a point or cell.
+    read: read(channel, dims, progress) returns (values [z, y, x], notes).
     """
 
     name: str
@@ -37,7 +39,7 @@ class ImageArray:
 
 @dataclass(frozen=True)
 class Image:
-    """An image and its arrays; points: how many along x, y and z; matrix: places the points."""
+    """An image and its arrays. points: Number along x, y and z. matrix: Positions of the points."""
 
     path: Path
     points: tuple[int, ...]
@@ -47,10 +49,12 @@ class Image:
 
 
 def open_image(image: Image, dataset: str | None) -> StoredVolume:
-    """Opens the array that is chosen, else the only one of points, else the only one."""
+    """Opens the chosen array, else the only one of points, else the only one."""
     path = image.path
     if min(image.points) < 1:
-        raise LeaflightError(f"{path}: the header claims no voxels; the file is damaged.")
+        raise LeaflightError(
+            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
+        )
     found = _named(image.arrays)
     names, notes = tuple(found), image.notes
     of_points = [name for name, array in found.items() if not array.of_cells]
@@ -58,13 +62,13 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
     if name is None and len(of_points) == 1:
         name = of_points[0]
         others = listed([other for other in names if other != name])
-        notes += (f"The array {name}, of points, is read; the dataset can also be {others}.",)
+        notes += (f"The array {name} (points) is read; other datasets are {others}.",)
     if name is None:
         unread = np.dtype(np.float32)
         return StoredVolume(None, unread, undecided(path, names), datasets=names, notes=notes)
     array, dims, matrix = found[name], image.points, image.matrix.copy()
     if array.of_cells:
-        # A flat image has one layer of cells, and cells have their values in their middle.
+        # A flat image has one layer of cells. Values of cells lie in their middle.
         middle = [0.5 if n > 1 else 0.0 for n in dims]
         dims = tuple(max(1, n - 1) for n in dims)
         matrix[:3, 3] += matrix[:3, :3] @ middle
@@ -86,7 +90,7 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
 
 
 def _named(arrays: Sequence[ImageArray]) -> dict[str, ImageArray]:
-    """Returns the arrays that may be volumes, by names of their own."""
+    """Returns the arrays that may be volumes, by unique names."""
     of_points = {array.name for array in arrays if not array.of_cells}
     found: dict[str, ImageArray] = {}
     for array in arrays:
@@ -97,7 +101,7 @@ def _named(arrays: Sequence[ImageArray]) -> dict[str, ImageArray]:
 
 
 def matrix_of(origin: ArrayLike, spacing: ArrayLike, axes: ArrayLike, first: ArrayLike) -> Array:
-    """Returns the matrix (4, 4); first: the index (x, y, z) that the values begin at."""
+    """Returns the matrix (4, 4). first: Index (x, y, z) of the first value."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.reshape(axes, (3, 3)) * np.asarray(spacing, np.float64)
     matrix[:3, 3] = np.asarray(origin, np.float64) + matrix[:3, :3] @ np.asarray(first, np.float64)

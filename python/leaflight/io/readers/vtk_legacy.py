@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Structured points in VTK's old .vtk files, as text or binary.
+"""Structured points in legacy .vtk files, text or binary.
 
 https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html
 """
@@ -36,12 +36,12 @@ _TYPES = {
     "unsigned_long": "u8",
     "vtktypeint64": "i8",
     "vtktypeuint64": "u8",
-    # It is written as an int.
+    # vtkIdType is written as an int.
     "vtkidtype": "i4",
     "float": "f4",
     "double": "f8",
 }
-# Attributes that have a type -> values of each point or cell; 0: the line says how many.
+# Attribute with a type -> number of values of each point or cell; 0 if the line has it.
 _ATTRIBUTES = {
     "SCALARS": 0,
     "VECTORS": 3,
@@ -54,7 +54,7 @@ _ATTRIBUTES = {
 }
 _MOST_LINE = 1 << 12
 _MAGIC = b"# vtk DataFile"
-# A line of no numbers, among which are nan and inf: a keyword, or an array of a field.
+# A line that is not a number, nan or inf: a keyword, or an array of a field.
 _WORD = re.compile(
     rb"\n[ \t]*(?:(?!nan|inf)[a-z_]|\S+[ \t]+\d+[ \t]+\d+[ \t]+[a-z])", re.IGNORECASE
 )
@@ -64,8 +64,11 @@ _EMPTY_LINE = re.compile(rb"\n[ \t\r]*\n")
 
 @dataclass
 class _File:
-    """A file as far as it is read; place: where the next line begins; of_cells, count: of what the
-    attributes that follow are."""
+    """A partly read file.
+
+    place: Start of the next line.
+    of_cells, count: Kind and number of the points or cells of the attributes that follow.
+    """
 
     path: Path
     data: mmap.mmap
@@ -77,7 +80,7 @@ class _File:
     arrays: list[ImageArray] = field(default_factory=list)
 
     def line(self) -> list[str] | None:
-        """Reads the words of the next line that has some, None at the end."""
+        """Reads the words of the next line that is not empty, None at the end."""
         while self.place < len(self.data):
             end = self.data.find(b"\n", self.place)
             end = len(self.data) if end < 0 else end
@@ -88,13 +91,13 @@ class _File:
         return None
 
     def go_to(self, pattern: re.Pattern[bytes]) -> None:
-        """Goes on at the next line that matches, or to the end."""
+        """Skips to the next line that matches, or to the end."""
         found = pattern.search(self.data, max(0, self.place - 1))
         self.place = found.start() + 1 if found else len(self.data)
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Opens an image: its arrays are datasets, components of vectors and colors are channels."""
+    """Opens an image. Its arrays are datasets; components of vectors and colors are channels."""
     with open(path, "rb") as opened:
         try:
             data = mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ)
@@ -112,7 +115,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     _check_kind(file)
     while (words := file.line()) is not None:
         if not _read(file, words):
-            # Its type has no length: skip the rest of these points or cells.
+            # The length of this type is unknown, so skip the rest of these points or cells.
             file.go_to(_SECTION)
     points = tuple(int(n) for n in file.header["DIMENSIONS"])
     spacing = file.header.get("SPACING") or file.header.get("ASPECT_RATIO") or [1.0] * 3
@@ -126,13 +129,13 @@ def _check_kind(file: _File) -> None:
     if kind != "STRUCTURED_POINTS":
         named = kind[:40].lower().replace("_", " ")
         raise LeaflightError(
-            f"{file.path}: it holds {named} data, but a volume needs "
-            "structured points; in ParaView apply Resample To Image to it, and save that as .vti."
+            f"{file.path}: the file holds {named} data, but a volume needs structured points; "
+            "apply Resample To Image in ParaView, and save as .vti."
         )
 
 
 def _read(file: _File, words: list[str]) -> bool:
-    """Reads what a line begins; False where nothing can be known of what follows."""
+    """Reads the section of a line. Returns False if its length is unknown."""
     key = words[0].upper()
     if key in ("DIMENSIONS", "ORIGIN", "SPACING", "ASPECT_RATIO"):
         numbers = numbers_of(" ".join(words[1:4]))
@@ -144,7 +147,7 @@ def _read(file: _File, words: list[str]) -> bool:
     elif key == "FIELD":
         return all(_read_of_field(file) for _ in range(_count(file, words[2])))
     elif key == "METADATA":
-        # Text, up to an empty line.
+        # Skip the text up to an empty line.
         file.go_to(_EMPTY_LINE)
     elif key == "LOOKUP_TABLE":
         _skip(file, np.dtype(np.uint8 if file.binary else np.float32), 4 * int(words[2]))
@@ -165,7 +168,7 @@ def _read_attribute(file: _File, key: str, words: list[str]) -> bool:
     if key == "SCALARS":
         before = file.place
         following = file.line()
-        # The name of a table of colors, which is no part of the values.
+        # Skip the name of a color table.
         if not following or following[0].upper() != "LOOKUP_TABLE":
             file.place = before
     if kind.lower() not in _TYPES:
@@ -175,7 +178,7 @@ def _read_attribute(file: _File, key: str, words: list[str]) -> bool:
 
 
 def _read_of_field(file: _File) -> bool:
-    """Reads one array of a field: its name, values of each, their number and their type."""
+    """Reads one array of a field: name, number of components, number of tuples, type."""
     words = file.line()
     while words and words[0] == "METADATA":
         _read(file, words)
@@ -191,15 +194,15 @@ def _dtype(file: _File, kind: str) -> np.dtype[Any]:
 
 
 def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, count: int) -> None:
-    """Keeps the array that begins here, if it is one of the image, and goes on behind it."""
+    """Adds the array that begins here, if it belongs to the image, and skips it."""
     start = file.place
     _skip(file, dtype, channels * count)
     points = [int(n) for n in file.header.get("DIMENSIONS", (0, 0, 0))]
-    whole = prod(max(1, n - 1) for n in points) if file.of_cells else prod(points)
-    if not file.count or count != whole or channels < 1:
+    expected = prod(max(1, n - 1) for n in points) if file.of_cells else prod(points)
+    if not file.count or count != expected or channels < 1:
         return
 
-    # As text, colors are parts of 255.
+    # In text files colors are shares of 255.
     is_color = key == "COLOR_SCALARS" and not file.binary
     end = file.place
 
@@ -207,7 +210,7 @@ def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, 
         channel: int, dims: tuple[int, ...], progress: Progress
     ) -> tuple[Array, Sequence[str]]:
         begin(progress, STAGE, 1)
-        # Not mapped: the file might change behind our back.
+        # Read instead of mapping the file, because it might change.
         content, shape = file.data[start:end], (*dims[::-1], channels)
         if file.binary:
             return np.frombuffer(content, dtype, prod(shape)).reshape(shape)[..., channel], ()
@@ -223,7 +226,7 @@ def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, 
 
 
 def _skip(file: _File, dtype: np.dtype[Any], count: int) -> None:
-    """Goes on behind so many values. Raises LeaflightError where the file ends before."""
+    """Skips `count` values. Raises LeaflightError if the file ends before."""
     if count < 0:
         raise ValueError("the number of values")
     if file.binary:
@@ -235,7 +238,7 @@ def _skip(file: _File, dtype: np.dtype[Any], count: int) -> None:
 
 
 def _count(file: _File, word: str) -> int:
-    """Returns how many arrays a field claims to have."""
+    """Returns the number of arrays that a field claims."""
     count = int(word)
     if count > len(file.data):
         raise truncated(file.path, (count,))

@@ -57,7 +57,7 @@ def _lz4(data: bytes, most: int) -> bytes:
     return unpacked
 
 
-# Each unpacks a block of at most so many bytes.
+# Decompressors of a block, with an upper bound on its bytes.
 _COMPRESSORS: dict[str | None, Callable[[bytes, int], bytes] | None] = {
     None: None,
     "vtkZLibDataCompressor": _inflate,
@@ -68,10 +68,14 @@ _COMPRESSORS: dict[str | None, Callable[[bytes, int], bytes] | None] = {
 
 @dataclass(frozen=True)
 class Document:
-    """A file; root: its XML; data: the file itself, whose appended part begins at `appended`.
+    """A VTK XML file.
 
-    order: of bytes; header: dtype of the numbers that say how long data are; unpack: of blocks, if
-    they are compressed; is_base64: whether the appended part is.
+    root: Its XML.
+    data: The file itself. Its appended part begins at `appended`.
+    order: Byte order.
+    header: Type of the numbers that give lengths of data.
+    unpack: Decompressor of a block, if blocks are compressed.
+    is_base64: True if the appended part is base64.
     """
 
     path: Path
@@ -85,7 +89,7 @@ class Document:
 
 
 def open_document(path: Path) -> Document:
-    """Reads all but the appended data, which are no XML."""
+    """Reads the file without its appended data, which are not XML."""
     try:
         with open(path, "rb") as file:
             data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
@@ -102,8 +106,8 @@ def open_document(path: Path) -> Document:
     if compressor not in _COMPRESSORS:
         known = listed([name for name in _COMPRESSORS if name])
         raise LeaflightError(
-            f"{path}: its compression {str(compressor)[:40]} is not supported; save it without, "
-            f"or with one of {known}."
+            f"{path}: the compression {str(compressor)[:40]} is not supported; save the file "
+            f"uncompressed, or with one of {known}."
         )
     opening = data.find(b"_", end) if end >= 0 else -1
     is_base64 = end >= 0 and b"base64" in data[end:opening]
@@ -116,7 +120,7 @@ def dtype_of(document: Document, array: Element) -> np.dtype[Any]:
 
 
 def check_claim(document: Document, shape: tuple[int, ...], itemsize: int) -> None:
-    """Raises LeaflightError when the file cannot hold an array of this shape."""
+    """Raises LeaflightError if the file cannot hold an array of this shape."""
     most = 1 if document.unpack is None else DEFLATE_MOST**2
     check_size(document.path, shape, itemsize, document.path.stat().st_size, most)
 
@@ -124,7 +128,7 @@ def check_claim(document: Document, shape: tuple[int, ...], itemsize: int) -> No
 def values_of(
     document: Document, array: Element, shape: tuple[int, ...], progress: Progress
 ) -> Array:
-    """Reads the array of a DataArray element. Raises LeaflightError where it is not whole."""
+    """Reads the array of a DataArray element. Raises LeaflightError if it is incomplete."""
     dtype, form = dtype_of(document, array), array.get("format")
     size = prod(shape) * dtype.itemsize
     try:
@@ -138,7 +142,7 @@ def values_of(
             text = "".join((array.text or "").split())
             start, run = 0, _Run(text.encode("latin-1", "replace"), True)
         if document.unpack is None:
-            # Their number, and then themselves.
+            # The length precedes the bytes.
             data = run.read(start, document.header.itemsize + size)[document.header.itemsize :]
         else:
             data = b"".join(_unpacked(document, run, start, size, progress))
@@ -151,13 +155,13 @@ def values_of(
 
 @dataclass(frozen=True)
 class _Run:
-    """Bytes, or base64, which ends in padding wherever something ends that was encoded at once."""
+    """A run of bytes, or of base64 with padding after each part that was encoded separately."""
 
     source: bytes | mmap.mmap
     is_base64: bool
 
     def length(self, count: int) -> int:
-        """Returns how long so many bytes are."""
+        """Returns the encoded length of `count` bytes."""
         return -(-count // 3) * 4 if self.is_base64 else count
 
     def read(self, start: int, count: int) -> bytes:
@@ -168,9 +172,9 @@ class _Run:
 def _unpacked(
     document: Document, run: _Run, start: int, size: int, progress: Progress
 ) -> Iterator[bytes]:
-    """Unpacks blocks: their number, two sizes, the compressed size of each, and then themselves.
+    """Yields decompressed blocks, after their number, two sizes, and each compressed size.
 
-    In base64 the header and the blocks are encoded one after the other.
+    In base64 the header and the blocks are encoded separately.
     """
     assert document.unpack is not None
     number, total = document.header.itemsize, len(run.source)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading that reports its progress and can be cancelled, by the core's Progress."""
+"""Reading of files with progress and cancelling, by a Progress of the core."""
 
 import gzip
 import io
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 T = TypeVar("T")
-# Bytes per read: few, because compressed bytes may expand a thousand times.
+# Bytes per read: few, because compressed bytes may expand by a factor of 1000.
 _MOST = 1 << 16
 _MOST_VALUES = 1 << 22
 STAGE = "Reading"
@@ -26,7 +26,7 @@ _GZIP = b"\x1f\x8b\x08"
 
 
 def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iterator[T]:
-    """Yields the things, and reports each when it is done. Raises Cancelled."""
+    """Yields the things, and reports each one when it is done. Raises Cancelled."""
     things = list(things)
     begin(progress, stage, len(things))
     for thing in things:
@@ -39,34 +39,34 @@ def watched(progress: Progress, things: Iterable[T], stage: str = STAGE) -> Iter
 def open_watched(
     path: Path, progress: Progress, unpacked: bool = True
 ) -> Iterator[io.BufferedIOBase]:
-    """A binary file; what it holds where it is one of gzip, unless `unpacked` is False."""
+    """Opens a binary file, decompressed if it is gzip, unless `unpacked` is False."""
     begin(progress, STAGE, path.stat().st_size)
     with io.BufferedReader(_Watched(path, progress), _MOST) as file:
         yield gzip.GzipFile(fileobj=file) if unpacked and is_packed(path) else file
 
 
 def is_packed(path: Path) -> bool:
-    """Whether gzip wrote a file, by its first bytes: names are often wrong."""
+    """Returns True if a file is gzip, by its first bytes, because names are often wrong."""
     with open(path, "rb") as file:
         return file.read(len(_GZIP)) == _GZIP
 
 
 def open_head(path: Path) -> io.BufferedIOBase:
-    """A binary file, unpacked, of which only the beginning is read."""
+    """Opens a binary file, decompressed, to read only its beginning."""
     return gzip.open(path) if is_packed(path) else open(path, "rb")
 
 
 def read_values(
     file: io.RawIOBase | io.BufferedIOBase, shape: Iterable[int], dtype: DTypeLike
 ) -> Array:
-    """The array of this shape that stands next in a binary file. Raises EOFError where it ends."""
+    """Reads the next array of this shape in a binary file. Raises EOFError if it ends."""
     values = new_voxels(shape, dtype)
     read_into(file, bytes_of(values))
     return values
 
 
 def read_into(file: io.RawIOBase | io.BufferedIOBase, left: memoryview) -> None:
-    """Fills bytes with those that stand next in a binary file. Raises EOFError where it ends."""
+    """Fills bytes with the next ones of a binary file. Raises EOFError if it ends."""
     while left:
         count = file.readinto(left[:_MOST_VALUES])
         if not count:
@@ -75,15 +75,15 @@ def read_into(file: io.RawIOBase | io.BufferedIOBase, left: memoryview) -> None:
 
 
 def begin(progress: Progress, stage: str, total: float) -> None:
-    """Begins a stage with so much to do in it, which progress.advance() counts down."""
+    """Begins a stage of this much work, which progress.advance() counts."""
     progress.begin(stage)
-    # Reading is nearly all there is to do.
+    # Reading is nearly all of the work.
     if progress.fraction < 1:
         progress.expect(total)
 
 
 class _Watched(io.RawIOBase):
-    """A file that is read in pieces, between which it can be cancelled."""
+    """A file that is read in pieces, so that it can be cancelled between them."""
 
     def __init__(self, path: Path, progress: Progress) -> None:
         super().__init__()

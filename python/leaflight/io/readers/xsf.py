@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grids of XCrySDen's .xsf files, which Quantum ESPRESSO, SIESTA and others write.
+"""Grids in XCrySDen's .xsf files, which Quantum ESPRESSO, SIESTA and others write.
 
 http://www.xcrysden.org/doc/XSF.html
 """
@@ -20,14 +20,14 @@ from .stored import StoredVolume, lengths
 from .text_numbers import check_count, numbers_of, read_numbers
 from .watched import open_watched
 
-# Characters of a line, at most.
+# Upper bound on the characters of a line.
 _MOST_LINE = 1 << 16
 _WORDS = ("BEGIN_DATAGRID_3D", "DATAGRID_3D")
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """start: where its numbers begin, x fastest."""
+    """A grid of a file. start: First byte of its numbers, x fastest."""
 
     dims: tuple[int, ...]
     matrix: Array
@@ -35,7 +35,7 @@ class _Grid:
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """Opens a grid, of which several are datasets; the last points may be the first ones again."""
+    """Opens a grid. Several are datasets. The last points may repeat the first ones."""
     try:
         found = _grids(path)
     except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
@@ -44,13 +44,18 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
         ) from None
     names = tuple(found)
     if not names:
-        raise LeaflightError(f"{path}: it holds no grid of three dimensions (DATAGRID_3D).")
+        raise LeaflightError(
+            f"{path}: the file holds no three-dimensional grid (DATAGRID_3D); choose another file."
+        )
     name = choose_named(path, names, dataset)
     if name is None:
         return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     grid = found[name]
     if min(grid.dims) < 2:
-        raise LeaflightError(f"{path}: its grid has {text(grid.dims)} points, too few to show.")
+        raise LeaflightError(
+            f"{path}: the grid has {text(grid.dims)} points, which are too few; choose another "
+            "file."
+        )
     check_matrix(path, grid.matrix)
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:
@@ -67,12 +72,12 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
 
 
 def _grids(path: Path) -> dict[str, _Grid]:
-    """Finds the grids of a file, by name. Raises ValueError."""
+    """Returns the grids of a file, by name. Raises ValueError."""
     found: dict[str, _Grid] = {}
     with open_watched(path, Progress()) as file:
         lines = iter(lambda: file.readline(_MOST_LINE), b"")
         for line in lines:
-            # Not every line of numbers is looked at closely.
+            # Skip lines of numbers quickly.
             if b"DATAGRID_3D" not in line:
                 continue
             word = line.decode("latin-1").split()[0]

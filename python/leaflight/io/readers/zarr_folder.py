@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The headers of Zarr folders: groups and arrays of the versions 2 and 3.
+"""Headers of Zarr folders: groups and arrays of versions 2 and 3.
 
 https://zarr-specs.readthedocs.io; zarr_values.py reads the values, in a subprocess.
 """
@@ -21,7 +21,7 @@ from .watched import STAGE, begin
 
 @dataclass(frozen=True)
 class ZarrArray:
-    """names: of its axes, empty where the header has none."""
+    """The header of an array. names: Names of its axes, empty if the header has none."""
 
     path: Path
     shape: tuple[int, ...]
@@ -32,9 +32,10 @@ class ZarrArray:
     def read(
         self, values: Array, places: Sequence[int | None], axes: Sequence[int], progress: Progress
     ) -> None:
-        """Fills an array [z, y, x] of the type of this one.
+        """Fills an array [z, y, x] of the same type.
 
-        places: along each axis of this array, None along z, y and x; axes: numbers of these three.
+        places: Index along each axis of this array, None along z, y and x.
+        axes: Numbers of these three axes.
         """
         begin(progress, STAGE, values.nbytes)
         with ReaderProcess(
@@ -58,24 +59,24 @@ class ZarrGroup:
     attributes: dict[str, Any]
 
     def groups(self) -> Iterator["ZarrGroup"]:
-        """The groups directly in it, 2 before 10."""
+        """Returns the groups directly in it, sorted by number: 2 before 10."""
         for path in sorted(self.path.iterdir(), key=lambda path: (len(path.name), path.name)):
             found = open_zarr(path) if is_zarr(path) else None
             if isinstance(found, ZarrGroup):
                 yield found
 
     def array(self, name: str) -> ZarrArray:
-        """One of its arrays, at any depth. Raises LeaflightError."""
+        """Returns one of its arrays, at any depth. Raises LeaflightError."""
         path = self.path / name
-        # A header from elsewhere must not make us open files outside its own folder.
+        # For security, open no file outside the header's folder.
         if self.path.resolve() not in path.resolve().parents:
             raise LeaflightError(
-                f"{self.path}: it refers to the array {name[:100]!r} outside of itself; repair its "
-                "metadata."
+                f"{self.path}: the metadata name the array {name[:100]!r} outside this folder; "
+                "repair the metadata."
             )
         found = open_zarr(path)
         if isinstance(found, ZarrGroup):
-            raise LeaflightError(f"{path}: this is no array of Zarr; repair the metadata.")
+            raise LeaflightError(f"{path}: this is not a Zarr array; repair the metadata.")
         return found
 
 
@@ -93,30 +94,31 @@ def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
     kind = header["data_type"]
     if not isinstance(kind, str):
         raise LeaflightError(
-            f"{path}: its values are structures, but a volume needs one real number a voxel; "
-            "convert it first."
+            f"{path}: the values are structures, but a volume needs one real number per voxel; "
+            "convert the array first."
         )
     try:
         dtype = np.dtype(kind).newbyteorder("=")
     except TypeError:
         raise LeaflightError(
-            f"{path}: its values are of the type {kind[:40]!r}, but a volume needs one real number "
-            "a voxel; convert it first."
+            f"{path}: the values have the type {kind[:40]!r}, but a volume needs one real number "
+            "per voxel; convert the array first."
         ) from None
     check_scalar(path, dtype)
     shape = tuple(int(n) for n in header["shape"])
     if min(shape, default=0) < 1:
         raise LeaflightError(
-            f"{path}: its shape is {text(shape) or 'missing'}, so it has no values; fetch it again."
+            f"{path}: the shape is {text(shape) or 'missing'}, so there are no values; fetch it "
+            "again."
         )
     if {"scale_factor", "add_offset"} & attributes.keys():
-        # xarray stores the missing value of packed numbers as that of absent chunks.
+        # xarray stores the fill value of packed numbers as the value of absent chunks.
         attributes = {"_FillValue": header.get("fill_value"), **attributes}
     return ZarrArray(path, shape, dtype, attributes, tuple(header.get("dimension_names") or ()))
 
 
 def header_of(path: Path) -> dict[str, Any]:
-    """Reads the metadata of a folder; keys that both versions have are named as in version 3."""
+    """Reads the metadata of a folder. Keys of version 2 get the names of version 3."""
     if (path / "zarr.json").is_file():
         return _json(path / "zarr.json")
     attributes = _json(path / ".zattrs") if (path / ".zattrs").is_file() else {}
@@ -125,7 +127,7 @@ def header_of(path: Path) -> dict[str, Any]:
         return {**header, "data_type": header["dtype"], "attributes": attributes}
     if (path / ".zgroup").is_file():
         return {"zarr_format": 2, "attributes": attributes}
-    raise LeaflightError(f"{path}: there is no array and no group of Zarr here; fetch it again.")
+    raise LeaflightError(f"{path}: this folder holds no Zarr array or group; fetch it again.")
 
 
 def _json(path: Path) -> dict[str, Any]:

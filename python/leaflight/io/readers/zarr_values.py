@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values of Zarr arrays, chunk by chunk; numcodecs unpacks them.
+"""Values of Zarr arrays, chunk by chunk; numcodecs decompresses them.
 
-zarr itself reads version 3 beside NumPy 1.26 and later alone, which neither Debian nor Blender 4.2
-has. https://zarr-specs.readthedocs.io. Only subprocesses import this module.
+Only subprocesses import this module. The package zarr reads version 3 only with NumPy 1.26 or
+later, which Debian and Blender 4.2 do not have. https://zarr-specs.readthedocs.io
 """
 
 import mmap
@@ -24,7 +24,7 @@ from ...arrays import Array
 from ...volume.voxels import bytes_of
 from .zarr_folder import header_of
 
-# A part of an array: the first place along each axis and the one behind the last.
+# A part of an array: the first index along each axis and the one after the last.
 Box = Sequence[slice]
 Bytes = memoryview
 _ABSENT = 2**64 - 1
@@ -32,10 +32,11 @@ _ABSENT = 2**64 - 1
 
 @dataclass(frozen=True)
 class _Packing:
-    """How the values of a box of this shape lie in bytes.
+    """The encoding of the values of a box of this shape.
 
-    order: the axes as they lie. codecs: from packed bytes to bytes. shard: packing of the chunks
-    that the bytes are made of, in the order of the axes as they lie; None for plain values.
+    order: Order of the axes in memory.
+    codecs: Functions from compressed bytes to bytes.
+    shard: Packing of the inner chunks, in the same order of axes; None for plain values.
     """
 
     shape: tuple[int, ...]
@@ -45,7 +46,7 @@ class _Packing:
     shard: "_Shard | None" = None
 
     def finest(self) -> tuple[int, ...]:
-        """The shape of what is unpacked at once."""
+        """Returns the shape that is decoded at once."""
         if self.shard is None:
             return self.shape
         inner = self.shard.chunks.finest()
@@ -68,7 +69,7 @@ class _Packing:
 
 @dataclass(frozen=True)
 class _Shard:
-    """Chunks in one run of bytes, with an index of where each lies: pairs of place and size."""
+    """Chunks in one run of bytes, with an index of (offset, size) of each."""
 
     chunks: _Packing
     index: _Packing
@@ -78,7 +79,7 @@ class _Shard:
     def part(self, data: Bytes, shape: Sequence[int], box: Box) -> Array:
         pairs = (*(ceil(n / m) for n, m in zip(shape, self.chunks.shape)), 2)
         axes = tuple(range(len(pairs)))
-        # Nothing but checksums may change its size.
+        # Only checksums may change the size of the index.
         size = 8 * prod(pairs) + 4 * len(self.index.codecs)
         where = slice(len(data) - size, None) if self.at_end else slice(size)
         index = replace(self.index, shape=pairs, order=axes).part(
@@ -102,7 +103,7 @@ def _gather(
     fetch: Callable[[tuple[int, ...]], Bytes | None],
     fill: Array,
 ) -> Array:
-    """A part of a regular grid of chunks; fetch gives the bytes of one, None where it is absent."""
+    """Returns a part of a regular grid of chunks. fetch returns a chunk's bytes, None if absent."""
     values = np.full([one.stop - one.start for one in box], fill)
     ranges = [range(b.start // n, ceil(b.stop / n)) for b, n in zip(box, chunks.shape)]
     for place in product(*ranges):
@@ -121,7 +122,7 @@ def _gather(
 def read_slabs(
     path: Path, places: list[int | None], axes: list[int]
 ) -> tuple[list[Any], Iterator[Array]]:
-    """Within the process: (shape and type, slabs along z) of ZarrArray.read()."""
+    """Returns (shape and type, slabs along z) of ZarrArray.read(). Runs in the subprocess."""
     header = header_of(path)
     chunks, fill, name = (_version_3 if header["zarr_format"] == 3 else _version_2)(path, header)
     dtype = chunks.dtype.newbyteorder("=")
@@ -143,7 +144,7 @@ def read_slabs(
 
 
 def _contents(path: Path) -> Bytes | None:
-    """The bytes of a file, None where there is none."""
+    """Returns the bytes of a file, None if there is none."""
     try:
         with open(path, "rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
@@ -157,7 +158,7 @@ _Layout = tuple[_Packing, Array, Callable[[tuple[int, ...]], str]]
 
 
 def _version_2(path: Path, header: dict[str, Any]) -> _Layout:
-    """(packing of a chunk, value of absent ones, name of a chunk's file by its place)."""
+    """Returns (packing of a chunk, value of absent chunks, function from index to file name)."""
     dtype, shape = np.dtype(header["data_type"]), tuple(header["chunks"])
     axes = tuple(range(len(shape)))
     packed = [*(header.get("filters") or ()), *filter(None, [header.get("compressor")])]
@@ -187,7 +188,7 @@ def _version_3(path: Path, header: dict[str, Any]) -> _Layout:
 def _packing(
     path: Path, shape: tuple[int, ...], dtype: np.dtype[Any], fill: Array, listed: list[Any]
 ) -> _Packing:
-    """By the codecs of version 3, which are listed as they pack."""
+    """Returns the packing for codecs of version 3, which are listed in the order of encoding."""
     order, shard = np.arange(len(shape)), None
     unpack: list[Callable[[Bytes], Bytes]] = []
     for codec in map(_named, listed):
@@ -222,14 +223,14 @@ def _codec(path: Path, options: dict[str, Any]) -> Callable[[Bytes], Bytes]:
         codec = numcodecs.get_codec(dict(options))
     except (ValueError, TypeError):
         raise LeaflightError(
-            f"{path}: its chunks are packed by the codec {str(options['id'])[:40]}, which is not "
-            "at hand; save them with another one, such as Blosc."
+            f"{path}: the chunks are compressed by the codec {str(options['id'])[:40]}, which is "
+            "not installed; save them with another one, such as Blosc."
         ) from None
     return lambda data: bytes_of(ensure_contiguous_ndarray(codec.decode(data)))
 
 
 def _checked(data: Bytes) -> Bytes:
-    """Without the checksum behind it. Raises ValueError for a wrong one."""
+    """Returns the data without their checksum. Raises ValueError if it is wrong."""
     if crc32c(data[:-4]) != int.from_bytes(data[-4:], "little"):
         raise ValueError("a checksum is wrong")
     return data[:-4]
@@ -238,5 +239,5 @@ def _checked(data: Bytes) -> Bytes:
 def _fill(value: Any, dtype: np.dtype[Any]) -> Array:
     if isinstance(value, str) and value.startswith("0x"):
         return np.array(int(value, 16), f"u{dtype.itemsize}").view(dtype)
-    # Also "NaN" and "-Infinity".
+    # The text may be "NaN" or "-Infinity".
     return np.array(float(value) if isinstance(value, str) else value or 0).astype(dtype)

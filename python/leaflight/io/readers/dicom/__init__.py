@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DICOM series through pydicom: the slices of a folder, sorted by where they lie in the patient."""
+"""DICOM series through pydicom: slices of a folder, sorted by their positions in the patient."""
 
 from pathlib import Path
 
@@ -16,17 +16,17 @@ from .series import find_series
 from .stacks import Stack, sparse_stack_of, stack_of
 from .values import value_type, values_of_frame
 
-# Values of pixels without data, by the header. Slopes that differ from slice to slice make many.
+# Upper bound on different values of pixels without data. Slopes that vary by slice make many.
 _MOST_PADDINGS = 4
 
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
-    """The series of a folder or a disc, or the one that a file belongs to.
+    """Opens the series of a folder or a disc, or the one that a file belongs to.
 
-    dataset: number, description and kind of a series, where there are several, and the label of
-    a segment, a stack or a direction; one of these words alone where it means one volume.
-    Values are those that the header makes of the stored ones: Hounsfield units of a CT, gray of a
-    dose.
+    dataset: Number, description and kind of a series, if there are several, and the label of a
+        segment, a stack or a direction. One of these words is enough if it is unique.
+    Values are computed from stored numbers as in the header: Hounsfield units of a CT, gray of a
+        dose.
     """
     found, notes = find_series(path)
     choices, left_out = choices_of(path, found)
@@ -68,7 +68,7 @@ def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ..
 
 
 def _stack(path: Path, part: Part) -> Stack:
-    """The planes of a part in their order. Raises LeaflightError."""
+    """Returns the planes of a part in their order. Raises LeaflightError."""
     try:
         if part.planes[0].sparse:
             return sparse_stack_of(path, part.within, part.label)
@@ -76,23 +76,23 @@ def _stack(path: Path, part: Part) -> Stack:
     except LeaflightError as problem:
         if not part.notes:
             raise
-        # The one that is missing may be among those that are left out.
+        # A missing plane may be one of those that were left out.
         sentence = str(problem).removesuffix(".")
         raise LeaflightError(f"{sentence} ({part.notes[0].removesuffix('.')}).") from None
 
 
 def _check_depth(path: Path, stack: Stack) -> None:
-    """Raises LeaflightError unless there are several places, as a volume needs."""
+    """Raises LeaflightError unless there are several positions, as a volume needs."""
     if len(stack.frames[0]) > 1:
         return
     if len(stack.frames) > 1:
         raise LeaflightError(
-            f"{path}: all {len(stack.frames)} slices of this series lie at one place, but a volume "
-            "needs several places; choose another series."
+            f"{path}: all {len(stack.frames)} slices of this series have the same position; "
+            "choose another series."
         )
     raise LeaflightError(
-        f"{path}: this series has a single slice here, but a volume needs several; open the folder "
-        "with all of them, or choose another series."
+        f"{path}: this series has only one slice here; open the folder with all of them, or "
+        "choose another series."
     )
 
 

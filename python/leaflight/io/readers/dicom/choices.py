@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volumes that a user may choose from, by names that people know."""
+"""The volumes that a user can choose from, with names."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -10,15 +10,15 @@ from ..checks import listed
 from .parts import Part, parts_of
 from .series import Series
 
-# Names of series that a note lists.
+# Upper bound on the series names in a note.
 _MOST_NAMES = 4
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A volume, of a series of this name; words that mean it.
+    """A volume of a series, with words that select it.
 
-    found: the volume, or why there is none: only who chooses it needs to know.
+    found: The volume, or the error, which only concerns a user who chooses it.
     """
 
     series: str
@@ -26,7 +26,7 @@ class Choice:
     words: frozenset[str]
 
     def part(self, path: Path) -> Part:
-        """Raises LeaflightError."""
+        """Returns the volume. Raises LeaflightError."""
         if isinstance(self.found, LeaflightError):
             raise self.found
         return self.found
@@ -37,9 +37,9 @@ class Choice:
 
 
 def choices_of(path: Path, found: list[Series]) -> tuple[dict[str, Choice], tuple[str, ...]]:
-    """{name: volume} of the series that were found, and notes about what is not among them.
+    """Returns {name: volume} of the series, and notes about omitted ones.
 
-    Raises LeaflightError where there is none.
+    Raises LeaflightError if there is none.
     """
     choices: dict[str, Choice] = {}
     for series, name in zip(found, _names(found)):
@@ -53,15 +53,15 @@ def choices_of(path: Path, found: list[Series]) -> tuple[dict[str, Choice], tupl
         return choices, ()
     if not kept:
         raise LeaflightError(
-            f"{path}: all {len(choices)} pictures in it are single slices, but a volume needs "
-            "several of one series; choose another folder."
+            f"{path}: all {len(choices)} series in it are single slices; choose a folder with a "
+            "series of several slices."
         )
     names = listed(list(slices), _MOST_NAMES)
-    return kept, (f"Left out, since each is a single slice: {names}.",)
+    return kept, (f"These are left out, because each is a single slice: {names}.",)
 
 
 def meant(choices: dict[str, Choice], word: str | None) -> str | None:
-    """The name of the only choice that a word means, else the word."""
+    """Returns the name of the only choice with this word, else the word."""
     if word is None or word in choices:
         return word
     names = [name for name, choice in choices.items() if word in choice.words]
@@ -69,7 +69,7 @@ def meant(choices: dict[str, Choice], word: str | None) -> str | None:
 
 
 def _parts(path: Path, series: Series) -> list[tuple[str, Part | LeaflightError]]:
-    """(label, volume) of each part of a series."""
+    """Returns (label, volume) of each part of a series."""
     if series.problem is not None:
         return [("", series.problem)]
     try:
@@ -79,7 +79,7 @@ def _parts(path: Path, series: Series) -> list[tuple[str, Part | LeaflightError]
 
 
 def _names(found: list[Series]) -> list[str]:
-    """A name for each series; those of several studies may else be the same."""
+    """Returns unique names of series, including those of several studies."""
     counts = Counter(series.name for series in found)
     dated = [
         f"{one.name} ({one.date})" if counts[one.name] > 1 and one.date else one.name

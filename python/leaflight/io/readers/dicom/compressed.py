@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pages that are compressed, by JPEG and others: through imagecodecs or what pydicom finds.
+"""Decodes compressed pages, such as JPEG, through imagecodecs or packages that pydicom finds.
 
 Only subprocesses import this module.
 """
@@ -21,10 +21,10 @@ from ....arrays import Array
 from ...reader_process import requests
 from .header import Pixels
 
-# Files that are open at once: times of a series may each be one, of which all have some planes.
+# Number of files that are open at once. Each time of a series may be a file with several planes.
 _OPEN = 4
 _DEFLATED_PAGES = "1.2.840.10008.1.2.8.1"
-# Functions of imagecodecs, by the ends of the transfer syntaxes that they decode.
+# Functions of imagecodecs, by the last digits of the transfer syntaxes that they decode.
 _JPEG = "1.2.840.10008.1.2.4."
 _OF_IMAGECODECS = {
     "50": "jpeg8_decode",
@@ -42,15 +42,15 @@ _OF_IMAGECODECS = {
     "202": "htj2k_decode",
     "203": "htj2k_decode",
 }
-# How JPEG 2000 begins, and which markers of the other kinds of JPEG hold the size of the picture.
+# First bytes of JPEG 2000, and markers of other JPEGs that precede the size of the picture.
 _JPEG_2000 = b"\xff\x4f\xff\x51"
 _SIZES = {*range(0xC0, 0xD0), 0xF7} - {0xC4, 0xC8, 0xCC}
-# A function that decodes the bytes of a page in a file with this header.
+# The type of a function that decodes the bytes of a page in a file with this header.
 _Decode = Callable[[bytes, pydicom.Dataset], Array]
 
 
 def decoded_pages(_path: Path) -> tuple[None, Iterator[Array]]:
-    """Within the process: the pages of requests()."""
+    """Yields the pages of requests(). Runs in the subprocess."""
     opened = lru_cache(maxsize=_OPEN)(_decoder)
 
     def pages() -> Iterator[Array]:
@@ -74,7 +74,7 @@ def _decoder(pixels: Pixels) -> Callable[[int], Array]:
             try:
                 numbers = np.asarray(decode(frames[number], data))
             except Exception:
-                # Decoders raise various errors, also for files that another one reads.
+                # Decoders raise various errors, even for files that another decoder reads.
                 continue
             if numbers.size == pixels.shape[0] * pixels.shape[1] and numbers.dtype.kind in "iu":
                 return numbers.reshape(pixels.shape)
@@ -84,7 +84,7 @@ def _decoder(pixels: Pixels) -> Callable[[int], Array]:
 
 
 def _frames(pixels: Pixels, data: pydicom.Dataset) -> list[bytes]:
-    """The bytes of each page."""
+    """Returns the bytes of each page."""
     try:
         if hasattr(encaps, "generate_frames"):
             found = encaps.generate_frames(data.PixelData, number_of_frames=pixels.pages)
@@ -103,7 +103,7 @@ def _frames(pixels: Pixels, data: pydicom.Dataset) -> list[bytes]:
 
 
 def _decoders(pixels: Pixels) -> list[_Decode]:
-    """The decoders of a file's transfer syntax. Raises ImportError where there is none here."""
+    """Returns the decoders of a file's transfer syntax. Raises ImportError if there is none."""
     if pixels.syntax == _DEFLATED_PAGES:
         return [lambda frame, _data: _inflated(frame, pixels)]
     found: list[_Decode] = []
@@ -161,20 +161,20 @@ def _inflated(frame: bytes, pixels: Pixels) -> Array:
 
 
 def _check_size(pixels: Pixels, frame: bytes) -> None:
-    """Raises LeaflightError where a compressed picture has another size than the header says.
+    """Raises LeaflightError if a compressed picture and its header have different sizes.
 
-    A decoder would take memory for whatever the picture claims.
+    A decoder would allocate memory for any size that the picture claims.
     """
     size = _size(frame)
     if size is not None and size != pixels.shape:
         raise LeaflightError(
-            f"{pixels.file}: its compressed picture is {size[1]} x {size[0]}, but its header says "
+            f"{pixels.file}: the compressed picture is {size[1]} x {size[0]}, but the header says "
             f"{pixels.shape[1]} x {pixels.shape[0]}: it is damaged, fetch it again."
         )
 
 
 def _size(frame: bytes) -> tuple[int, int] | None:
-    """Rows and columns that a picture of JPEG says it has; None where it does not say."""
+    """Returns rows and columns in the header of a JPEG; None if it has none."""
     start = frame[:4096].find(_JPEG_2000)
     if start >= 0:
         right, bottom, left, top = unpack(">4I", frame[start + 8 : start + 24])
@@ -191,6 +191,6 @@ def _size(frame: bytes) -> tuple[int, int] | None:
 
 def _damaged(pixels: Pixels) -> LeaflightError:
     return LeaflightError(
-        f"{pixels.file}: its compressed pixels ({UID(pixels.syntax).name}) do not decode: it is "
-        "truncated or damaged, fetch it again."
+        f"{pixels.file}: the compressed pixels ({UID(pixels.syntax).name}) cannot be decoded: the "
+        "file is truncated or damaged, fetch it again."
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The DICOM files of a folder, of the folders within it, and of a disc with a DICOMDIR."""
+"""Finds the DICOM files of a folder, of folders within it, and of a disc with a DICOMDIR."""
 
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -8,17 +8,18 @@ from ...._core import LeaflightError
 from ..dicom_signature import DIRECTORY, files_within, is_dicom
 from .header import Header, read_header
 
-# Files within the folders of a folder. Beyond, nobody would wait for their headers.
+# Upper bound on the files in folders of a folder. Reading more headers would take too long.
 MOST_FILES = 20_000
 _DIRECTORY_STORAGE = "1.2.840.10008.1.3.10"
-# Records of a DICOMDIR that are of pixels.
+# Types of records of a DICOMDIR with pixels.
 _PICTURES = {"IMAGE", "RT DOSE"}
 
 
 def files_of(folder: Path) -> tuple[list[Path], int]:
-    """The DICOM files directly in a folder; within its folders, if there are none or on a disc.
+    """Returns the DICOM files of a folder, and how many more a DICOMDIR lists.
 
-    And how many more the DICOMDIR of a disc lists. Raises LeaflightError.
+    Folders within it are searched on a disc, or if the folder itself has no DICOM files. Raises
+    LeaflightError.
     """
     entries = [entry for entry in sorted(folder.iterdir()) if entry.is_file()]
     directory = next((entry for entry in entries if entry.name.lower() == DIRECTORY), None)
@@ -35,9 +36,9 @@ def is_directory(header: Header) -> bool:
 
 
 def listed_by(directory: Header) -> tuple[list[Path], int]:
-    """The files that a DICOMDIR lists, and how many of them are not there.
+    """Returns the files that a DICOMDIR lists, and how many of them are missing.
 
-    Discs are copied with names in upper or lower case, or with the version that ISO 9660 adds.
+    Names on copied discs may be in upper or lower case, or have a version number as in ISO 9660.
     """
     folder = directory.file.parent
     here = {_plain(file.relative_to(folder).parts): file for file in _within(folder)}
@@ -58,8 +59,8 @@ def _within(folder: Path) -> list[Path]:
         files.append(file)
         if len(files) > MOST_FILES:
             raise LeaflightError(
-                f"{folder}: there are more than {MOST_FILES} files in its folders; choose the "
-                "folder of one series."
+                f"{folder}: its folders hold more than {MOST_FILES} files; choose the folder of "
+                "one series."
             )
     return files
 

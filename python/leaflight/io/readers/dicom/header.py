@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The header of a DICOM file, and where its pixels are."""
+"""The header of a DICOM file, and the position of its pixels."""
 
 import zlib
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from pydicom.filereader import read_partial
 from ...._core import LeaflightError
 from ..checks import DEFLATE_MOST, check_size
 
-# Tags that hold pixels, by the numbers that stand before them.
+# Tags with pixels, by the tag number.
 _ELEMENTS = {
     0x7FE00008: "FloatPixelData",
     0x7FE00009: "DoubleFloatPixelData",
@@ -22,23 +22,27 @@ _DEFLATED = "1.2.840.10008.1.2.1.99"
 _BIG_ENDIAN = "1.2.840.10008.1.2.2"
 _IMPLICIT = "1.2.840.10008.1.2"
 _UNDEFINED = 0xFFFFFFFF
-# Bytes that a compressed file may stand for however few it has itself, since a blank slice takes
-# none in JPEG 2000; and how often as many as it has it may, beyond.
+# Upper bounds on the size of decompressed pixels: bytes for any file, and the ratio for larger
+# files. A blank slice takes no bytes in JPEG 2000.
 MOST_BLANK = 1 << 28
-# The least that a compressed page takes: the tag and the length of its item.
+# Smallest size of a compressed page: the tag and the length of its item.
 _LEAST_PAGE = 8
-# A deflated header is unpacked as a whole. Bytes that it may become, or times its own.
+# Upper bounds on the size of a deflated header, which is decompressed at once: bytes, and ratio.
 _MOST_UNPACKED, _MOST_TIMES, _PIECE = 1 << 28, 100, 1 << 20
 
 
 @dataclass(frozen=True)
 class Pixels:
-    """The pixels of a file: how their numbers are stored, and where.
+    """The pixels of a file: encoding and position.
 
-    element: the name of the tag. start, length: of its bytes in the file; -1 is the start in a
-        deflated file, and the length of compressed pages.
-    pages: how many planes; shape: rows and columns of each.
-    allocated, stored, high: bits that a number takes, those that count, and the highest of these.
+    element: Name of the tag.
+    start: First byte in the file; -1 in a deflated file.
+    length: Bytes in the file; -1 for compressed pages.
+    pages: Number of planes.
+    shape: Rows and columns of a plane.
+    allocated: Bits of a stored number.
+    stored: Bits of it that are used.
+    high: Highest of the used bits.
     """
 
     file: Path
@@ -66,7 +70,7 @@ class Pixels:
 
 @dataclass(frozen=True)
 class Header:
-    """The tags before the pixels, and where these are: element, kind of value, start, length."""
+    """The tags before the pixels, and the pixels' element, value type, start and length."""
 
     file: Path
     tags: pydicom.Dataset
@@ -91,7 +95,7 @@ def read_header(file: Path) -> Header:
     except (LeaflightError, OSError):
         raise
     except Exception as error:
-        # On damaged files pydicom fails with whatever comes first.
+        # On damaged files pydicom raises many types of exceptions.
         raise damaged_header(file) from error
 
 
@@ -102,7 +106,7 @@ def damaged_header(file: Path) -> LeaflightError:
 
 
 def pixels_of(header: Header) -> Pixels:
-    """How a picture stores its pixels. Raises LeaflightError, or whatever pydicom does."""
+    """Returns the Pixels of a picture. Raises LeaflightError, or any exception of pydicom."""
     assert header.found is not None
     file, tags, (element, kind, start, length) = header.file, header.tags, header.found
     syntax = str(tags.file_meta.get("TransferSyntaxUID", "") or _IMPLICIT)
@@ -135,13 +139,14 @@ def pixels_of(header: Header) -> Pixels:
 def _is_little(tags: pydicom.Dataset, syntax: str) -> bool:
     if "TransferSyntaxUID" in tags.file_meta:
         return syntax != _BIG_ENDIAN
-    # Without it pydicom finds out from the first bytes; its version 2 has no original_encoding.
+    # pydicom guesses the encoding from the first bytes if it is missing. Version 2 has no
+    # original_encoding.
     encoding = getattr(tags, "original_encoding", None)
     return bool(tags.read_little_endian if encoding is None else encoding[1])
 
 
 def _check(pixels: Pixels) -> None:
-    """Raises LeaflightError where the header claims more than the file can hold."""
+    """Raises LeaflightError if the header claims more than the file can hold."""
     file, pages = pixels.file, pixels.pages
     size = file.stat().st_size
     if pages < 1 or min(pixels.shape) < 1:
@@ -162,7 +167,7 @@ def _check(pixels: Pixels) -> None:
 
 
 def _check_deflated(file: Path, stream: BinaryIO) -> None:
-    """Raises LeaflightError where pydicom would unpack far more than a file can hold."""
+    """Raises LeaflightError if pydicom would decompress far more than a file can hold."""
     if _DEFLATED.encode() not in stream.read(1024):
         stream.seek(0)
         return
@@ -176,7 +181,8 @@ def _check_deflated(file: Path, stream: BinaryIO) -> None:
         count += len(unpacker.decompress(packed, _PIECE))
         if count > most:
             raise LeaflightError(
-                f"{file}: its deflated data would take more than {most} bytes; save it unpacked."
+                f"{file}: the deflated data would take more than {most} bytes; save it "
+                "uncompressed."
             )
         packed = unpacker.unconsumed_tail or stream.read(_PIECE)
     stream.seek(0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volumes of a series: its segments, its stacks, and planes of each size and direction."""
+"""Splits a series into volumes: segments, stacks, and planes of each size and direction."""
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
@@ -12,20 +12,21 @@ from ..checks import text
 from .planes import Plane
 from .series import Series
 
-# Planes are of one volume whose directions differ less than this, and their spacings in parts.
+# Upper bound on the difference of directions, and of relative spacings, of planes in a volume.
 _SAME_AXES, _SAME_SPACING = 1e-3, 1e-4
-# Fewer planes than this beside a volume are a localizer.
+# Planes beside a volume are a localizer if there are fewer than this.
 _FEWEST = 3
-# More directions or sizes than this make no volumes.
+# Upper bound on the directions and sizes of planes in a series.
 _MOST_KINDS = 64
 _DIRECTIONS = ("sagittal", "coronal", "axial")
 
 
 @dataclass(frozen=True)
 class Part:
-    """Planes that make one volume. label: "" where the series has but one.
+    """Planes that make one volume.
 
-    within: all planes of the grid that the part has in common with others, of a segmentation.
+    label: Name of the part, "" if the series has only one.
+    within: All planes of the grid that segments share.
     """
 
     label: str
@@ -35,7 +36,7 @@ class Part:
 
 
 def parts_of(path: Path, series: Series) -> list[Part]:
-    """The volumes of a series. Raises LeaflightError where its planes make none."""
+    """Returns the volumes of a series. Raises LeaflightError if its planes make none."""
     groups = _groups(path, series.planes)
     if series.planes[0].sparse:
         return [Part(planes[0].label, planes, series.planes) for planes in groups]
@@ -48,7 +49,7 @@ def parts_of(path: Path, series: Series) -> list[Part]:
 
 
 def _groups(path: Path, planes: list[Plane]) -> list[list[Plane]]:
-    """Planes of one label, size and direction each, in the order of the first of each."""
+    """Returns planes of one label, size and direction each, in the order of their first planes."""
     groups: list[list[Plane]] = []
     by_label: dict[str, list[list[Plane]]] = defaultdict(list)
     for one in planes:
@@ -57,8 +58,8 @@ def _groups(path: Path, planes: list[Plane]) -> list[list[Plane]]:
         if group is None:
             if len(alike) == _MOST_KINDS:
                 raise LeaflightError(
-                    f"{path}: the slices of this series lie at more than {_MOST_KINDS} angles to "
-                    "each other or differ in size, and so make no volume; choose another series."
+                    f"{path}: the slices of this series have more than {_MOST_KINDS} directions "
+                    "or sizes; choose another series."
                 )
             group = []
             alike.append(group)
@@ -77,7 +78,7 @@ def _is_alike(one: Plane, other: Plane) -> bool:
 
 
 def _labels(groups: list[list[Plane]]) -> list[str]:
-    """Names of volumes within a series, no two of which are the same."""
+    """Returns unique names of volumes within a series."""
     words = [[planes[0].label, _direction(planes[0])] for planes in groups]
     sizes = [text(planes[0].pixels.shape[::-1]) for planes in groups]
     labels = [" ".join(filter(None, pair)) for pair in words]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The numbers that a DICOM file stores for the pixels of a page."""
+"""Reads the stored numbers of the pixels of a DICOM page."""
 
 from collections.abc import Callable
 from dataclasses import asdict
@@ -14,7 +14,7 @@ from ..page_process import decoded
 from .header import Pixels
 from .planes import Plane
 
-# A function that gives the numbers of a page, [row, column].
+# The type of a function that returns the numbers of a page, [row, column].
 Pages = Callable[[int], Array]
 # Upper bound on the bytes of a decoded number.
 _MOST_BYTES = 8
@@ -23,10 +23,10 @@ _MOST_BYTES = 8
 def open_pages(pixels: Pixels) -> Pages:
     """Returns the reader of a file's pages. Raises LeaflightError, as does the reader.
 
-    Bits beyond those that count, such as overlays, are gone, and signs are as they should be.
+    Unused bits, such as overlays, are removed, and signs are correct.
     """
     if pixels.compressed:
-        # Decoders begin at the lowest bit.
+        # Decoded numbers start at the lowest bit.
         return lambda page: _counted(_decoded(pixels, page), pixels, 0)
     if pixels.start < 0:
         data = bytes(pydicom.dcmread(pixels.file, force=True)[pixels.element].value)
@@ -41,7 +41,7 @@ def open_pages(pixels: Pixels) -> Pages:
 
 
 def values_of(plane: Plane, pages: Pages) -> Array:
-    """The values of a plane: what its slope and its intercept make of the stored numbers."""
+    """Returns the values of a plane: slope and intercept applied to the stored numbers."""
     numbers = pages(plane.page)
     if plane.slope == 1 and plane.intercept == 0:
         return numbers
@@ -50,13 +50,13 @@ def values_of(plane: Plane, pages: Pages) -> Array:
 
 
 def digest(plane: Plane) -> bytes:
-    """The same for planes with the same values."""
+    """Returns a hash that is equal for planes with equal values."""
     values = np.ascontiguousarray(values_of(plane, open_pages(plane.pixels)), np.float64)
     return sha256(values.tobytes()).digest()
 
 
 def _decoded(pixels: Pixels, page: int) -> Array:
-    """A page that is compressed, by the process that has the decoders."""
+    """Returns a compressed page, from the subprocess with the decoders."""
     facts = {**asdict(pixels), "file": str(pixels.file)}
     function = f"{__package__}.compressed", "decoded_pages"
     most = pixels.shape[0] * pixels.shape[1] * _MOST_BYTES
@@ -64,10 +64,10 @@ def _decoded(pixels: Pixels, page: int) -> Array:
 
 
 def _native(pixels: Pixels, page: int, part: Callable[[int, int], bytes]) -> Array:
-    """A page that is not compressed; part(start, count) gives bytes of the pixels."""
+    """Returns an uncompressed page. part(start, count) returns bytes of the pixels."""
     count = pixels.shape[0] * pixels.shape[1]
     if pixels.allocated == 1:
-        # Pages begin within bytes.
+        # A page may begin within a byte.
         begin, end = page * count, (page + 1) * count
         raw = np.frombuffer(part(begin // 8, (end + 7) // 8 - begin // 8), np.uint8)
         bits = np.unpackbits(raw, bitorder="little")[begin % 8 :][:count]
@@ -75,11 +75,11 @@ def _native(pixels: Pixels, page: int, part: Callable[[int, int], bytes]) -> Arr
     size = pixels.allocated // 8
     if pixels.allocated not in ((32, 64) if pixels.floats else (8, 16, 32)):
         raise LeaflightError(
-            f"{pixels.file}: its pixels take {pixels.allocated} bits each, which is not supported; "
-            "save the series with 16."
+            f"{pixels.file}: {pixels.allocated} bits per pixel are not supported; save the series "
+            "with 16."
         )
     if size == 1 and pixels.words and not pixels.little:
-        # Two pixels are a word, the second of them its first byte.
+        # Two pixels are a word; its first byte is the second pixel.
         begin, end = page * count // 2 * 2, (page + 1) * count
         raw = np.frombuffer(part(begin, (end - begin + 1) // 2 * 2), "<u2").byteswap()
         numbers = _shaped(pixels, raw.view(np.uint8)[page * count - begin :])
@@ -90,7 +90,7 @@ def _native(pixels: Pixels, page: int, part: Callable[[int, int], bytes]) -> Arr
 
 
 def _shaped(pixels: Pixels, numbers: Array) -> Array:
-    """The page of these numbers. Raises LeaflightError where some are missing."""
+    """Returns the page of these numbers. Raises LeaflightError if some are missing."""
     count = pixels.shape[0] * pixels.shape[1]
     if numbers.size < count:
         raise LeaflightError(
@@ -100,12 +100,12 @@ def _shaped(pixels: Pixels, numbers: Array) -> Array:
 
 
 def _counted(numbers: Array, pixels: Pixels, lowest: int) -> Array:
-    """Whole numbers of those bits alone that count, from the lowest on, with their signs."""
+    """Returns integers of the used bits from the lowest on, with their signs."""
     stored = pixels.stored
     if not pixels.signed and lowest == 0 and stored == 8 * numbers.dtype.itemsize:
         return numbers
-    whole = numbers.astype(np.int64 if stored > 16 else np.int32)
-    counted: Array = np.right_shift(whole, lowest) & ((1 << stored) - 1)
+    integers = numbers.astype(np.int64 if stored > 16 else np.int32)
+    counted: Array = np.right_shift(integers, lowest) & ((1 << stored) - 1)
     if pixels.signed:
         sign = 1 << (stored - 1)
         counted = (counted ^ sign) - sign
@@ -113,9 +113,9 @@ def _counted(numbers: Array, pixels: Pixels, lowest: int) -> Array:
 
 
 def _lowest(numbers: Array, pixels: Pixels) -> int:
-    """The lowest of the bits that count: by the header, unless the numbers contradict it.
+    """Returns the lowest used bit: that in the header, unless the numbers contradict it.
 
-    Many writers leave High Bit at 15 where they store 12 bits from the lowest on.
+    Many writers leave High Bit at 15 although they store 12 bits from the lowest on.
     """
     lowest = pixels.high + 1 - pixels.stored
     if not 0 < lowest <= pixels.allocated - pixels.stored:
@@ -124,6 +124,6 @@ def _lowest(numbers: Array, pixels: Pixels) -> int:
         return lowest
     if pixels.signed:
         half = 1 << (pixels.stored - 1)
-        own = numbers.astype(numbers.dtype.newbyteorder("=")).view(f"i{numbers.dtype.itemsize}")
-        return 0 if -half <= own.min() and own.max() < half else lowest
+        signed = numbers.astype(numbers.dtype.newbyteorder("=")).view(f"i{numbers.dtype.itemsize}")
+        return 0 if -half <= signed.min() and signed.max() < half else lowest
     return 0 if numbers.max() < 1 << pixels.stored else lowest

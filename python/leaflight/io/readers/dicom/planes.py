@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The planes of a DICOM file: where each lies, and what its numbers mean."""
+"""The planes of a DICOM file: positions, and the meaning of stored numbers."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from ...._core import LeaflightError
 from ....arrays import Array
 from .header import Header, Pixels, damaged_header, pixels_of
 
-# By the standard's numbers: the kinds of objects, and the tags that say that pages are times.
+# Numbers of the standard: kinds of objects, and tags that mark pages as times.
 _SEGMENTATIONS = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
 _PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 _TIMES = {0x00181063, 0x00181065}
-# How much of its length a vertical direction has along z, at least; how far, in distances of its
-# pages, the first of them may be from the position of a dose that names its places themselves.
+# Least z component of a vertical direction. Upper bound on the distance, in pages, of the first
+# page from the position of a dose whose offsets are heights in the patient.
 _VERTICAL, _NEAR = 0.999, 0.1
 
 Floats = tuple[float, ...]
@@ -27,17 +27,21 @@ Floats = tuple[float, ...]
 class Plane:
     """One plane of a volume.
 
-    page: of the file. uid: of the object that the file is.
-    order: among planes at one place: time, number, page, acquisition and its time.
-    label: of the segment or the stack that it belongs to.
-    slope, intercept: they make the values of the stored numbers.
-    position, axes: of the first pixel, and the directions of a row and of a column, in LPS; there
-        is no position where the header has none. location: the distance along the patient alone.
-    normal: the direction in which planes count up. spacing: between rows, between columns.
-    step: the distance to the next plane, where positions do not give it; 0 where nothing does.
-    sparse: whether planes that are not there are 0. placed: whether the position is a patient's.
-    padding: the value of pixels without data, None where the header names none.
-    remarks: sentences for the user.
+    page: Number of the page in the file.
+    uid: Identifier of the file's object.
+    order: Sort key of planes at one position: time, number, page, acquisition and its time.
+    label: Name of the segment or the stack that the plane belongs to.
+    slope, intercept: Factor and offset from stored numbers to values.
+    position: Position of the first pixel in LPS, None if the header has none.
+    location: Distance along the patient.
+    axes: Directions of a row and of a column in LPS.
+    normal: Direction in which planes count up.
+    spacing: Distances between rows, and between columns.
+    step: Distance to the next plane, if positions do not give it; 0 if unknown.
+    sparse: True if missing planes are 0.
+    placed: True if the position is that of a patient.
+    padding: Value of pixels without data, None if the header has none.
+    remarks: Sentences for the user.
     """
 
     pixels: Pixels
@@ -63,8 +67,9 @@ class Plane:
 class _File:
     """The data that all pages of a file share.
 
-    labels: of segments, by their numbers. offsets, slices: of each page, how far it is from the
-    position of the file, and its number in space; None where the header does not say.
+    labels: Labels of segments, by number.
+    offsets: Distance of each page from the position of the file, or None.
+    slices: Number of each page along the volume, or None.
     """
 
     tags: pydicom.Dataset
@@ -94,7 +99,7 @@ class _Tags:
 
 
 def planes_of(header: Header) -> list[Plane]:
-    """All planes of a picture, of which an enhanced one has many. Raises LeaflightError."""
+    """Returns all planes of a picture. An enhanced one has many. Raises LeaflightError."""
     tags = header.tags
     try:
         _check_kind(header)
@@ -107,7 +112,7 @@ def planes_of(header: Header) -> list[Plane]:
             offsets=_vector(tags, "GridFrameOffsetVector", pixels),
             slices=_vector(tags, "SliceVector", pixels),
         )
-        # Sequences are looked at once: pydicom goes through all of one each time.
+        # Get each sequence once, because pydicom searches it completely each time.
         own = list(tags.get("PerFrameFunctionalGroupsSequence", None) or [])
         shared = (tags.get("SharedFunctionalGroupsSequence", None) or [None])[0]
         return [
@@ -117,31 +122,34 @@ def planes_of(header: Header) -> list[Plane]:
     except LeaflightError:
         raise
     except Exception as error:
-        # On damaged headers pydicom fails with whatever comes first, when a tag is looked at.
+        # On damaged headers pydicom raises many types of exceptions when a tag is read.
         raise damaged_header(header.file) from error
 
 
 def _check_kind(header: Header) -> None:
-    """Raises LeaflightError for a picture of many tiles, which are no planes of a volume."""
+    """Raises LeaflightError for a picture of tiles, which are not planes of a volume."""
     tags = header.tags
     if "MOSAIC" in (tags.get("ImageType", None) or ()):
         raise LeaflightError(
-            f"{header.file}: it is a mosaic of slices, as scanners of Siemens write it; convert "
-            "the series by dcm2niix, and open the NIfTI file."
+            f"{header.file}: this is a Siemens mosaic of slices; convert the series with "
+            "dcm2niix, and open the NIfTI file."
         )
     if "TotalPixelMatrixColumns" in tags:
         raise LeaflightError(
-            f"{header.file}: its pages are tiles of a microscope's slide, not slices of a volume; "
+            f"{header.file}: the pages are tiles of a microscope slide, not slices of a volume; "
             "choose another series."
         )
 
 
 def _vector(tags: pydicom.Dataset, name: str, pixels: Pixels) -> Floats | None:
-    """A number for each page of a file, or None. Raises LeaflightError where some are missing."""
+    """Returns a number for each page of a file, or None.
+
+    Raises LeaflightError if numbers are missing.
+    """
     vector = _floats(tags.get(name, None)) if pixels.pages > 1 else None
     if vector is not None and len(vector) != pixels.pages:
         raise LeaflightError(
-            f"{pixels.file}: its header has places for {len(vector)} planes, but the file has "
+            f"{pixels.file}: the header has positions for {len(vector)} planes, but the file has "
             f"{pixels.pages}: it is damaged, fetch it again."
         )
     return vector
@@ -164,12 +172,12 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
     if stepped:
         along = _place_of_page(file, position, normal, gap or 1.0, page)
         position = _tuple(np.add(position or (0.0, 0.0, 0.0), along))
-        # A camera may count against its normal.
+        # A gamma camera may count against its normal.
         normal = -normal if gap < 0 else normal
     if spacing is None:
-        remarks += ("The header has no size of a pixel; 1 mm is taken.",)
+        remarks += ("The header has no pixel size; 1 mm is assumed.",)
     if not gap and (position is None or (stepped and file.offsets is None)):
-        remarks += ("The header has no distance of the slices; 1 mm is taken.",)
+        remarks += ("The header has no distance between slices; 1 mm is assumed.",)
     slope, intercept = _scale(tags)
     location = header.get("SliceLocation", None)
     padding = _padding(file)
@@ -195,7 +203,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
 
 
 def _place(tags: _Tags) -> tuple[Floats, Floats | None]:
-    """The axes, along the patient's where there are none, and the position if there is one."""
+    """Returns the axes, by default those of the patient, and the position or None."""
     header = tags.file
     detector = (header.get("DetectorInformationSequence", None) or [pydicom.Dataset()])[0]
     axes = _floats(
@@ -216,11 +224,11 @@ def _place(tags: _Tags) -> tuple[Floats, Floats | None]:
 def _place_of_page(
     file: _File, position: Floats | None, normal: Array, gap: float, page: int
 ) -> Array:
-    """How far a page is from the position of its file, where pages have none of their own."""
+    """Returns the distance of a page from the position of its file, for pages without positions."""
     if file.offsets is not None:
         first, here = file.offsets[0], file.offsets[page]
         height = position[2] if position is not None else 0.0
-        # A dose either has distances from its position or heights in the patient.
+        # Offsets of a dose are either distances from its position or heights in the patient.
         if first != 0 and abs(normal[2]) > _VERTICAL:
             if _near(first, height, abs(file.offsets[1] - first)):
                 return np.array([0.0, 0.0, here - first])
@@ -238,7 +246,7 @@ def _near(one: float, other: float, apart: float) -> bool:
 
 
 def _scale(tags: _Tags) -> tuple[float, float]:
-    """The slope and the intercept that make values of what is stored."""
+    """Returns the slope and the intercept from stored numbers to values."""
     header = tags.file
     dose = _number(header.get("DoseGridScaling", None))
     if dose:
@@ -255,11 +263,11 @@ def _scale(tags: _Tags) -> tuple[float, float]:
 
 
 def _padding(file: _File) -> float | None:
-    """The stored number that stands where a scanner has no data."""
+    """Returns the stored number of pixels without data."""
     value = file.tags.get("PixelPaddingValue", None)
     if not isinstance(value, int):
         return None
-    # Without the type of a tag its sign is lost.
+    # The sign is lost if the tag has no type.
     half = 1 << (file.pixels.stored - 1)
     return float(value - 2 * half if file.pixels.signed and value >= half else value)
 
@@ -277,7 +285,7 @@ def _order(tags: _Tags, page: int) -> Floats:
 
 
 def _labels(header: pydicom.Dataset) -> dict[int, str]:
-    """{number of a segment: its label, which no other has}."""
+    """Returns {number of a segment: its unique label}."""
     labels: dict[int, str] = {}
     for item in header.get("SegmentSequence", None) or []:
         number = int(item.SegmentNumber)
@@ -295,22 +303,22 @@ def _label(tags: _Tags, labels: dict[int, str]) -> str:
 
 
 def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:
-    """Sentences about a file of which the values may not be what other programs show."""
+    """Returns sentences about a file whose values may differ from those in other programs."""
     remarks = []
     interpretation = str(header.get("PhotometricInterpretation", ""))
     if interpretation == "MONOCHROME1":
         remarks.append(
-            "The series is MONOCHROME1: other programs show its low values bright. The values are "
-            "as stored."
+            "The series is MONOCHROME1: other programs show low values bright. Values are as "
+            "stored."
         )
     if interpretation == "PALETTE COLOR":
-        remarks.append("The values are numbers of a color table, as stored.")
+        remarks.append("The values are indices of a color table, as stored.")
     kind = [str(word) for word in header.get("ImageType", None) or ()]
     if header.get("Modality", "") == "NM" and len(kind) > 2 and "RECON" not in kind[2]:
         remarks.append("The pages are views or times of a camera, not slices.")
     if header.get("ModalityLUTSequence", None):
         remarks.append(
-            "The header has a table of values (Modality LUT), which is not applied; the values are "
+            "The header has a table of values (Modality LUT), which is not applied. Values are "
             "as stored."
         )
     return tuple(remarks)
@@ -327,7 +335,7 @@ def _floats(numbers: Iterable[Any] | None, count: int = 0) -> Floats | None:
 
 
 def _number(value: Any, otherwise: float = 0.0) -> float:
-    """A finite number that a header has, or what to take where it has none."""
+    """Returns a finite number of a header, or a default if it has none."""
     try:
         number = float(value)
     except (TypeError, ValueError):

@@ -11,9 +11,9 @@ from .disc import files_of, is_directory, listed_by
 from .header import Header, damaged_header, read_header
 from .planes import Plane, planes_of
 
-# Kinds of series of which each file with several pages is a volume: of a beam, of an organ.
+# Kinds of series in which each file with several pages is a volume, as of a beam or an organ.
 _VOLUMES = {"RTDOSE", "SEG", "NM"}
-# Names of files that a note lists.
+# Upper bound on the file names in a note.
 _MOST_NAMES = 4
 
 Key = tuple[str, ...]
@@ -21,9 +21,9 @@ Key = tuple[str, ...]
 
 @dataclass
 class Series:
-    """The planes of a series, and words by which people know it.
+    """The planes of a series, and words that describe it.
 
-    problem: of one of its files, for whoever chooses the series.
+    problem: Error in one of its files, for a user who chooses the series.
     """
 
     number: str
@@ -41,9 +41,11 @@ class Series:
 
 @dataclass(frozen=True)
 class _Picture:
-    """A file with pixels. key: the same for all of a series; alone: whether it is a volume.
+    """A file with pixels.
 
-    cut: whether it ends before its pixels.
+    key: Equal for all pictures of a series.
+    alone: True if the file is a volume.
+    cut: True if the file ends before its pixels.
     """
 
     header: Header
@@ -54,9 +56,9 @@ class _Picture:
 
 
 def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
-    """The series of a folder or of a disc, or the one that a file belongs to; and notes.
+    """Returns the series of a folder or a disc, or the one that a file belongs to; and notes.
 
-    Raises LeaflightError where there is none.
+    Raises LeaflightError if there is none.
     """
     if path.is_dir():
         files, missing = files_of(path)
@@ -66,30 +68,31 @@ def find_series(path: Path) -> tuple[list[Series], tuple[str, ...]]:
         files, missing = listed_by(header)
         if not files:
             raise LeaflightError(
-                f"{path}: this DICOMDIR lists {missing} files, none of which is beside it; copy "
-                "the whole disc, or open the folder with the slices."
+                f"{path}: this DICOMDIR lists {missing} files, and all are missing; copy the "
+                "whole disc, or open the folder with the slices."
             )
         return _series_of(path, files, missing)
-    own = _picture(header)
-    if own is None or own.cut:
-        raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another.")
-    if own.color:
+    picture = _picture(header)
+    if picture is None or picture.cut:
+        raise LeaflightError(f"{path}: this DICOM file holds no pixels; choose another file.")
+    if picture.color:
         raise LeaflightError(
-            f"{path}: its pixels are colors, but a volume needs one real number a voxel; choose "
+            f"{path}: the pixels are colors, but a volume needs one real number per voxel; choose "
             "another series."
         )
-    if own.alone:
+    if picture.alone:
         return _series_of(path, [path], 0)
     beside = [file for file in sorted(path.parent.iterdir()) if file.is_file() and is_dicom(file)]
-    return _series_of(path, beside if path in beside else [path, *beside], 0, own.key)
+    return _series_of(path, beside if path in beside else [path, *beside], 0, picture.key)
 
 
 def _series_of(
-    path: Path, files: list[Path], missing: int, own: Key | None = None
+    path: Path, files: list[Path], missing: int, only: Key | None = None
 ) -> tuple[list[Series], tuple[str, ...]]:
-    """The series of these files, and notes. Raises LeaflightError.
+    """Returns the series of these files, and notes. Raises LeaflightError.
 
-    missing: how many files are not there; own: the key of the only series that counts.
+    missing: Number of files that are missing.
+    only: Key of the only series to return.
     """
     series: dict[Key, Series] = {}
     colors, cut, damaged = 0, list[str](), list[str]()
@@ -99,7 +102,7 @@ def _series_of(
         except LeaflightError:
             damaged.append(file.name)
             continue
-        if picture is None or own not in (None, picture.key):
+        if picture is None or only not in (None, picture.key):
             continue
         if picture.cut:
             cut.append(file.name)
@@ -114,12 +117,12 @@ def _series_of(
             one.problem = one.problem or problem
     if not series and colors:
         raise LeaflightError(
-            f"{path}: all of its {colors} DICOM pictures are colors, but a volume needs one real "
-            "number a voxel; choose another folder."
+            f"{path}: all {colors} DICOM pictures are colors, but a volume needs one real number "
+            "per voxel; choose another folder."
         )
     if not series:
-        raise LeaflightError(f"{path}: none of its DICOM files holds pixels; choose others.")
-    return list(series.values()), _notes(colors, cut + damaged * (own is None), missing)
+        raise LeaflightError(f"{path}: its DICOM files hold no pixels; choose another folder.")
+    return list(series.values()), _notes(colors, cut + damaged * (only is None), missing)
 
 
 def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
@@ -128,15 +131,15 @@ def _notes(colors: int, damaged: list[str], missing: int) -> tuple[str, ...]:
         notes.append(f"{colors} color picture{'s are' if colors > 1 else ' is'} left out.")
     if damaged:
         names = listed(damaged, _MOST_NAMES)
-        notes.append(f"Left out, since they are damaged or hold no pixels: {names}.")
+        notes.append(f"These are left out, because they are damaged or hold no pixels: {names}.")
     if missing:
         files = "1 more file, which is" if missing == 1 else f"{missing} more files, which are"
-        notes.append(f"The DICOMDIR lists {files} not there.")
+        notes.append(f"The DICOMDIR lists {files} missing.")
     return tuple(notes)
 
 
 def _picture(header: Header) -> _Picture | None:
-    """None of a file that is no picture. Raises LeaflightError."""
+    """Returns the picture of a file, None without pixels. Raises LeaflightError."""
     tags = header.tags
     if "Rows" not in tags or "Columns" not in tags:
         return None
@@ -148,7 +151,7 @@ def _picture(header: Header) -> _Picture | None:
             object_uid = str(tags.get("SOPInstanceUID", "")) if volume else ""
             key: Key = (str(tags.get("StudyInstanceUID", "")), uid, object_uid)
         else:
-            # Whoever made it anonymous took the identifiers out.
+            # Anonymized files may lack identifiers.
             names = ("SeriesNumber", "SeriesDescription", "Modality")
             key = (str(header.file.parent), *(str(tags.get(name, "")) for name in names))
         return _Picture(
@@ -159,7 +162,7 @@ def _picture(header: Header) -> _Picture | None:
             cut=header.found is None,
         )
     except Exception as error:
-        # pydicom fails with whatever comes first, when a damaged tag is looked at.
+        # pydicom raises many types of exceptions when a damaged tag is read.
         raise damaged_header(header.file) from error
 
 

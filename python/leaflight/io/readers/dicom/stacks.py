@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Planes in the order in which they lie in the patient, as frames of one grid."""
+"""Sorts planes by their positions in the patient, as frames of one grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,22 +13,22 @@ from ....arrays import Array
 from .pixels import digest
 from .planes import Plane
 
-# How far apart planes may be from evenly spaced, in parts of their distance.
+# Tolerance of even spacing, as a share of the distance of planes.
 UNEVEN = 0.1
-# Planes are at one place that are nearer than this, in parts of their distance, or of the size of a
-# pixel: headers repeat a place with other last digits.
+# Distance within which planes have the same position, as a share of their distance or of a pixel.
+# Headers may round equal positions differently.
 _SAME, _SAME_PIXEL = 0.01, 1e-4
-# How far a plane may be aside of the line through the first and the last, in pixels.
+# Upper bound on the distance of a plane from the line through the first and the last, in pixels.
 _ASIDE = 1.0
-# Most planes that a sparse object leaves out, beside each that it has.
+# Upper bound on the planes that a sparse object omits, per plane that it has.
 _MOST_EMPTY = 1000
-# DICOM's world is left-posterior-superior, ours right-anterior-superior.
+# From DICOM's world (left-posterior-superior) to Leaflight's (right-anterior-superior).
 _FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 @dataclass(frozen=True)
 class Stack:
-    """The planes of each frame, None for one that is all 0, and where the grid lies."""
+    """The planes of each frame, None for one that is all 0, and the position of the grid."""
 
     frames: list[list[Plane | None]]
     index_to_world: Array
@@ -36,9 +36,9 @@ class Stack:
 
 
 def stack_of(path: Path, planes: list[Plane]) -> Stack:
-    """The planes of each frame, from the first to the last along the patient.
+    """Returns the planes of each frame, from the first to the last along the patient.
 
-    Raises LeaflightError where one is missing, or where they are of no one grid.
+    Raises LeaflightError if one is missing, or if they do not share a grid.
     """
     planes = sorted(planes, key=lambda one: one.order)
     if any(one.position is None for one in planes):
@@ -49,12 +49,12 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
     if len(counts) > 1:
         raise LeaflightError(
             f"{path}: this series has {min(counts)} to {max(counts)} different slices at each "
-            "place in the patient; take out those that do not belong to it."
+            "position; remove those that do not belong to it."
         )
     _check_even(path, places)
     notes = [_copies_note(copies)] if copies else []
     if not planes[0].placed:
-        notes.append("The header does not place the slices in the patient.")
+        notes.append("The header has no position of the slices in the patient.")
     frames: list[list[Plane | None]] = [
         [place[frame] for place in places] for frame in range(counts.pop())
     ]
@@ -62,27 +62,27 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
 
 
 def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
-    """The planes of one segment in the grid of all segments. Raises LeaflightError."""
+    """Returns the planes of one segment in the grid of all segments. Raises LeaflightError."""
     if any(one.position is None for one in planes):
-        raise LeaflightError(f"{path}: its header does not place the segments; repair it.")
+        raise LeaflightError(f"{path}: the header has no positions of the segments; repair it.")
     places = _places(planes)
     indices = _indices(path, np.array([_along(place[0], planes[0]) for place in places]), planes[0])
     frame: list[Plane | None] = [None] * int(indices[-1] + 1)
     for index, place in zip(indices, places):
-        own = [one for one in place if one.label == label]
-        if len(own) > 1 and len({digest(one) for one in own}) > 1:
+        segment = [one for one in place if one.label == label]
+        if len(segment) > 1 and len({digest(one) for one in segment}) > 1:
             raise LeaflightError(
-                f"{path}: the segment {label!r} has {len(own)} different slices at one place; "
-                "choose a file with one of them."
+                f"{path}: the segment {label!r} has {len(segment)} different slices at one "
+                "position; choose a file with one of them."
             )
-        frame[index] = own[0] if own else None
+        frame[index] = segment[0] if segment else None
     return Stack([frame], _matrix(path, places[0][0], places[-1][0], len(frame)))
 
 
 def _indices(path: Path, along: Array, first: Plane) -> Array:
-    """The numbers of places among those that a sparse object may have. Raises LeaflightError.
+    """Returns the numbers of positions in the grid of a sparse object. Raises LeaflightError.
 
-    The distance that the header gives counts, or else the smallest between neighbors.
+    The distance in the header is used, or else the smallest between neighbors.
     """
     gaps = np.diff(along)
     for step in (first.step, gaps.min(initial=np.inf)):
@@ -92,23 +92,23 @@ def _indices(path: Path, along: Array, first: Plane) -> Array:
             if apart <= UNEVEN * step and counts.sum() <= _MOST_EMPTY * len(along):
                 return np.append(0, np.cumsum(counts)).astype(np.int64)
     raise LeaflightError(
-        f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, which is no multiple "
-        "of one distance; take out those that do not belong to it."
+        f"{path}: the slices are {gaps.min():g} to {gaps.max():g} mm apart, which are not "
+        "multiples of one distance; remove those that do not belong to it."
     )
 
 
 def _unplaced(path: Path, planes: list[Plane]) -> Stack:
-    """Planes without positions, by their locations if these differ, else by their numbers."""
+    """Returns planes without positions, sorted by locations if these differ, else by numbers."""
     locations = [one.location for one in planes if one.location is not None]
     if len(set(locations)) == len(planes):
         planes = sorted(planes, key=lambda one: one.location or 0.0)
         _check_distances(path, np.array(sorted(locations)))
         step = (max(locations) - min(locations)) / max(len(planes) - 1, 1)
-        note = "The headers have distances of the slices, but no position in the patient."
+        note = "The headers have distances of the slices, but no positions in the patient."
     else:
         step = planes[0].step or 1.0
         note = (
-            f"The headers do not place the slices; they are taken by their numbers, {step:g} mm "
+            f"The headers have no positions of the slices; they are sorted by number, {step:g} mm "
             "apart."
         )
     first = planes[0]
@@ -122,7 +122,7 @@ def _along(one: Plane, first: Plane) -> float:
 
 
 def _places(planes: Sequence[Plane]) -> list[list[Plane]]:
-    """The planes at each place, from the first place to the last; in their own order at one."""
+    """Returns the planes at each position, from the first to the last, each sorted by order."""
     if not planes:
         return []
     first = planes[0]
@@ -139,10 +139,10 @@ def _places(planes: Sequence[Plane]) -> list[list[Plane]]:
 
 
 def _without_copies(places: list[list[Plane]]) -> tuple[list[list[Plane]], int]:
-    """The places without slices that were stored twice, and how many were.
+    """Returns the positions without slices that were stored twice, and the number of these.
 
-    A copy has the pixels of another at its place; and its number or its identifier, or there are
-    more slices at this place than at others.
+    A copy has the same pixels and position as another slice. Also its number or its identifier is
+    equal, or this position has more slices than others.
     """
     fewest = min(len(place) for place in places)
     kept, copies = [], 0
@@ -173,12 +173,12 @@ def _identities(one: Plane) -> set[tuple[object, ...]]:
 
 def _copies_note(copies: int) -> str:
     if copies == 1:
-        return "1 slice is there twice, with the same values; the copy is left out."
-    return f"{copies} slices are there twice, with the same values; the copies are left out."
+        return "1 slice is stored twice with equal values; the copy is left out."
+    return f"{copies} slices are stored twice with equal values; the copies are left out."
 
 
 def _check_even(path: Path, places: list[list[Plane]]) -> None:
-    """Raises LeaflightError unless the planes of each frame lie on one line, evenly spaced."""
+    """Raises LeaflightError unless the planes of each frame are on one line, evenly spaced."""
     first = places[0][0]
     positions = np.array([[one.position for one in place] for place in places])
     _check_distances(path, positions[:, 0] @ first.normal)
@@ -188,15 +188,15 @@ def _check_even(path: Path, places: list[list[Plane]]) -> None:
     step = np.linalg.norm(line[-1] - line[0]) / max(len(line) - 1, 1)
     if aside > _ASIDE * max(first.spacing) + UNEVEN * step:
         raise LeaflightError(
-            f"{path}: its slices do not lie above each other, but up to {aside:g} mm aside; take "
-            "out those that do not belong to the series."
+            f"{path}: the slices are up to {aside:g} mm off a common line; remove those that do "
+            "not belong to the series."
         )
 
 
 def _check_distances(path: Path, along: Array) -> None:
-    """Raises LeaflightError unless places are evenly spaced, from neighbor to neighbor or overall.
+    """Raises LeaflightError unless positions are evenly spaced, between neighbors or overall.
 
-    Rounded places are so overall: 0.0625 mm in hundredths of a millimeter.
+    Rounded positions are even only overall: 0.0625 mm in hundredths of a millimeter.
     """
     gaps = np.diff(along)
     if len(gaps) < 2:
@@ -207,13 +207,13 @@ def _check_distances(path: Path, along: Array) -> None:
         and np.abs(along - even).max() > UNEVEN * gaps.mean()
     ):
         raise LeaflightError(
-            f"{path}: its slices are {gaps.min():g} to {gaps.max():g} mm apart, so that one may be "
-            "missing; complete the series, or take out those that do not belong to it."
+            f"{path}: the slices are {gaps.min():g} to {gaps.max():g} mm apart, so one may be "
+            "missing; complete the series, or remove slices that do not belong to it."
         )
 
 
 def _axes(first: Plane) -> Array:
-    """The matrix of a plane in LPS, without the direction from plane to plane."""
+    """Returns the matrix of a plane in LPS, without the direction between planes."""
     matrix = np.eye(4)
     matrix[:3, 0] = np.multiply(first.axes[:3], first.spacing[1])
     matrix[:3, 1] = np.multiply(first.axes[3:], first.spacing[0])
@@ -226,12 +226,12 @@ def _matrix(path: Path, first: Plane, last: Plane, count: int) -> Array:
     matrix = _axes(first)
     matrix[:3, 2] = np.multiply(first.normal, first.step or 1.0)
     if count > 1:
-        # Along a gantry that was tilted, too.
+        # The direction between planes may be oblique if the gantry was tilted.
         matrix[:3, 2] = np.subtract(last.position or (), first.position or ()) / (count - 1)
     return _checked(path, _FROM_LPS @ matrix)
 
 
 def _checked(path: Path, matrix: Array) -> Array:
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) == 0:
-        raise LeaflightError(f"{path}: the headers place the slices nowhere in space; repair them.")
+        raise LeaflightError(f"{path}: the matrix in the headers is not invertible; repair them.")
     return matrix

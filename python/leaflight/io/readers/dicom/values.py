@@ -14,12 +14,12 @@ from ..watched import watched
 from .pixels import open_pages, values_of
 from .planes import Plane
 
-# Files that are open at once: times of a series may each be one, of which all have some planes.
+# Number of files that are open at once. Each time of a series may be a file with several planes.
 _OPEN = 4
 
 
 def value_type(planes: list[Plane]) -> np.dtype[Any]:
-    """The type of the values: the narrowest that holds what slices usually hold."""
+    """Returns the type of the values: the narrowest that holds usual values of slices."""
     pixels = {one.pixels for one in planes}
     if any(one.floats and one.allocated == 64 for one in pixels):
         return np.dtype(np.float64)
@@ -32,16 +32,16 @@ def value_type(planes: list[Plane]) -> np.dtype[Any]:
     low = min(one.intercept - (one.pixels.signed << (one.pixels.stored - 1)) for one in planes)
     high = max(one.intercept + (1 << one.pixels.stored) - 1 for one in planes)
     fits = (kind for kind in (np.uint8, np.uint16) if low >= 0 and high <= np.iinfo(kind).max)
-    # Hounsfield units do, though 16 bits may be declared for them before 1024 is taken away.
+    # Hounsfield units fit 16 bits, even if the header declares 16 bits before it subtracts 1024.
     return np.dtype(next(fits, np.int16))
 
 
 def values_of_frame(
     planes: list[Plane | None], shape: tuple[int, int], dtype: np.dtype[Any], progress: Progress
 ) -> Array:
-    """The values of planes of this shape, 0 where one is not stored. Raises LeaflightError.
+    """Returns the values of planes of this shape, 0 for one that is not stored.
 
-    They are of this type, or of one that holds more where they exceed it.
+    They have this type, or a wider one if they exceed it. Raises LeaflightError.
     """
     values = new_voxels((len(planes), *shape), dtype)
     opened = lru_cache(maxsize=_OPEN)(open_pages)
@@ -62,10 +62,10 @@ def _fits(page: Array, dtype: np.dtype[Any]) -> bool:
 
 
 def _widened(values: Array, count: int, page: Array) -> Array:
-    """An array that holds another page as well, with the first `count` planes of values."""
-    # 24 bits are exact in single precision.
-    whole = np.int32 if _fits(page, np.dtype(np.int32)) else np.float64
-    kind = np.float32 if np.abs(page.astype(np.float64)).max() < 1 << 24 else whole
+    """Returns a wider array that can hold another page, with the first `count` planes copied."""
+    # Single precision is exact up to 24 bits.
+    exact = np.int32 if _fits(page, np.dtype(np.int32)) else np.float64
+    kind = np.float32 if np.abs(page.astype(np.float64)).max() < 1 << 24 else exact
     wide = new_voxels(values.shape, kind)
     wide[:count] = values[:count]
     return wide

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Resumes a bake in passes that was stopped or needs a smaller error."""
+"""Refines a bake in passes that was stopped or needs a smaller error."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
-class ResumeOptions(TypedDict, total=False):
-    """The settings that may differ between a bake and the bake that resumes it."""
+class RefineOptions(TypedDict, total=False):
+    """The settings that may differ between a bake and the bake that refines it."""
 
     error: float | None
     time: float | None
@@ -29,15 +29,15 @@ class ResumeOptions(TypedDict, total=False):
     threads: int
 
 
-@with_progress("resume")
-def resume(
+@with_progress("refine")
+def refine(
     previous: Bake,
     *,
     on_pass: Callable[[Bake], object] | None = None,
     progress: _core.Progress | None = None,
     checkpoint: Checkpoint | None = None,
     workers: Workers | None = None,
-    **settings: "Unpack[ResumeOptions]",
+    **settings: "Unpack[RefineOptions]",
 ) -> Bake:
     """Continues a bake with its volumes, its scene and its settings, and returns the new Bake.
 
@@ -45,15 +45,17 @@ def resume(
     the new bake count the passes, the seconds and the rays of both. A bake with only its first,
     coarse result starts again. So does one whose time limit made its texels coarser.
 
-    previous: a Bake in passes, or one that load_bake() read. error: percent, as for bake(); None is
-    the target of the previous bake. time: limit on the added seconds, None for no limit. walls:
-    lights the meshes, too, again from the start; None is as before. threads, on_pass,
-    progress, checkpoint, workers: as for bake().
-    Raises LeaflightError if the bake cannot be resumed, Cancelled.
+    previous: A Bake in passes, or one that load_bake() read.
+    error: Target in percent, as for bake(). None is the target of the previous bake.
+    time: Limit on the added seconds. None is no limit.
+    walls: True lights the meshes, too, again from the start. None is as before.
+    threads, on_pass, progress, checkpoint, workers: As for bake().
+    Raises Cancelled, and LeaflightError if the bake cannot be refined.
     """
     if previous.original is not None:
         raise LeaflightError(
-            "A bake with other lamps or in another scene does not go on: resume its original."
+            "A bake with changed lamps or in another scene cannot be continued: continue its "
+            "original."
         )
     if not previous.provenance.blocks:
         raise LeaflightError(
@@ -65,8 +67,8 @@ def resume(
     assert reached is not None
     if reached <= task.settings.error:
         raise SettingError(
-            f"The bake errs {reached:.2g} % already, and {task.settings.error:g} % is asked for: "
-            "ask for a smaller error to continue it.",
+            f"The bake already has an error of {reached:.2g} %, and the target is "
+            f"{task.settings.error:g} %: give a smaller target to continue it.",
             "error",
         )
     return lit(task, previous, on_pass, progress, checkpoint, workers)
@@ -79,7 +81,7 @@ def _task(
     walls: bool | None = None,
     threads: int = 0,
 ) -> Task:
-    """Returns the Task of the previous bake with the settings of resume()."""
+    """Returns the Task of the previous bake with the settings of refine()."""
     known, scene = previous.provenance, previous.scene
     asked = BakeSettings(
         error=known.error if error is None else error,

@@ -7,7 +7,7 @@ import leaflight
 import numpy as np
 import pytest
 from cone import FINE, cone
-from leaflight import LeaflightError, Progress, load_bake, resume
+from leaflight import LeaflightError, Progress, load_bake, refine
 from leaflight.volume.setting_error import SettingError
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
@@ -54,7 +54,7 @@ def assert_same_light(one, two):
 
 @pytest.mark.slow
 def test_a_stopped_bake_goes_on_to_its_error(box, previous):
-    more = resume(previous)
+    more = refine(previous)
     assert more.statistics.estimated_error_percent < previous.statistics.estimated_error_percent
     assert not more.statistics.stopped and previous.statistics.stopped
     assert more.provenance.error == 0.3 and more.provenance.continued == previous.id != more.id
@@ -74,7 +74,7 @@ def test_a_stopped_bake_goes_on_to_its_error(box, previous):
 def test_a_finished_bake_goes_on_to_a_smaller_error(box):
     rough = box(resolution=FINE, error=1.0)
     assert not rough.statistics.stopped
-    fine = resume(rough, error=0.5)
+    fine = refine(rough, error=0.5)
     assert fine.provenance.error == 0.5
     assert fine.statistics.estimated_error_percent <= 0.5
     noise = [one.statistics.estimated_noise_percent for one in (rough, fine)]
@@ -89,7 +89,7 @@ def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
     previous = box(error=0.3, both_sides=both_sides, seed=5, **stopping(1))
     previous.save(tmp_path / "previous.vdb")
     loaded = load_bake(tmp_path / "previous.vdb")
-    one, two = resume(previous, threads=1), resume(loaded, threads=2)
+    one, two = refine(previous, threads=1), refine(loaded, threads=2)
     assert_same_light(one, two)
     assert one.grid.has_back == both_sides
     if both_sides:
@@ -97,7 +97,7 @@ def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
             assert one.grid.dense(name).tobytes() == two.grid.dense(name).tobytes()
     # The result is a bake like any other: it can be saved and continued.
     two.save(tmp_path / "more.vdb")
-    again = resume(load_bake(tmp_path / "more.vdb"), error=0.2)
+    again = refine(load_bake(tmp_path / "more.vdb"), error=0.2)
     assert again.provenance.continued == one.id
     for key in ("seed", "scene", "isovalues", "both_sides"):
         assert getattr(again.provenance, key) == getattr(previous.provenance, key)
@@ -105,35 +105,35 @@ def test_from_memory_and_from_its_file_alike(box, tmp_path, both_sides):
 
 @pytest.mark.slow
 def test_passes_are_shown_and_stopped_as_those_of_a_bake(previous):
-    more = resume(previous, error=0.01, **stopping(2))
+    more = refine(previous, error=0.01, **stopping(2))
     assert more.statistics.stopped and more.statistics.passes == 3
-    same = resume(previous, error=0.01, **stopping(2))
+    same = refine(previous, error=0.01, **stopping(2))
     assert_same_light(more, same)
     # Over before its first pass is.
-    limited = resume(previous, error=0.01, time=1e-9)
+    limited = refine(previous, error=0.01, time=1e-9)
     assert limited.statistics.stopped and limited.statistics.passes == 2
     seen = stopping(1)
     progress = seen["progress"]
     progress.cancel()
     with pytest.raises(leaflight.Cancelled):
-        resume(previous, progress=progress)
+        refine(previous, progress=progress)
 
 
 @pytest.mark.slow
 def test_walls_are_lit_anew(box):
     previous = box(error=0.3, walls=True, **stopping(1))
-    more = resume(previous)
+    more = refine(previous)
     before, after = (b.walls.radiance(0, 50.0) for b in (previous, more))
     assert before.shape == after.shape and not np.array_equal(before, after)
     assert after.mean() == pytest.approx(before.mean(), rel=0.05)
     # Asked for or not.
-    without = resume(previous, walls=False)
+    without = refine(previous, walls=False)
     assert without.walls is None and without.provenance.walls is False
 
 
 @pytest.mark.slow
 def test_a_first_picture_begins_anew(bump_scene, tmp_path):
-    """Checks that resume() starts again from a first picture, which has other texels.
+    """Checks that refine() starts again from a first picture, which has other texels.
 
     A bake that is stopped early keeps its first picture.
     """
@@ -143,7 +143,7 @@ def test_a_first_picture_begins_anew(bump_scene, tmp_path):
     assert previous.grid.resolution != whole.grid.resolution
     previous.save(tmp_path / "previous.vdb")
     for first in (previous, load_bake(tmp_path / "previous.vdb")):
-        assert_same_light(resume(first), whole)
+        assert_same_light(refine(first), whole)
 
 
 def test_what_is_good_enough_is_not_continued(box):
@@ -179,7 +179,7 @@ def test_the_command_line(cli, root, tmp_path):
     assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
-    # In place, too.
+    # Continue the bake into its own file.
     assert cli("bake", "--continue", more, "--out", more, "--error", "0.4").status == 0
     refused = cli(*continued)
     assert refused.status == 2 and refused.err.endswith("(--error).\n")

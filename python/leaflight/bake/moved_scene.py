@@ -29,8 +29,9 @@ from .provenance import Provenance, frozen, values_sha256
 class Detail:
     """The sampling density of direct light.
 
-    wider: factor on the width of texels of visibility maps; spacing: upper bound on the voxels
-    between the lines that sample them; share: keeps one of this many shadow rays of the walls.
+    wider: Factor on the width of texels of visibility maps.
+    spacing: Upper bound on the voxels between the lines that sample the maps.
+    share: Number of shadow rays of the walls of which one is traced.
     """
 
     wider: int = 1
@@ -56,14 +57,15 @@ def moved(
 ) -> Bake:
     """Returns the Bake in another scene: computes direct light and scales indirect light.
 
-    bake: a Bake in passes. volumes, scene: as for bake(). The values must be those of the bake;
-        their positions may differ. isovalues: as for bake(); None is the range of the bake.
-    quick: makes the texels of visibility maps twice as wide and traces fewer shadow rays. It takes
-        a fifth of the time. Shadows are blurred and may miss thin parts.
-    walls: lights baked walls again, too; without it the result has none.
-    progress: a Progress, which can cancel the work.
-    Save and resume the original, because the result itself cannot be saved. Raises LeaflightError
-    if direct light is not exact or the texels belong to other volumes, Cancelled.
+    bake: A Bake in passes.
+    volumes, scene: As for bake(). The values must be those of the bake; their positions may differ.
+    isovalues: As for bake(). None is the range of the bake.
+    quick: True makes the texels of visibility maps twice as wide and traces fewer shadow rays. It
+        takes a fifth of the time. Shadows are blurred and may miss thin parts.
+    walls: True lights baked walls again, too. Otherwise the result has none.
+    progress: A Progress, which can cancel the work.
+    Save and resume the original, because the result itself cannot be saved. Raises Cancelled, and
+    LeaflightError if direct light is not exact or the texels belong to other volumes.
     """
     original = bake.original or bake
     progress = progress or _core.Progress()
@@ -71,7 +73,8 @@ def moved(
     volumes = as_volumes(volumes)
     if len(volumes) != len(original.volumes):
         raise LeaflightError(
-            f"The bake is of {len(original.volumes)} volumes, not of {len(volumes)}: bake again."
+            f"The bake has {len(original.volumes)} volumes, but the scene has {len(volumes)}: "
+            "bake again."
         )
     volumes, description, isovalue_range = placed(volumes, scene, isovalues)
     _check(original, volumes, description, isovalue_range)
@@ -123,12 +126,12 @@ def _check(
     before, now = bake.scene.isosurfaces, description.isosurfaces
     if not can_be_relit(bake, diffuse_alone=True):
         raise LeaflightError(
-            "The direct light of this bake is not exact, so nothing can move in it: bake to an "
-            "error, several volumes on fronts alone, or bake again after each move."
+            "This bake has no exact direct light, so objects cannot move in it: bake to a target "
+            "error, and several volumes only on fronts, or bake again after each move."
         )
     same = isovalue_range == bake.isovalues
     if not same or any(a.isovalues != b.isovalues for a, b in zip(before, now) if len(now) > 1):
-        raise LeaflightError("The range of isovalues has changed since the bake: bake again.")
+        raise LeaflightError("The isovalue range has changed since the bake: bake again.")
     if any(a.scattering != b.scattering for a, b in zip(before, now)):
         raise LeaflightError("The material of a volume has changed since the bake: bake again.")
     records = bake.provenance.volumes
