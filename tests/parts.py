@@ -112,13 +112,16 @@ LONG_PARTS = (
         "macos",
         "scripts/setup --macos && build/tools-venv/bin/python -m pytest tests/macos {select}",
     ),
-    Part("fuzz", "validation/fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"),
-    Part("faults", "validation/faults --seed 1 {select}", "--tries 20"),
-    Part("races", "validation/races {select}"),
-    Part("every-scene", "validation/every_scene --time 5 --nodes 16 {select}"),
-    Part("mutations", "validation/mutations {select}"),
-    Part("cycles", "validation/report --cycles --quick --out build/test/cycles {select}"),
-    Part("tables", "validation/report --tables --quick --out build/test/tables {select}"),
+    Part(
+        "fuzz", "validation/run fuzz --minutes 1 --jobs 2 --seed 1 --no-atheris --no-core {select}"
+    ),
+    Part("faults", "validation/run faults --seed 1 {select}", "--tries 20"),
+    Part("races", "validation/run races {select}"),
+    Part("every-scene", "validation/run every_scene --time 5 --nodes 16 {select}"),
+    Part("mutations", "validation/run mutations {select}"),
+    Part("cycles", "validation/run against_cycles --quick --out build/test/cycles {select}"),
+    Part("tables", "validation/run tables --quick --out build/test/tables {select}"),
+    Part("report", "validation/run report --quick --out build/test/report {select}"),
 )
 
 # Before a release; 5.2 compiles Python 3.13 (scripts/python3.13), 5.2-window fetches a Debian sid.

@@ -11,7 +11,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-
 from leaflight.io.readers import read_volume
 
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")

@@ -2,7 +2,7 @@
 """Translations of the interface, through Blender's message catalogs.
 
 Blender itself translates constant names, descriptions and labels. A label with numbers is made from
-a template that iface_() translates. validation/messages lists all messages.
+a template that iface_() translates. scripts/messages lists all messages.
 """
 
 import textwrap

@@ -24,7 +24,7 @@ assert {path.name for path in FILES} > SHORT
 # Processor seconds of importing NumPy, and of enabling the add-on after it and the package.
 ENABLE = """
 import addon_utils, bpy, json, resource, sys
-# Which --factory-startup leaves out.
+# --factory-startup leaves this folder out.
 sys.path.append(bpy.utils.user_resource("SCRIPTS", path="modules"))
 def seconds():
     used = resource.getrusage(resource.RUSAGE_SELF)

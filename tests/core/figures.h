@@ -13,7 +13,7 @@
 namespace leaflight::test {
 
 // Returns the number of trials of a case: usually `usual`, fewer in sanitized builds. It is
-// `large`, as in docs/validation/numerics.md, if validation/numerics asks for it.
+// `large`, as in docs/validation/numerics.md, if validation/run numerics asks for it.
 inline std::int64_t trials(std::int64_t usual, std::int64_t large) {
   const char* wanted = std::getenv("LEAFLIGHT_NUMERICS");
   if (wanted && std::string(wanted) == "large") return large;

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import leaflight
@@ -126,10 +125,10 @@ def lapr_file(lapr_bake, tmp_path_factory):
 
 
 @pytest.fixture
-def called(capsys):
-    """Calls the main function of a program in this process: called(main, "info") -> Outcome."""
+def cli(capsys):
+    """Calls the command line in this process: cli("info", "x.nii") -> Outcome."""
 
-    def call(main, *arguments):
+    def call(*arguments):
         # A program that has written its files ignores Ctrl-C from then on; the tests go on.
         before = signal.getsignal(signal.SIGINT)
         status = main([str(argument) for argument in arguments])
@@ -138,28 +137,6 @@ def called(capsys):
         return Outcome(status, captured.out, captured.err)
 
     return call
-
-
-@pytest.fixture
-def cli(called):
-    """Calls the command line: cli("info", "x.nii") -> Outcome."""
-    return partial(called, main)
-
-
-@pytest.fixture
-def report_program(called):
-    """Calls validation/report: report_program("--tables") -> Outcome."""
-    import reports.command as command
-
-    return partial(called, partial(main, parser=command.make_parser, command=command.run_report))
-
-
-@pytest.fixture
-def bench_program(called):
-    """Calls validation/bench: bench_program("rays", "--quick") -> Outcome."""
-    import benchmarks.command as command
-
-    return partial(called, partial(main, parser=command.make_parser, command=command.run_bench))
 
 
 @pytest.fixture(scope="session")

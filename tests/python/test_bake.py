@@ -54,8 +54,8 @@ def test_settings_without_effect_are_named_before_the_first_pass(bump_scene):
     with pytest.warns(UnusedSetting) as warned:
         baked = leaflight.bake(leaflight.nucleons(16)[0], alone, isovalues=(60, 120), **settings)
     walls, back = sorted((str(one.message) for one in warned), reverse=True)
-    assert walls == "No walls are baked: nothing surrounds the volume."
-    assert back.startswith("No backs are baked: every isosurface")
+    assert walls.startswith("No walls")
+    assert back.startswith("No backs")
     assert baked.walls is None and not baked.grid.has_back
 
 
@@ -66,7 +66,7 @@ def test_the_command_line_names_settings_without_effect(cli, tmp_path):
     options = ("--scene", bare, "--dims", 12, "--resolution", 8, "--error", 50, "--walls")
     done = cli("bake", "bump_box", *options, "--out", tmp_path / "bare.vdb")
     assert done.status == 0
-    assert "leaflight: No walls are baked: nothing surrounds the volume.\n" in done.err
+    assert "leaflight: No walls" in done.err
 
 
 def test_saved_and_loaded(box_bake, box_file):
@@ -143,7 +143,7 @@ def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
     path = tmp_path / "damaged.vdb"
     data = box_file.read_bytes()
     path.write_bytes(data[:-24].replace(b"texels", b"te\xffels"))
-    with pytest.raises(LeaflightError, match="damaged.vdb: this bake is damaged"):
+    with pytest.raises(LeaflightError, match="damaged.vdb: .*damaged"):
         load_bake(path)
 
 

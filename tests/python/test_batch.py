@@ -107,19 +107,19 @@ def test_what_fails_is_reported(cli, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "line, sentence",
+    "line, words",
     [
-        ("bump_box", "line 3: one of the arguments"),
-        ("bump_box --out a.vdb --workers 3", "line 3: give VOLUME and --out"),
-        ("bump_box --out 'a.vdb", "line 3: No closing quotation"),
-        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line also writes"),
+        ("bump_box", "line 3:"),
+        ("bump_box --out a.vdb --workers 3", "--out"),
+        ("bump_box --out 'a.vdb", "quotation"),
+        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line writes"),
         ("", "lists no bakes"),
     ],
 )
-def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, sentence):
+def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, words):
     monkeypatch.chdir(tmp_path)
     done = cli("batch", listed(tmp_path, line))
-    assert done.status == 2 and sentence in done.err and len(done.err.splitlines()) == 1
+    assert done.status == 2 and words in done.err and len(done.err.splitlines()) == 1
     assert cli("batch", tmp_path / "none.txt").status == 2
 
 
@@ -133,9 +133,9 @@ def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, sentence):
 )
 def test_workers_are_of_one_kind(cli, command):
     done = cli(*command, "--workers", "2", "--scheduler", "tcp://127.0.0.1:1")
-    assert done.status == 2 and "not allowed with argument --workers" in done.err
+    assert done.status == 2 and "--workers" in done.err
 
 
 def test_no_workers_are_none(cli, tmp_path):
     done = cli("batch", listed(tmp_path, f"bump_box --out {tmp_path}/x.vdb"), "--workers", "0")
-    assert done.status == 2 and "number of workers is 0" in done.err
+    assert done.status == 2 and "not 0" in done.err

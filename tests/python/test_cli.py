@@ -144,7 +144,7 @@ def test_flatland(script, tmp_path):
     image = tmp_path / "image.png"
     Image.fromarray(np.add.outer(np.arange(9), np.arange(12)).astype(np.uint8)).save(image)
     outcome = script("flatland", image, "--out", tmp_path / "image.exr", *options)
-    assert outcome.status == 2 and "overwrite an input" in outcome.err
+    assert outcome.status == 2 and "overwrite" in outcome.err
     outcome = script("flatland", image, "--out", tmp_path / "other.exr", *options)
     assert outcome.status == 0 and "45 x 33 texels" in outcome.out
 
@@ -225,7 +225,7 @@ def test_exit_status_of_the_process(script):
 def test_output_never_replaces_the_input(cli, box_file):
     before = box_file.read_bytes()
     outcome = cli("bake", box_file, "--out", box_file)
-    assert outcome.status == 2 and "overwrite an input" in outcome.err
+    assert outcome.status == 2 and "overwrite" in outcome.err
     assert box_file.read_bytes() == before
 
 

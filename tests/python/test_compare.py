@@ -121,7 +121,7 @@ def test_compare_on_a_wall(lapr_bake):
 def test_compare_on_walls_needs_them(box_bake, lapr_bake):
     with pytest.raises(LeaflightError, match="bake again with walls"):
         leaflight.compare(box_bake, 47.0, points=10, spp=4, mesh="far wall")
-    with pytest.raises(LeaflightError, match="choose one of floor, ceiling"):
+    with pytest.raises(LeaflightError, match="floor, ceiling"):
         leaflight.compare(lapr_bake, 0.5, points=10, spp=4, mesh="moon")
 
 
@@ -136,7 +136,7 @@ def test_a_mirror_has_no_radiance_of_its_own(box_bake):
 
 def test_cycles_needs_blender(box_bake, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(LeaflightError, match="install the Debian package blender"):
+    with pytest.raises(LeaflightError, match="package blender"):
         leaflight.compare(box_bake, 47.0, points=10, spp=4, reference="cycles")
 
 

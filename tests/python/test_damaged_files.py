@@ -177,7 +177,7 @@ def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
     assert data[end : end + 4] == bytes(4)
     data[end : end + 4] = first.to_bytes(4, "little")
     path.write_bytes(data)
-    with pytest.raises(LeaflightError, match="x.tif: this is not a readable TIFF file"):
+    with pytest.raises(LeaflightError, match="x.tif: .*TIFF"):
         read_volume(path)
 
 

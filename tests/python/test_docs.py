@@ -56,7 +56,7 @@ def test_commands_have_the_options_that_pages_give_them(page):
 def test_tests_that_pages_name_are_there():
     readme = ROOT / "tests" / "README.md"
     named = re.findall(r"`([\w./]+\.(?:py|mjs))(?:::(\w+))?`", readme.read_text())
-    assert len(named) > 40
+    assert named
     for path, function in named:
         file = readme.parent / path
         assert file.exists(), path

@@ -48,7 +48,7 @@ def test_volume_from_spacing_and_origin(values):
             Volume(values, spacing=wrong)
     with pytest.raises(LeaflightError, match="index_to_world and spacing or origin"):
         Volume(values, np.eye(4), spacing=1)
-    with pytest.raises(LeaflightError, match="'parsec' is unknown: give one of m, cm, mm"):
+    with pytest.raises(LeaflightError, match="'parsec'.* m, cm, mm"):
         Volume(values, unit="parsec")
 
 
@@ -107,9 +107,9 @@ def test_xarray(values):
     plain = xarray.DataArray(values, dims=("depth", "row", "column"))
     check(as_volume(plain, (1, 2, 3)), values, [4, 2, 6], "array")
     uneven = data.assign_coords(y=np.arange(5.0) ** 2)
-    with pytest.raises(LeaflightError, match="density: the coordinates along y are not even"):
+    with pytest.raises(LeaflightError, match="density: .* y .*not even"):
         as_volume(uneven)
-    with pytest.raises(LeaflightError, match="Dataset cannot be converted"):
+    with pytest.raises(LeaflightError, match="Dataset"):
         as_volume(data.to_dataset())
 
 
@@ -158,10 +158,10 @@ def test_zarr_and_others_that_become_arrays(values, tmp_path):
 @pytest.mark.parametrize(
     "wrong, words",
     [
-        (np.zeros((4, 4)), r"the shape is \(4, 4\), but a volume needs three axes"),
-        (np.zeros((4, 4, 4, 3)), "choose one frame and one channel"),
+        (np.zeros((4, 4)), r"\(4, 4\)"),
+        (np.zeros((4, 4, 4, 3)), "frame"),
         (np.zeros((4, 4, 4), complex), "holds complex128"),
-        ("head.nii.gz", "head.nii.gz: this is a path, not a volume: read it with read_volume"),
+        ("head.nii.gz", "head.nii.gz: .*read_volume"),
     ],
 )
 def test_what_is_no_volume(wrong, words):

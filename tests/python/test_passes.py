@@ -158,9 +158,7 @@ def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path
     metadata = {"id": box_bake.id, "statistics": json.dumps(box_bake.statistics.record())}
     fields = [volume.field() for volume in box_bake.volumes]
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
-    with pytest.raises(
-        LeaflightError, match="old.vdb: this bake was made by an earlier version of Leaflight"
-    ):
+    with pytest.raises(LeaflightError, match="old.vdb: .*earlier"):
         load_bake(path)
 
 

@@ -85,16 +85,16 @@ def test_headers_of_any_file(tmp_path, cli, values, name, skip):
 @pytest.mark.parametrize(
     "skip, size, sentence",
     [
-        (0, 133, r"holds 133: 13 more, which may be a header to skip.*\(--dims, --type, --skip\)"),
-        (13, 140, r"holds 127 behind the 13 that are skipped: 7 more"),
+        (0, 133, r"133: 13 .*\(--dims, --type, --skip\)"),
+        (13, 140, r"127 behind the 13 .*7 more"),
         (
             13,
             132,
-            r"take 120 bytes, but the file holds 119 behind the 13 .*type \(--dims, --type, --sk",
+            r"120 bytes.* 119 .*13.*type \(--dims, --type, --sk",
         ),
-        (500, 133, r"holds 0 behind the 500"),
-        (-1, 119, r"take 120 bytes, but the file holds 119; .*type \(--dims, --type\)"),
-        (-2, 120, r"to skip is -2; .* \(--skip\)"),
+        (500, 133, r"0 behind the 500"),
+        (-1, 119, r"120 bytes.* 119;.*type \(--dims, --type\)"),
+        (-2, 120, r"not -2 \(--skip\)"),
     ],
 )
 def test_headers_that_do_not_fit(tmp_path, cli, skip, size, sentence):
@@ -108,6 +108,6 @@ def test_dicom_of_any_suffix_is_no_raw_file(tmp_path):
     for name in ("x.dat", "x.xyz"):
         (tmp_path / name).write_bytes(bytes(128) + b"DICM" + bytes(99))
         assert format_of(tmp_path / name).module == "dicom"
-    with pytest.raises(LeaflightError, match="a .vol file has no header; give its dimensions"):
+    with pytest.raises(LeaflightError, match=".vol .* no header"):
         (tmp_path / "x.vol").write_bytes(bytes(9))
         read_volume(tmp_path / "x.vol")

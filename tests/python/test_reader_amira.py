@@ -96,7 +96,7 @@ def test_several_arrays_and_vectors(tmp_path, values, first):
     path = tmp_path / "x.am"
     path.write_bytes(content)
     assert probe(path).datasets == ("Data", "Flow") and probe(path).dims is None
-    with pytest.raises(LeaflightError, match="holds 2 volumes; choose one of Data, Flow"):
+    with pytest.raises(LeaflightError, match="Data, Flow"):
         read_volume(path)
     np.testing.assert_array_equal(read_volume(path, dataset="Data").values, values)
     assert probe(path, dataset="Flow").channels == 3
@@ -129,11 +129,11 @@ def test_damaged(tmp_path, values):
     for start, sentence in (
         (header(one, kind="rectilinear"), "not evenly spaced"),
         (header(one).replace(b"define Lattice 6 5 4", b"define Nodes 9"), "no lattice"),
-        (header(one).replace(b"6 5 4", b"60 50 40"), "claims 60 x 50 x 40 values"),
-        (header("Lattice { float Data } @1(HxWavelet,9)"), "compression HxWavelet is unknown"),
-        (header("Lattice { float[2] Data } @9"), "no three-dimensional volume of real numbers"),
-        (b"# HyperSurface 0.1 ASCII\n", "not a readable AmiraMesh file"),
-        (b"", "not a readable AmiraMesh file"),
+        (header(one).replace(b"6 5 4", b"60 50 40"), "60 x 50 x 40"),
+        (header("Lattice { float Data } @1(HxWavelet,9)"), "HxWavelet"),
+        (header("Lattice { float[2] Data } @9"), "real numbers"),
+        (b"# HyperSurface 0.1 ASCII\n", "AmiraMesh"),
+        (b"", "AmiraMesh"),
     ):
         path.write_bytes(start + (b"@1\n" + values.tobytes() if start else b""))
         with pytest.raises(LeaflightError, match=f"x.am: .*{sentence}"):

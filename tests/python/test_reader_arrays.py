@@ -39,7 +39,7 @@ def test_npz(tmp_path, values):
     np.testing.assert_array_equal(read_volume(path).values, values)
     np.savez_compressed(path, g=values + 1, h=np.stack([values, values + 2]), name="text")
     assert set(probe(path).datasets) == {"g", "h"}
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of g, h"):
+    with pytest.raises(LeaflightError, match="2 volumes.* g, h"):
         read_volume(path)
     np.testing.assert_array_equal(read_volume(path, dataset="g").values, values + 1)
     np.testing.assert_array_equal(read_volume(path, dataset="h", frame=1).values, values + 2)
@@ -75,9 +75,9 @@ def test_ome_tiff_of_five_dimensions(tmp_path, values):
     assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 3, 2)
     assert (stored.voxel_size, stored.unit) == ((0.5, 1, 2), "µm")
     np.testing.assert_array_equal(read_volume(path, frame=2, channel=1).values, values + 21)
-    with pytest.raises(LeaflightError, match="3 frames; choose one of 0..2"):
+    with pytest.raises(LeaflightError, match="3 frames.* 0..2"):
         read_volume(path)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="2 channels.* 0..1"):
         read_volume(path, frame=1)
 
 
@@ -105,7 +105,7 @@ def test_smoothing(tmp_path):
     weight = gaussian_filter(known.astype(np.float64), **options)
     expected = np.where(known, gaussian_filter(np.nan_to_num(holes), **options) / weight, np.nan)
     np.testing.assert_allclose(read_volume(path, smooth=1.2).values, expected, atol=1e-3)
-    with pytest.raises(LeaflightError, match="0 to 10 voxels, not -1"):
+    with pytest.raises(LeaflightError, match="not -1"):
         read_volume(path, smooth=-1.0)
 
 
@@ -123,7 +123,7 @@ def test_downsampling(tmp_path):
     np.testing.assert_array_equal(half.index_to_world @ [1, 1, 1, 1], [2.5, 5, 7.5, 1])
     np.save(path, values.astype(np.float32))
     np.testing.assert_allclose(read_volume(path, downsample=2).values, exact, rtol=1e-6)
-    with pytest.raises(LeaflightError, match="too few to average 8"):
+    with pytest.raises(LeaflightError, match="one of 8"):
         read_volume(path, downsample=8)
     with pytest.raises(LeaflightError, match="one of 1, 2, 4, 8"):
         read_volume(path, downsample=3)

@@ -71,10 +71,10 @@ def test_damaged_maps_of_bytes(tmp_path, densities):
         (whole[:-100], "claims"),
         (whole[:30], "readable DSN6"),
         (dsn6(densities, at={18: 0}), "readable DSN6"),
-        (dsn6(densities, at={3: -1}), "claims .* voxels, so it is damaged"),
-        (dsn6(densities, at={15: 0}), "claims .* voxels, so it is damaged"),
-        (dsn6(densities, at={17: 0}), "readable DSN6|not invertible"),
-        (dsn6(densities, at={9: 0}), "not invertible"),
+        (dsn6(densities, at={3: -1}), "damaged"),
+        (dsn6(densities, at={15: 0}), "damaged"),
+        (dsn6(densities, at={17: 0}), "readable DSN6|nowhere"),
+        (dsn6(densities, at={9: 0}), "nowhere"),
         (brix(densities, "none"), "readable DSN6"),
         (b":-)", "readable DSN6"),
         (b"", "readable DSN6"),
@@ -132,12 +132,12 @@ def test_several_maps_in_a_file(tmp_path):
     assert stored.notes[0].startswith("The map of 2FOFCWT/PH2FOFCWT is computed; other datasets")
     other = read_volume(path, dataset="FC")
     assert not other.notes and other.values.max() > 0
-    with pytest.raises(LeaflightError, match="the file holds no volume 'FP'"):
+    with pytest.raises(LeaflightError, match="'FP'"):
         probe(path, dataset="FP")
     mtz(path, columns[:6])
     assert probe(path).dims is None
     mtz(path, observed)
-    with pytest.raises(LeaflightError, match="x.mtz: the file holds no phases"):
+    with pytest.raises(LeaflightError, match="x.mtz: .*no phases"):
         probe(path)
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(LeaflightError, match="x.mtz: .*(readable MTZ|holds no phases)"):

@@ -108,7 +108,7 @@ def test_values_beyond_sixteen_bits(tmp_path, values):
 
 def test_damaged(folder, values):
     (folder / "d").unlink()
-    with pytest.raises(LeaflightError, match="2 to 4 mm apart, so one may be missing"):
+    with pytest.raises(LeaflightError, match="2 to 4 mm apart.* missing"):
         read_volume(folder)
     write_slice(folder / "d", values[2, :-1], 104)
     with pytest.raises(LeaflightError, match="missing; .*1 slice of another size .* is left out"):
@@ -130,7 +130,7 @@ def test_slices_of_any_distance(tmp_path, values, apart):
     np.testing.assert_array_equal(volume.values, values)
     np.testing.assert_allclose(np.diag(volume.index_to_world), [-apart, -apart, apart, 1])
     (folder / "IM0001").unlink()
-    with pytest.raises(LeaflightError, match="mm apart, so one may be missing"):
+    with pytest.raises(LeaflightError, match="mm apart.* missing"):
         read_volume(folder)
 
 
@@ -163,13 +163,13 @@ def test_a_tilted_gantry(tmp_path, values):
 def test_slices_beside_each_other(tmp_path, values):
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k, ImagePositionPatient=[50 * (k == 2), 0, k])
-    with pytest.raises(LeaflightError, match="up to 50 mm off a common line"):
+    with pytest.raises(LeaflightError, match="50 mm aside"):
         read_volume(tmp_path)
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k)
         place = {"ImagePositionPatient": [60, 20, k], "InstanceNumber": 10 + k}
         write_slice(tmp_path / f"{k} aside", values[k], k, **place)
-    with pytest.raises(LeaflightError, match="up to 50 mm off a common line"):
+    with pytest.raises(LeaflightError, match="50 mm aside"):
         read_volume(tmp_path)
 
 
@@ -183,7 +183,7 @@ def test_a_slice_that_is_there_twice(folder, values):
         "2 slices are stored twice with equal values; the copies are left out.",
     )
     write_slice(folder / "e", values[0] + 1, 100, InstanceNumber=50)
-    with pytest.raises(LeaflightError, match="has 1 to 2 different slices at each position"):
+    with pytest.raises(LeaflightError, match="1 to 2 different slices"):
         read_volume(folder)
 
 

@@ -40,7 +40,7 @@ def test_nested_folders(study, values):
         np.testing.assert_array_equal(read_volume(study, dataset=name).values, values + 1)
     np.testing.assert_array_equal(read_volume(study / "a").values, values)
     np.testing.assert_array_equal(read_volume(study / "b").values, values + 1)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of 3 Head CT, 4 Neck CT"):
+    with pytest.raises(LeaflightError, match="3 Head CT, 4 Neck CT"):
         read_volume(study)
 
 
@@ -91,7 +91,7 @@ def test_a_disc_that_lacks_files(disc, values):
     assert volume.notes == ("The DICOMDIR lists 1 more file, which is missing.",)
     for path in slices[:-1]:
         path.unlink()
-    with pytest.raises(LeaflightError, match="lists 4 files, and all are missing"):
+    with pytest.raises(LeaflightError, match="4 files"):
         read_volume(disc / "DICOMDIR")
 
 
@@ -127,13 +127,13 @@ def test_folders_of_no_volume(tmp_path, values):
     color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
     for k in range(2):
         write_slice(tmp_path / f"{k}", np.zeros((5, 18)), k, Columns=6, **color)
-    with pytest.raises(LeaflightError, match="all 2 DICOM pictures are colors"):
+    with pytest.raises(LeaflightError, match="2 DICOM pictures .*colors"):
         read_volume(tmp_path)
     for k in range(2):
         write_slice(tmp_path / f"{k}", values[k], k, uid(f"{k}"))
-    with pytest.raises(LeaflightError, match="all 2 series in it are single slices"):
+    with pytest.raises(LeaflightError, match="2 pictures .*single"):
         read_volume(tmp_path)
-    with pytest.raises(LeaflightError, match="only one slice here"):
+    with pytest.raises(LeaflightError, match="single slice"):
         read_volume(tmp_path / "0")
 
 
@@ -144,7 +144,7 @@ def test_folders_without_end(study, monkeypatch):
     (study / "a" / "again").symlink_to(study)
     if hasattr(os, "mkfifo"):
         os.mkfifo(study / "a" / "pipe")
-    with pytest.raises(LeaflightError, match="hold more than 5 files"):
+    with pytest.raises(LeaflightError, match="5 files"):
         read_volume(study)
     monkeypatch.setattr(disc, "MOST_FILES", 11)
     assert len(probe(study).datasets) == 2

@@ -87,7 +87,7 @@ def test_planes_of_a_dose_that_descend(tmp_path, values, offsets):
 
 
 def test_damaged_doses(tmp_path, values):
-    with pytest.raises(LeaflightError, match="positions for 3 planes, but the file has 4"):
+    with pytest.raises(LeaflightError, match="3 planes, .* 4"):
         read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 6]))
     with pytest.raises(LeaflightError, match="3 to 6 mm apart"):
         read_volume(dose(tmp_path / "dose.dcm", values, [0, 3, 9, 12]))
@@ -134,7 +134,7 @@ def test_gates_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_times(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, FrameIncrementPointer=0x00181063, FrameTime=40)
-    with pytest.raises(LeaflightError, match="all 4 slices of this series have the same position"):
+    with pytest.raises(LeaflightError, match="4 slices .*one place"):
         read_volume(path)
 
 
@@ -147,10 +147,10 @@ def test_views_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_tiles(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, TotalPixelMatrixColumns=12)
-    with pytest.raises(LeaflightError, match="tiles of a microscope slide"):
+    with pytest.raises(LeaflightError, match="tiles of"):
         read_volume(path)
     write_slice(tmp_path / "mosaic", values[0], 0, ImageType=["ORIGINAL", "PRIMARY", "M", "MOSAIC"])
-    with pytest.raises(LeaflightError, match="mosaic of slices.*convert the series with dcm2niix"):
+    with pytest.raises(LeaflightError, match="mosaic.*dcm2niix"):
         read_volume(tmp_path / "mosaic")
 
 
@@ -194,7 +194,7 @@ def test_segments_are_volumes_by_their_labels(tmp_path, masks):
         np.testing.assert_array_equal(volume.values, masks[n])
         assert volume.values.dtype == np.uint8
         np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of Spleen, Liver"):
+    with pytest.raises(LeaflightError, match="Spleen, Liver"):
         read_volume(path)
 
 
@@ -212,7 +212,7 @@ def test_two_slices_of_a_segment_at_one_place(tmp_path, masks):
     np.testing.assert_array_equal(read_volume(path).values, masks[0, [0, 0]])
     planes[2] = (1, 1, masks[0, 1])
     path = segments(tmp_path / "seg.dcm", planes, ["Liver"])
-    with pytest.raises(LeaflightError, match="'Liver' has 2 different slices at one position"):
+    with pytest.raises(LeaflightError, match="'Liver' .*2 different slices"):
         read_volume(path)
 
 

@@ -127,7 +127,7 @@ def test_deflated_data_that_never_end(tmp_path, values, monkeypatch):
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
     bomb = packer.compress(bytes(1 << 23)) + packer.flush()
     path.write_bytes(data[:start] + bomb)
-    with pytest.raises(LeaflightError, match="deflated data would take more than 1048576 bytes"):
+    with pytest.raises(LeaflightError, match="1048576 bytes"):
         read_volume(path)
 
 
@@ -156,7 +156,7 @@ def test_a_compressed_picture_of_another_size(tmp_path, values):
     folder = series_of(tmp_path / "scan", values)
     large = encapsulate([jpeg_2000(np.zeros((500, 600)))])
     edit(folder / "IM0001", PixelData=large, syntax=uid.JPEG2000Lossless)
-    with pytest.raises(LeaflightError, match="picture is 600 x 500, but the header says 6 x 5"):
+    with pytest.raises(LeaflightError, match="600 x 500.* 6 x 5"):
         read_volume(folder)
 
 
@@ -166,7 +166,7 @@ def test_what_a_compressed_file_may_claim(tmp_path, values):
     pages = encapsulate([jpeg_2000(plane) for plane in values])
     edit(path, PixelData=pages, syntax=uid.JPEG2000Lossless)
     edit(path, Rows=60000, Columns=60000)
-    with pytest.raises(LeaflightError, match="header claims 4 x 60000 x 60000 values"):
+    with pytest.raises(LeaflightError, match="4 x 60000 x 60000"):
         probe(path)
     edit(path, Rows=5, Columns=6, NumberOfFrames=10**8)
     with pytest.raises(LeaflightError, match="header claims 100000000 values"):

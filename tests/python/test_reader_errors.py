@@ -29,216 +29,6 @@ def raw(path, array):
     path.write_bytes(array.tobytes())
 
 
-def cut(path, share):
-    data = path.read_bytes()
-    path.write_bytes(data[: int(share * len(data))])
-
-
-CASES = {}
-
-
-def case(suffix, sentence, *options):
-    """Registers a function that writes a bad file at path."""
-
-    def register(write):
-        CASES[write.__name__] = (write, suffix, sentence, options)
-        return write
-
-    return register
-
-
-@case(".nii", "no such file")
-def missing_file(path):
-    pass
-
-
-@case(".xyz", "suffix")
-def unknown_kind(path):
-    path.write_text("?")
-
-
-@case(".nii", "not a readable NIfTI")
-def text_as_nifti(path):
-    path.write_text("This is no volume. " * 40)
-
-
-@case(".nii", "not a readable NIfTI")
-def empty_nifti(path):
-    path.write_bytes(b"")
-
-
-@case(".nii", "truncated|ends before")
-def truncated_nifti(path):
-    nifti(path, NOISE)
-    cut(path, 0.6)
-
-
-@case(".nii.gz", "truncated|ends before")
-def truncated_gzip(path):
-    nifti(path, NOISE)
-    cut(path, 0.6)
-
-
-@case(".nii", "truncated")
-def nifti_claims_more(path):
-    nifti(path, NOISE, claim=(30000, 30000, 30000))
-
-
-@case(".nii.gz", "truncated")
-def gzip_claims_more(path):
-    nifti(path, NOISE, claim=(30000, 30000, 30000))
-
-
-@case(".nii", r"one of 0..2 \(--frame\)\.")
-def four_dimensions(path):
-    nifti(path, np.stack([NOISE] * 3, axis=-1))
-
-
-@case(".nii", "no frame 3", "--frame", "3")
-def frame_too_high(path):
-    nifti(path, np.stack([NOISE] * 3, axis=-1))
-
-
-@case(".nii", r"leave the option out \(--frame\)\.", "--frame", "1")
-def frame_of_3d(path):
-    nifti(path, NOISE)
-
-
-@case(".nii", "three dimensions")
-def two_dimensions(path):
-    nifti(path, NOISE[0])
-
-
-@case(".nii", "complex")
-def complex_values(path):
-    nifti(path, NOISE.astype(np.complex64))
-
-
-@case(".nii", "colour")
-def colour_values(path):
-    nifti(path, NOISE.astype([("R", "u1"), ("G", "u1"), ("B", "u1")]))
-
-
-@case(".nii", "")
-def constant_values(path):
-    nifti(path, np.full_like(NOISE, 3))
-
-
-@case(".nii", "NaN")
-def nothing_but_nan(path):
-    nifti(path, np.full(NOISE.shape, np.nan, np.float32))
-
-
-@case(".nii", "")
-def infinite_values(path):
-    values = NOISE.astype(np.float32)
-    values[3, 3, 3] = np.inf
-    nifti(path, values)
-
-
-@case(".nii", "")
-def one_slice(path):
-    nifti(path, NOISE[:, :, :1])
-
-
-@case(".raw", r"has no header.*\(--dims, --type\)\.")
-def raw_without_layout(path):
-    raw(path, NOISE)
-
-
-@case(".raw", "7680 bytes.*holds.*7670", "--dims", "16", "20", "24", "--type", "uint8")
-def truncated_raw(path):
-    path.write_bytes(NOISE.tobytes()[:-10])
-
-
-@case(".raw", "15360 bytes", "--dims", "16", "20", "24", "--type", "uint16")
-def raw_of_another_type(path):
-    raw(path, NOISE)
-
-
-@case(".raw", "three positive", "--dims", "16", "--type", "uint8")
-def raw_with_one_dim(path):
-    raw(path, NOISE)
-
-
-@case(".raw", "spacing", "--dims", "16", "20", "24", "--type", "uint8", "--spacing", "0")
-def raw_without_extent(path):
-    raw(path, NOISE)
-
-
-@case(".nii", r"option type does not apply.*\(--type\)", "--type", "uint8")
-def meaningless_option(path):
-    nifti(path, NOISE)
-
-
-@case(".tif", "not a readable TIFF")
-def text_as_tiff(path):
-    path.write_text("This is no volume.")
-
-
-@case(".tif", "truncated|ends before")
-def truncated_tiff(path):
-    tifffile.imwrite(path, NOISE)
-    cut(path, 0.6)
-
-
-@case(".tif", "truncated|ends before")
-def truncated_imagej(path):
-    tifffile.imwrite(path, NOISE, imagej=True)
-    cut(path, 0.6)
-
-
-@case(".tif", "truncated|ends before")
-def truncated_deflate(path):
-    tifffile.imwrite(path, NOISE, compression="zlib", photometric="minisblack")
-    cut(path, 0.6)
-
-
-@case(".cube", "not a readable Gaussian cube")
-def billions_of_atoms(path):
-    path.write_text("a\nb\n-3000000000 0 0 0\n3 1 0 0\n3 0 1 0\n3 0 0 1\n1 2 3\n")
-
-
-@case(".tif", "truncated|damaged")
-def sizes_as_bytes(path):
-    """Old versions of tifffile multiply these, to six gigabytes."""
-    tag = struct.Struct("<HHLL").pack
-    tags = tag(256, 1, 4, 8) + tag(257, 4, 1, 0x5E01DA00) + tag(258, 3, 1, 8)
-    path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
-
-
-@case(".tif", r"one of 0..2 \(--channel\)\.")
-def colour_tiff(path):
-    tifffile.imwrite(path, np.stack([NOISE, NOISE, NOISE + 1], axis=-1), photometric="rgb")
-
-
-@case(".tif", "three dimensions")
-def single_page(path):
-    tifffile.imwrite(path, NOISE[0])
-
-
-@case(".tif", r"one of 0..1 \(--frame\)\.")
-def tiff_of_4_dimensions(path):
-    tifffile.imwrite(path, np.stack([NOISE, NOISE]))
-
-
-@case("", "holds no slices as DICOM, TIFF")
-def empty_folder(path):
-    path.mkdir()
-
-
-@case("", "of one size")
-def slices_of_two_sizes(path):
-    path.mkdir()
-    tifffile.imwrite(path / "1.tif", NOISE[0])
-    tifffile.imwrite(path / "2.tif", NOISE[0, :-1])
-
-
-@case(".vdb", "")
-def text_as_vdb(path):
-    path.write_text("This is no volume.")
-
-
 NRRD = "NRRD0004\ntype: uint8\ndimension: {n}\nsizes: {sizes}\nencoding: raw\n{more}\n"
 
 
@@ -247,35 +37,117 @@ def nrrd(path, sizes=(16, 20, 24), more=""):
     path.write_bytes(header.encode() + NOISE.tobytes())
 
 
-@case(".nrrd", "")
-def text_as_nrrd(path):
-    path.write_text("This is no volume.")
+def infinite(path):
+    values = NOISE.astype(np.float32)
+    values[3, 3, 3] = np.inf
+    nifti(path, values)
 
 
-@case(".nrrd", "")
-def nrrd_claims_more(path):
-    nrrd(path, sizes=(100000, 100000, 100000))
+def truncated(write, *arguments, **options):
+    """Returns a function that writes most of a file."""
+
+    def cut(path):
+        write(path, *arguments, **options)
+        data = path.read_bytes()
+        path.write_bytes(data[: int(0.6 * len(data))])
+
+    return cut
 
 
-@case(".nrrd", "")
-def truncated_nrrd(path):
-    nrrd(path)
-    cut(path, 0.6)
+def sizes_as_bytes(path):
+    """Old versions of tifffile multiply these, to six gigabytes."""
+    tag = struct.Struct("<HHLL").pack
+    tags = tag(256, 1, 4, 8) + tag(257, 4, 1, 0x5E01DA00) + tag(258, 3, 1, 8)
+    path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
 
 
-@case(".nrrd", "")
-def nrrd_of_4_dimensions(path):
-    nrrd(path, sizes=(2, 8, 20, 24))
+def slices_of_two_sizes(path):
+    path.mkdir()
+    tifffile.imwrite(path / "1.tif", NOISE[0])
+    tifffile.imwrite(path / "2.tif", NOISE[0, :-1])
 
 
-@case(".nhdr", "")
-def nhdr_without_its_data(path):
-    nrrd(path, more="data file: nowhere.bin\n")
+def color_tiff(path):
+    tifffile.imwrite(path, np.stack([NOISE, NOISE, NOISE + 1], axis=-1), photometric="rgb")
 
 
-@pytest.mark.parametrize("name", sorted(CASES))
+def frames_tiff(path):
+    tifffile.imwrite(path, np.stack([NOISE, NOISE]))
+
+
+def noise(path):
+    raw(path, NOISE)
+
+
+def text(path):
+    path.write_text("This is no volume. " * 40)
+
+
+def atoms(path):
+    path.write_text("a\nb\n-3000000000 0 0 0\n3 1 0 0\n3 0 1 0\n3 0 0 1\n1 2 3\n")
+
+
+FOUR = np.stack([NOISE] * 3, axis=-1)
+HUGE = (30000, 30000, 30000)
+COLORS = NOISE.astype([("R", "u1"), ("G", "u1"), ("B", "u1")])
+DEFLATED = {"compression": "zlib", "photometric": "minisblack"}
+DIMS = "--dims 16 20 24 --type "
+write_tiff = tifffile.imwrite
+# By name: the suffix, what the sentence names, how the bad file is written, and options.
+CASES = {
+    "missing file": (".nii", "file", lambda path: None),
+    "unknown kind": (".xyz", "suffix", text),
+    "text as NIfTI": (".nii", "NIfTI", text),
+    "empty NIfTI": (".nii", "NIfTI", lambda path: path.write_bytes(b"")),
+    "truncated NIfTI": (".nii", "truncated|ends", truncated(nifti, NOISE)),
+    "truncated gzip": (".nii.gz", "truncated|ends", truncated(nifti, NOISE)),
+    "NIfTI claims more": (".nii", "truncated", lambda path: nifti(path, NOISE, claim=HUGE)),
+    "gzip claims more": (".nii.gz", "truncated", lambda path: nifti(path, NOISE, claim=HUGE)),
+    "four dimensions": (".nii", r"0..2 \(--frame\)", lambda path: nifti(path, FOUR)),
+    "frame too high": (".nii", "frame 3", lambda path: nifti(path, FOUR), "--frame 3"),
+    "frame of 3D": (".nii", r"\(--frame\)", lambda path: nifti(path, NOISE), "--frame 1"),
+    "two dimensions": (".nii", "three dimensions", lambda path: nifti(path, NOISE[0])),
+    "complex": (".nii", "complex", lambda path: nifti(path, NOISE.astype(np.complex64))),
+    "colors": (".nii", "color", lambda path: nifti(path, COLORS)),
+    "constant": (".nii", "", lambda path: nifti(path, np.full_like(NOISE, 3))),
+    "NaN": (".nii", "NaN", lambda path: nifti(path, np.full_like(NOISE, np.nan, np.float32))),
+    "infinite": (".nii", "", infinite),
+    "one slice": (".nii", "", lambda path: nifti(path, NOISE[:, :, :1])),
+    "raw without layout": (".raw", r"\(--dims, --type\)", noise),
+    "truncated raw": (
+        ".raw",
+        "7680.*7670",
+        lambda path: raw(path, NOISE.flat[:-10]),
+        DIMS + "uint8",
+    ),
+    "raw of another type": (".raw", "15360", noise, DIMS + "uint16"),
+    "raw with one size": (".raw", "three", noise, "--dims 16 --type uint8"),
+    "raw without extent": (".raw", "spacing", noise, DIMS + "uint8 --spacing 0"),
+    "meaningless option": (".nii", r"\(--type\)", lambda path: nifti(path, NOISE), "--type uint8"),
+    "text as TIFF": (".tif", "TIFF", text),
+    "truncated TIFF": (".tif", "truncated|ends", truncated(write_tiff, NOISE)),
+    "truncated ImageJ": (".tif", "truncated|ends", truncated(write_tiff, NOISE, imagej=True)),
+    "truncated deflate": (".tif", "truncated|ends", truncated(write_tiff, NOISE, **DEFLATED)),
+    "sizes as bytes": (".tif", "truncated|damaged", sizes_as_bytes),
+    "color TIFF": (".tif", r"0..2 \(--channel\)", color_tiff),
+    "single page": (".tif", "three dimensions", lambda path: write_tiff(path, NOISE[0])),
+    "TIFF of 4 dimensions": (".tif", r"0..1 \(--frame\)", frames_tiff),
+    "billions of atoms": (".cube", "Gaussian cube", atoms),
+    "empty folder": ("", "slices", lambda path: path.mkdir()),
+    "slices of two sizes": ("", "size", slices_of_two_sizes),
+    "text as VDB": (".vdb", "", text),
+    "text as NRRD": (".nrrd", "", text),
+    "NRRD claims more": (".nrrd", "", lambda path: nrrd(path, sizes=(100000, 100000, 100000))),
+    "truncated NRRD": (".nrrd", "", truncated(nrrd)),
+    "NRRD of 4 dimensions": (".nrrd", "", lambda path: nrrd(path, sizes=(2, 8, 20, 24))),
+    "NHDR without data": (".nhdr", "", lambda path: nrrd(path, more="data file: nowhere.bin\n")),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
 def test_bad_input(name, tmp_path, cli):
-    write, suffix, sentence, options = CASES[name]
+    suffix, named, write, *options = CASES[name]
+    options = " ".join(options).split()
     path = tmp_path / f"bad{suffix}"
     write(path)
     before = sorted(tmp_path.rglob("*"))
@@ -287,7 +159,8 @@ def test_bad_input(name, tmp_path, cli):
         assert outcome.err.count("\n") == 1 and outcome.err.startswith("leaflight: ")
         assert len(outcome.err) < 400
         assert str(path) in outcome.err
-        assert re.search(sentence, outcome.err), outcome.err
+        # The folder has the name of the case.
+        assert re.search(named, outcome.err.replace(str(path), "")), outcome.err
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -300,8 +173,7 @@ def test_an_absent_package_is_named(tmp_path, cli, monkeypatch):
     path.write_bytes(b"")
     outcome = cli("info", path)
     assert outcome.status == 2 and outcome.err.count("\n") == 1
-    assert "needs the Python package h5py, which is not installed; run '" in outcome.err
-    assert "HDF5 file" in outcome.err and str(path) in outcome.err
+    assert "h5py" in outcome.err and "HDF5 file" in outcome.err and str(path) in outcome.err
 
 
 def test_options_of_the_command_line_reach_the_reader(tmp_path, cli):
@@ -324,15 +196,13 @@ def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkey
         file.truncate(2**42)
     dims = ("--dims", 2**14, 2**14, 2**14, "--type", "uint8")
     outcome = cli("info", path, *dims)
-    assert outcome.status == 2 and "need 4398.0 GB of memory" in outcome.err
-    assert outcome.err.endswith(
-        "downsample the volume, or limit the memory, so that it is stored on disk (--downsample).\n"
-    )
+    assert outcome.status == 2 and "4398.0 GB" in outcome.err
+    assert outcome.err.endswith("(--downsample).\n")
 
 
 def test_a_name_that_no_kind_of_file_has_is_a_type_error(tmp_path):
     path = tmp_path / "x.raw"
     raw(path, NOISE)
     for read in (reading.read_volume, reading.probe):
-        with pytest.raises(TypeError, match="'value_type'; there are dims, type, "):
+        with pytest.raises(TypeError, match="'value_type'.* dims, type, "):
             read(path, dims=(16, 20, 24), value_type="uint8")

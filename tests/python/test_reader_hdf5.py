@@ -60,14 +60,14 @@ def test_hdf5(tmp_path, values):
     np.testing.assert_array_equal(read_volume(path, dataset="g", frame=1).values, values + 1)
     half = read_volume(path, dataset="g", frame=1, downsample=2)
     np.testing.assert_allclose(half.values[0, 0, 0], values[:2, :2, :2].mean() + 1, rtol=1e-6)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of a/h, g"):
+    with pytest.raises(LeaflightError, match="2 volumes.* a/h, g"):
         read_volume(path)
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(LeaflightError, match="x.h5: .*damaged"):
         read_volume(path, dataset="g", frame=1)
     with h5py.File(path, "w") as file:
         file["times"] = np.arange(3)
-    with pytest.raises(LeaflightError, match="no three-dimensional volume of real numbers"):
+    with pytest.raises(LeaflightError, match="real numbers"):
         read_volume(path)
 
 
@@ -173,7 +173,7 @@ def test_big_data_viewer(tmp_path, values):
     values = values[:, :4].astype(np.uint16) + 50_000
     path = tmp_path / "x.h5"
     big_data_viewer(path, values)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of s00, s01"):
+    with pytest.raises(LeaflightError, match="2 volumes.* s00, s01"):
         read_volume(path)
     stored = probe(path, dataset="s01")
     assert (stored.frames, stored.levels) == (2, ((6, 4, 4), (3, 2, 4)))
@@ -186,7 +186,7 @@ def test_big_data_viewer(tmp_path, values):
     np.testing.assert_allclose(
         coarse.index_to_world[:3], np.c_[np.diag([1, 1, 3]), [0.25, 0.25, 0]]
     )
-    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="level 2.* 0..1"):
         read_volume(path, dataset="s01", frame=1, level=2)
 
 
@@ -409,11 +409,11 @@ def test_values_in_other_files(tmp_path, values):
     np.testing.assert_array_equal(read_volume(path, dataset="link").values, values)
     other.unlink()
     # HDF5 itself would read zeros.
-    with pytest.raises(LeaflightError, match="data file 'part.h5' is missing"):
+    with pytest.raises(LeaflightError, match="'part.h5'"):
         read_volume(path)
     with h5py.File(tmp_path / "linked.h5", "w") as file:
         file["link"] = h5py.ExternalLink("part.h5", "h")
-    with pytest.raises(LeaflightError, match="data file 'part.h5' is missing"):
+    with pytest.raises(LeaflightError, match="'part.h5'"):
         read_volume(tmp_path / "linked.h5")
     (tmp_path / "folder").mkdir()
     with h5py.File(tmp_path / "folder" / "x.h5", "w") as file:
@@ -425,5 +425,5 @@ def test_values_in_other_files(tmp_path, values):
 def test_hdf4_is_no_hdf5(tmp_path):
     path = tmp_path / "x.hdf"
     path.write_bytes(b"\x0e\x03\x13\x01" + bytes(100))
-    with pytest.raises(LeaflightError, match="HDF4, the predecessor of HDF5"):
+    with pytest.raises(LeaflightError, match="HDF4"):
         read_volume(path)

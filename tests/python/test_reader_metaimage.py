@@ -175,7 +175,7 @@ def test_several_files(tmp_path, values, field, pack):
     with pytest.raises(LeaflightError, match="x003.raw|x001.raw"):
         read_volume(path)
     (tmp_path / names[2]).unlink()
-    with pytest.raises(LeaflightError, match="data file '.*x003.raw' is missing"):
+    with pytest.raises(LeaflightError, match="x003.raw'"):
         read_volume(path)
 
 
@@ -213,7 +213,7 @@ def test_several_values_a_voxel_are_channels(tmp_path, values, pack):
     )
     assert probe(path).channels == 2
     assert np.array_equal(read_volume(path, channel=1).values, values + 1)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="2 channels.* 0..1"):
         read_volume(path)
 
 
@@ -272,7 +272,7 @@ def test_frames(tmp_path, values):
     path = write(tmp_path / "x.mha", np.stack([values, values + 1]), "MET_FLOAT")
     assert probe(path).frames == 2
     assert np.array_equal(read_volume(path, frame=1).values, values + 1)
-    with pytest.raises(LeaflightError, match="2 frames; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="2 frames.* 0..1"):
         read_volume(path)
 
 
@@ -283,11 +283,11 @@ def test_damaged(tmp_path, values):
         ("../x.raw", "outside .* folder"),
         ("/etc/passwd", "outside .* folder"),
         ("LIST", "names . data files"),
-        ("x%03d.raw 1 3", "names 3 data files, which do not match 6 x 5 x 4 values"),
-        ("../x%d.raw 1 4 1", "outside .* folder"),
+        ("x%03d.raw 1 3", "3 data files.* 6 x 5 x 4"),
+        ("../x%d.raw 1 4 1", "outside its own folder"),
         ("x%d.raw 1 4 0", "steps of 0"),
-        ("x%d.raw", "data file 'x1.raw' is missing"),
-        ("x%s.raw", "data file 'x%s.raw' is missing"),
+        ("x%d.raw", "'x1.raw'"),
+        ("x%s.raw", "'x%s.raw'"),
     ):
         header = write(tmp_path / "y.mha", values).read_bytes().replace(b"LOCAL", data.encode())
         path.write_bytes(header)
@@ -295,7 +295,7 @@ def test_damaged(tmp_path, values):
             read_volume(path)
     write(path, values, data="x.raw")
     (tmp_path / "x.raw").write_bytes(values.tobytes()[:-1])
-    with pytest.raises(LeaflightError, match="claims 6 x 5 x 4 values"):
+    with pytest.raises(LeaflightError, match="6 x 5 x 4"):
         read_volume(path)
     (tmp_path / "scan").mkdir()
     header = write(tmp_path / "scan" / "z.mhd", values, data="link.raw")
@@ -305,10 +305,10 @@ def test_damaged(tmp_path, values):
         read_volume(header)
     digits = path.read_bytes().replace(b"DimSize = 6", b"DimSize = " + b"1" * 400)
     (tmp_path / "y.mhd").write_bytes(digits)
-    with pytest.raises(LeaflightError, match="claims 10.399 x 5 x 4 values"):
+    with pytest.raises(LeaflightError, match="10.399 x 5 x 4"):
         read_volume(tmp_path / "y.mhd")
     (tmp_path / "x.raw").unlink()
-    with pytest.raises(LeaflightError, match="data file 'x.raw' is missing"):
+    with pytest.raises(LeaflightError, match="'x.raw'"):
         read_volume(path)
     write(path, values, "MET_SHORT", "x.zraw", lambda data: zlib.compress(data)[:-9])
     with pytest.raises(LeaflightError, match="x.mhd: .*ends before"):

@@ -51,7 +51,7 @@ def test_a_missing_plane_of_czi_is_refused(tmp_path):
     path = tmp_path / "x.czi"
     files.czi(path, PIXELS[:, 0, :1], without=[(1, 0, 2)])
     check(path, PIXELS[0, 0, 0], frame=0)
-    with pytest.raises(LeaflightError, match="the plane T 1, Z 2 of the recording is missing"):
+    with pytest.raises(LeaflightError, match="T 1, Z 2 .*missing"):
         read_volume(path, frame=1)
 
 
@@ -126,7 +126,7 @@ def test_a_missing_frame_of_nd2_is_refused(tmp_path):
     path = tmp_path / "x.nd2"
     files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1), without=[6])
     check(path, PIXELS[0, 0, 2], frame=0, channel=2)
-    with pytest.raises(LeaflightError, match="frame 6 of the recording is missing"):
+    with pytest.raises(LeaflightError, match="frame 6 .*missing"):
         read_volume(path, frame=1, channel=2)
 
 
@@ -152,5 +152,5 @@ def test_single_planes_are_no_volume(tmp_path):
     needs("nd2")
     path = tmp_path / "x.nd2"
     files.nd2(path, "YXC", np.moveaxis(PIXELS[0, 0, :, 0], 0, -1))
-    with pytest.raises(LeaflightError, match="the images are single planes .6 x 5 pixels., but"):
+    with pytest.raises(LeaflightError, match="single planes .6 x 5"):
         read_volume(path)

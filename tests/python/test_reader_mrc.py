@@ -183,7 +183,7 @@ def test_the_length_of_the_text_is_not_believed(tmp_path, values, length):
             data[:208] = np.frombuffer(bytes(data[:208]), "<i4").byteswap().tobytes()
         path.write_bytes(data)
         tracemalloc.start()
-        with pytest.raises(LeaflightError, match="x.ccp4: the header claims .*damaged"):
+        with pytest.raises(LeaflightError, match="x.ccp4: .*damaged"):
             read_volume(path)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
@@ -196,7 +196,7 @@ def test_damaged_maps(tmp_path, values):
         (ccp4(values)[:-1], "claims"),
         (ccp4(values, at={0: 2**30, 1: 2**30}), "claims"),
         (ccp4(values, at={3: 4}), "complex"),
-        (b"no map" * 400, "not a readable MRC or CCP4 map; for raw values"),
+        (b"no map" * 400, "MRC or CCP4"),
         (b"no map", "damaged|readable"),
         (b"", "damaged|readable"),
     ):

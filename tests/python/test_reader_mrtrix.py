@@ -86,17 +86,17 @@ def test_damaged(tmp_path, values):
     data = values.astype("<i2").tobytes()
     path = tmp_path / "x.mif"
     for start, sentence in (
-        (header(kind="CFloat32LE"), "not a real number"),
-        (header(kind="Float8"), "not a real number"),
-        (header(layout="+0,+1,+1"), "the layout is not 3 different numbers"),
-        (header(layout="+0,+1"), "the layout is not 3 different numbers"),
-        (header(file="../x.dat 0"), "outside .* folder"),
-        (header(file="x.dat 0"), "data file 'x.dat' is missing"),
-        (header(file=""), "does not name the file of the values"),
-        (header(dims=(60, 50, 40)), "claims 60 x 50 x 40 values"),
+        (header(kind="CFloat32LE"), "real number"),
+        (header(kind="Float8"), "real number"),
+        (header(layout="+0,+1,+1"), "layout"),
+        (header(layout="+0,+1"), "layout"),
+        (header(file="../x.dat 0"), "outside its own folder"),
+        (header(file="x.dat 0"), "'x.dat'"),
+        (header(file=""), "where the values"),
+        (header(dims=(60, 50, 40)), "60 x 50 x 40"),
         (header(dims=(6, 5)), "needs three dimensions"),
-        (header().replace(b"vox: 1.5,2,3", b"vox: 0,2,3"), "not invertible"),
-        (b"mrtrix tracks\n", "not a readable MRtrix header"),
+        (header().replace(b"vox: 1.5,2,3", b"vox: 0,2,3"), "nowhere in space"),
+        (b"mrtrix tracks\n", "MRtrix header"),
     ):
         path.write_bytes(start.ljust(500) + data)
         with pytest.raises(LeaflightError, match=f"x.mif: .*{sentence}"):

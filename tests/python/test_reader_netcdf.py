@@ -71,7 +71,7 @@ def test_several_variables_and_axes_without_places(tmp_path, values):
     np.testing.assert_array_equal(read_volume(path).values, values)
     with netcdf_file(str(path), "a") as file:
         file.createVariable("g", "f4", ("a", "b", "c3"))[:] = values + 1
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of g, h"):
+    with pytest.raises(LeaflightError, match="2 volumes.* g, h"):
         read_volume(path)
     np.testing.assert_array_equal(read_volume(path, dataset="g").values, values + 1)
 
@@ -118,7 +118,7 @@ def test_damaged(tmp_path, values):
     for broken, sentence in (
         (whole[:-200], "damaged"),
         (whole[:60], "damaged"),
-        (b"CDF\x05" + whole[4:], "CDF-5 is not supported"),
+        (b"CDF\x05" + whole[4:], "CDF-5"),
         (b"text", "damaged"),
     ):
         path.write_bytes(broken)

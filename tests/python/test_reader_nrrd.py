@@ -65,7 +65,7 @@ def test_text_is_not_found_from_its_end(tmp_path, shorts, encoding):
     )
     np.testing.assert_array_equal(read_volume(path).values, shorts)
     write(path, header((6, 5, 4), encoding, "byte skip: -1"), text.encode())
-    with pytest.raises(LeaflightError, match="give the number of bytes before them"):
+    with pytest.raises(LeaflightError, match="number of bytes"):
         read_volume(path)
 
 
@@ -95,7 +95,7 @@ def test_several_files(tmp_path, shorts, encoding, field, axes, order):
     path.write_text(text + ("\n".join(names) + "\n" if "LIST" in field else ""))
     np.testing.assert_array_equal(read_volume(path).values, shorts)
     (tmp_path / names[1]).unlink()
-    with pytest.raises(LeaflightError, match="data file 'x001.bin' is missing"):
+    with pytest.raises(LeaflightError, match="'x001.bin'"):
         read_volume(path)
 
 
@@ -103,7 +103,7 @@ def test_lists_that_do_not_fit(tmp_path, shorts):
     (tmp_path / "x.bin").write_bytes(bytes(60))
     path = tmp_path / "x.nhdr"
     for field, sentence in (
-        ("LIST\nx.bin\nx.bin", "names 2 data files, which do not match 6 x 5 x 4 values"),
+        ("LIST\nx.bin\nx.bin", "2 data files.* 6 x 5 x 4"),
         ("LIST 3\nx.bin\nx.bin\nx.bin", "names 3 data files"),
         ("LIST 9\nx.bin", "names 1 data files"),
         ("x%d.bin 1 999999999 1", "names 999999999 data files"),
@@ -235,7 +235,7 @@ PICTURES = [
 @pytest.mark.parametrize("sizes, fields", PICTURES)
 def test_a_picture_is_no_volume(tmp_path, shorts, sizes, fields):
     path = write(tmp_path / "x.nrrd", header(sizes, "raw", *fields.split("\n")), shorts.tobytes())
-    with pytest.raises(LeaflightError, match="x.nrrd: only 2 of the axes .* needs three"):
+    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of its axes"):
         read_volume(path)
 
 
@@ -243,14 +243,14 @@ def test_a_picture_of_pynrrd(tmp_path):
     nrrd = pytest.importorskip("nrrd")
     picture = np.arange(3 * 20 * 30, dtype=np.uint8).reshape(3, 20, 30)
     nrrd.write(str(tmp_path / "x.nrrd"), picture, {"kinds": ["RGB-color", "domain", "domain"]})
-    with pytest.raises(LeaflightError, match="x.nrrd: only 2 of the axes .* needs three"):
+    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of its axes"):
         read_volume(tmp_path / "x.nrrd")
 
 
 def test_what_may_be_a_picture(tmp_path):
     values = np.arange(3 * 20 * 30, dtype="<i2").reshape(30, 20, 3)
     path = write(tmp_path / "x.nrrd", header((3, 20, 30)), values.tobytes())
-    assert "the colors of a picture" in read_volume(path).notes[0]
+    assert "colors" in read_volume(path).notes[0]
 
 
 @pytest.mark.parametrize("encoding", ["raw", "gzip", "bzip2", "ascii"])

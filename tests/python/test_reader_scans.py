@@ -95,7 +95,7 @@ def test_pairs(tmp_path, shorts, kind, end):
         assert volume.unit == "mm" and volume.patient and volume.name == "x"
         assert plain == bool(volume.notes)
     (tmp_path / f"x.hdr{end}").unlink()
-    with pytest.raises(LeaflightError, match="the header x.hdr is missing"):
+    with pytest.raises(LeaflightError, match="no header x.hdr"):
         read_volume(tmp_path / f"x.img{end}")
 
 
@@ -103,7 +103,7 @@ def test_damaged_pairs(tmp_path, shorts):
     nibabel.save(nibabel.Nifti1Pair(shorts.T, AFFINE), tmp_path / "x.img")
     header, values = (tmp_path / "x.hdr").read_bytes(), (tmp_path / "x.img").read_bytes()
     (tmp_path / "x.img").write_bytes(values[:-1])
-    with pytest.raises(LeaflightError, match="x.hdr: .*claims 6 x 5 x 4 values"):
+    with pytest.raises(LeaflightError, match="x.hdr: .*6 x 5 x 4"):
         read_volume(tmp_path / "x.hdr")
     (tmp_path / "x.hdr").write_bytes(b"ENVI\nsamples = 3\n" + bytes(400))
     with pytest.raises(LeaflightError, match="not a readable NIfTI"):
@@ -113,7 +113,7 @@ def test_damaged_pairs(tmp_path, shorts):
     with pytest.raises(LeaflightError, match="not a readable NIfTI"):
         read_volume(tmp_path / "y.nii")
     (tmp_path / "x.img").unlink()
-    with pytest.raises(LeaflightError, match="values x.img are missing"):
+    with pytest.raises(LeaflightError, match="x.img"):
         read_volume(tmp_path / "x.hdr")
 
 
@@ -133,7 +133,7 @@ def test_freesurfer(tmp_path, values, name, pack, dtype):
     assert probe(path).frames == 2
     np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
     path.write_bytes(b"\0\0\0\2" + bytes(400))
-    with pytest.raises(LeaflightError, match="not a readable FreeSurfer volume"):
+    with pytest.raises(LeaflightError, match="FreeSurfer"):
         read_volume(path)
 
 
@@ -199,8 +199,8 @@ def test_damaged_afni(tmp_path):
     head = tmp_path / "x.HEAD"
     for types, cut, sentence in (
         ("1 3", 10**4, "nibabel cannot read it .*multiple data types"),
-        ("1 1", 300, "not a readable AFNI header"),
-        ("1 1", 10**4, "x.BRIK: .*claims 6 x 5 x 4 x 2 values"),
+        ("1 1", 300, "AFNI header"),
+        ("1 1", 10**4, "x.BRIK: .*6 x 5 x 4 x 2"),
     ):
         text = HEAD.format(count=2, types=types, factors="0 0", order="LSB_FIRST")
         head.write_text(text[:cut])
@@ -208,7 +208,7 @@ def test_damaged_afni(tmp_path):
         with pytest.raises(LeaflightError, match=sentence):
             read_volume(head)
     (tmp_path / "x.BRIK").unlink()
-    with pytest.raises(LeaflightError, match="there is no x.BRIK beside it"):
+    with pytest.raises(LeaflightError, match="no x.BRIK"):
         read_volume(head)
 
 

@@ -109,9 +109,7 @@ def test_slices_with_a_palette(tmp_path):
         assert len(volume.notes) == notes
     image.putpalette([(5 * k) % 256 for k in range(768)])
     image.save(folder / "3.png")
-    with pytest.raises(
-        LeaflightError, match="3.png: the color palette differs from that of the first"
-    ):
+    with pytest.raises(LeaflightError, match="3.png: .*palette"):
         read_volume(folder)
 
 
@@ -177,7 +175,7 @@ def test_frames_and_channels_in_the_names(tmp_path, pattern):
     values = read_volume(tmp_path, frame=1, channel=2).values
     np.testing.assert_array_equal(values, GRAY // 2 + 12)
     (tmp_path / pattern.format(t=1, c=0, z=3)).unlink()
-    with pytest.raises(LeaflightError, match="there are 23; the one at T 1, C 0, Z 3 is missing"):
+    with pytest.raises(LeaflightError, match="23; .*T 1, C 0, Z 3 .*missing"):
         read_volume(tmp_path, frame=0, channel=0)
 
 
@@ -186,7 +184,7 @@ def test_several_sequences_are_chosen_by_their_names(tmp_path):
     save_all(tmp_path, "mask_{}.png", GRAY // 128, (1, 2, 3, 4))
     assert probe(tmp_path).datasets == ("ct_#.png", "mask_#.png")
     np.testing.assert_array_equal(read_volume(tmp_path, dataset="mask_#.png").values, GRAY // 128)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of ct_#.png, mask_#.png"):
+    with pytest.raises(LeaflightError, match="ct_#.png, mask_#.png"):
         read_volume(tmp_path)
 
 
@@ -218,13 +216,13 @@ def test_the_same_number_twice_is_refused(tmp_path):
 
 def test_one_picture_is_no_volume(tmp_path):
     save(tmp_path / "x.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="one picture of 6 x 5 pixels.*open their folder"):
+    with pytest.raises(LeaflightError, match="6 x 5 pixels.*folder"):
         read_volume(tmp_path / "x.png")
 
 
 def test_one_slice_is_no_volume(tmp_path):
     save(tmp_path / "x.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="x.png: the folder has only this slice"):
+    with pytest.raises(LeaflightError, match="x.png: .*only slice"):
         read_volume(tmp_path)
 
 
@@ -238,7 +236,7 @@ def test_a_damaged_picture_is_refused_by_its_name(tmp_path, damage):
     save_all(tmp_path)
     path = tmp_path / "slice_9.png"
     path.write_bytes(damage(path.read_bytes()))
-    with pytest.raises(LeaflightError, match="slice_9.png: this is not a readable picture"):
+    with pytest.raises(LeaflightError, match="slice_9.png: .*readable picture"):
         read_volume(tmp_path)
 
 

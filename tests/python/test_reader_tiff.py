@@ -104,11 +104,11 @@ def test_a_set_stays_in_its_folder(tmp_path, name):
     ifd = 'IFD="0" PlaneCount="4"'
     data = tiff_data("x.ome.tif", "", ifd) + tiff_data(name, 'FirstC="1"', ifd, 1)
     write(folder / "x.ome.tif", PIXELS[0], ome(data))
-    with pytest.raises(LeaflightError, match="is outside .* folder"):
+    with pytest.raises(LeaflightError, match="outside"):
         read_volume(folder / "x.ome.tif", channel=0)
     (folder / "x.ome.tif").unlink()
     write(folder / "x.ome.tif", PIXELS[0], f'<OME><BinaryOnly MetadataFile="{name}"/></OME>')
-    with pytest.raises(LeaflightError, match="is outside .* folder"):
+    with pytest.raises(LeaflightError, match="outside"):
         read_volume(folder / "x.ome.tif")
 
 
@@ -125,7 +125,7 @@ def test_a_plane_that_is_in_no_file_is_refused(tmp_path):
     path = tmp_path / "x.ome.tif"
     pages = PIXELS.reshape(8, 5, 6)
     write(path, pages[:7], ome(tiff_data("x.ome.tif", "", 'IFD="0" PlaneCount="8"')))
-    with pytest.raises(LeaflightError, match="describe 8 planes, but the one at Z 3, C 1, T 0 is"):
+    with pytest.raises(LeaflightError, match="8 planes.* Z 3, C 1, T 0"):
         read_volume(path, channel=0)
     write(path, np.concatenate([pages, pages[:1]]), ome(""))
     assert probe(path).notes == ("Pages without OME metadata are left out: 1.",)
@@ -149,7 +149,7 @@ def test_several_images_of_ome_tiff_are_chosen_by_name(tmp_path):
         file.write(PIXELS[1, 0, :2], photometric="minisblack", metadata={"axes": "YX"})
     stored = probe(path)
     assert stored.datasets == ("left", "up")
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of left, up"):
+    with pytest.raises(LeaflightError, match="left, up"):
         read_volume(path)
     volume = read_volume(path, dataset="up")
     np.testing.assert_array_equal(volume.values, PIXELS[1, :3])
@@ -346,7 +346,7 @@ def test_gray_colors_are_gray_values(tmp_path):
     assert probe(path).channels == 3
     np.testing.assert_array_equal(read_volume(path, channel=1).values[3], gray[2])
     pages[0].save(path, save_all=True, append_images=[pages[3], *pages[1:3]])
-    with pytest.raises(LeaflightError, match="plane 1 is in color, but the first one is gray"):
+    with pytest.raises(LeaflightError, match="plane 1 .*color"):
         read_volume(path)
 
 

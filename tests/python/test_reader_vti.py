@@ -126,7 +126,7 @@ def test_components_are_channels(tmp_path, values):
     data = vti(both, "Float32", "appended", components=2)
     assert np.array_equal(read_back(path, data, channel=1).values, values + 1)
     assert probe(path).channels == 2 and probe(path).dims == (6, 5, 4)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="2 channels.* 0..1"):
         read_volume(path)
 
 
@@ -139,9 +139,9 @@ def test_several_arrays_are_datasets(tmp_path, values):
     path.write_bytes(data.replace(one, one + two))
     assert probe(path).datasets == ("h", "g")
     assert np.array_equal(read_volume(path, dataset="g").values, values + 1)
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of h, g"):
+    with pytest.raises(LeaflightError, match="2 volumes.* h, g"):
         read_volume(path)
-    with pytest.raises(LeaflightError, match="no volume 'f'; choose one of h, g"):
+    with pytest.raises(LeaflightError, match="'f' .* h, g"):
         read_volume(path, dataset="f")
 
 
@@ -151,7 +151,7 @@ def test_damaged(tmp_path, values):
     for broken in (whole[:-200], whole.replace(b"0 5 0 4", b"0 5 0 9"), b"<x", b""):
         with pytest.raises(LeaflightError, match="x.vti: .*(truncated|damaged)"):
             read_back(tmp_path / "x.vti", broken)
-    with pytest.raises(LeaflightError, match="no three-dimensional volume of real numbers"):
+    with pytest.raises(LeaflightError, match="real numbers"):
         read_back(tmp_path / "x.vti", vti(values, "String", "appended"))
     with pytest.raises(LeaflightError, match="ZStdDataCompressor is not supported"):
         read_back(tmp_path / "x.vti", whole.replace(b"ZLib", b"ZStd"))
@@ -257,7 +257,7 @@ def test_pieces_in_files_of_their_own(tmp_path, values, direction):
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, 18, 30])
     np.testing.assert_array_equal(read_volume(path, dataset="h (cells)").values, cells)
     paths[2].unlink()
-    with pytest.raises(LeaflightError, match="x.pvti: the data file 'x_2.vti' is missing"):
+    with pytest.raises(LeaflightError, match="x.pvti: .*'x_2.vti'"):
         read_volume(path)
     path.write_text(path.read_text().replace("x_1.vti", "../x_1.vti"))
     with pytest.raises(LeaflightError, match="outside .* folder"):
@@ -289,7 +289,7 @@ def test_missing_pieces(tmp_path, values):
     volume = of_pieces(0, 2, 4)
     np.testing.assert_array_equal(volume.values, values)
     volume = of_pieces(0, 3, 4)
-    assert np.isnan(volume.values[..., 2]).all() and "20 of 120 voxels" in volume.notes[0]
+    assert np.isnan(volume.values[..., 2]).all() and "20 of its 120" in volume.notes[0]
     kept = [0, 1, 3, 4, 5]
     np.testing.assert_array_equal(volume.values[..., kept], values[..., kept])
 
@@ -316,5 +316,5 @@ def test_other_data_of_vtk(tmp_path, values):
 def test_lz4_is_not_installed(tmp_path, values, monkeypatch):
     monkeypatch.setitem(sys.modules, "lz4", None)
     data = vti(values, "Float32", "appended").replace(b"ZLib", b"LZ4")
-    with pytest.raises(MissingPackage, match="x.vti: .*needs the Python package lz4"):
+    with pytest.raises(MissingPackage, match="x.vti: .*lz4"):
         read_back(tmp_path / "x.vti", data)

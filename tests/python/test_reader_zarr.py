@@ -43,9 +43,9 @@ def test_ome_zarr(tmp_path, values):
     assert coarse.values.shape == (2, 2, 3) and probe(path, level=1).dims == (3, 2, 2)
     np.testing.assert_array_equal(np.diag(coarse.index_to_world), [2, 4, 8, 1])
     np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
-    with pytest.raises(LeaflightError, match="no level 2; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="level 2.* 0..1"):
         read_volume(path, level=2, channel=0)
-    with pytest.raises(LeaflightError, match="2 channels; choose one of 0..1"):
+    with pytest.raises(LeaflightError, match="2 channels.* 0..1"):
         read_volume(path)
     # Without its suffix it is known by what is in it.
     path.rename(tmp_path / "plain")
@@ -120,7 +120,7 @@ def test_axes_in_any_order(tmp_path, values):
     )
     np.testing.assert_array_equal(read_volume(path).values, values)
     path = image(tmp_path / "z.zarr", values[:1], space(z="", y="", x=""), [1] * 3)
-    with pytest.raises(LeaflightError, match="the axes are z 1, y 5, x 6, but a volume needs"):
+    with pytest.raises(LeaflightError, match="z 1, y 5, x 6"):
         read_volume(path)
 
 
@@ -157,7 +157,7 @@ def test_a_folder_of_images(tmp_path, values):
     np.testing.assert_array_equal(read_volume(path).values, values)
     image(path, values + 1, axes, [1, 1, 2], "1")
     assert probe(path).datasets == ("0", "1")
-    with pytest.raises(LeaflightError, match="2 volumes; choose one of 0, 1"):
+    with pytest.raises(LeaflightError, match="2 volumes.* 0, 1"):
         read_volume(path)
     np.testing.assert_array_equal(read_volume(path, dataset="1").values, values + 1)
 
@@ -193,7 +193,7 @@ def test_shards(tmp_path, values):
     metadata = json.loads((path / "zarr.json").read_text())
     metadata["attributes"]["ome"]["multiscales"][0]["axes"].pop()
     (path / "zarr.json").write_text(json.dumps(metadata))
-    with pytest.raises(LeaflightError, match="have 2 axes, but the arrays have 3"):
+    with pytest.raises(LeaflightError, match="2 axes, .* 3"):
         read_volume(path)
 
 

@@ -102,9 +102,7 @@ def test_a_compression_that_cannot_be_decoded(tmp_path, values, monkeypatch):
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
     assert probe(path).dims == (6, 5, 4)
-    with pytest.raises(
-        LeaflightError, match="stack.tif: .* package imagecodecs, which is not installed"
-    ):
+    with pytest.raises(LeaflightError, match="stack.tif: .*imagecodecs"):
         read_volume(path)
     with pytest.raises(LeaflightError, match="stack.tif: .* package imagecodecs, .*; save the"):
         read_pixels(path)

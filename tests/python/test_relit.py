@@ -120,7 +120,7 @@ def test_other_light_stays(one_lamp):
 def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: (2, 1, 0.5)})
-    with pytest.raises(LeaflightError, match="cannot be saved: save its original"):
+    with pytest.raises(LeaflightError, match="not saved"):
         relit.save(tmp_path / "relit.vdb")
     assert not list(tmp_path.iterdir())
     with pytest.raises(LeaflightError, match="continue its original"):
@@ -139,7 +139,7 @@ def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
 
 def test_it_says_what_is_wrong(of_one, one_lamp):
     name = one_lamp.lights[0].name
-    with pytest.raises(LeaflightError, match=f'no lamp "Moon": choose one of {name}'):
+    with pytest.raises(LeaflightError, match=f'"Moon".*{name}'):
         of_one.relit({"Moon": 2})
     for wrong in (-1, float("nan"), (1, 2), (1, -2, 3), "bright"):
         with pytest.raises(LeaflightError, match=f'factor of the lamp "{name}"'):
@@ -147,5 +147,5 @@ def test_it_says_what_is_wrong(of_one, one_lamp):
     fixed = leaflight.thesis.bake(
         leaflight.bump_box(10), one_lamp, isovalues=ISOVALUES, samples=4, photons=2000
     )
-    with pytest.raises(LeaflightError, match="no exact direct light"):
+    with pytest.raises(LeaflightError, match="not exact"):
         fixed.relit({name: 2})

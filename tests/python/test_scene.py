@@ -113,7 +113,7 @@ def test_one_look_serves_all_volumes():
 
 
 def test_as_many_volumes_as_the_scene_describes(root):
-    with pytest.raises(LeaflightError, match="describes 2 volumes, but 3"):
+    with pytest.raises(LeaflightError, match="2 volumes, but 3"):
         match_isosurfaces(load_scene(root / "scenes" / "nucleons.json"), [brick()] * 3)
 
 

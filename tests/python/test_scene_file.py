@@ -213,7 +213,7 @@ def test_text_that_is_no_scene(text):
 
 
 def test_missing_scene_file(tmp_path):
-    with pytest.raises(LeaflightError, match="cannot read the scene file"):
+    with pytest.raises(LeaflightError, match="cannot read"):
         load_scene(tmp_path / "nowhere.json")
 
 

@@ -121,7 +121,7 @@ def test_back_that_no_light_reaches(lapr_scene):
 
 
 def test_back_that_was_not_baked(box_bake):
-    with pytest.raises(LeaflightError, match="bake again with both sides"):
+    with pytest.raises(LeaflightError, match="both sides"):
         box_bake.surface(47.0, back=True)
 
 
@@ -201,7 +201,7 @@ def test_range_of_several_volumes(lapr_scene):
     volumes = [open_volume(f"lapr:{k}", dims=[12]) for k in (0, 1)]
     with pytest.raises(LeaflightError, match="outside"):
         leaflight.bake(volumes, lapr_scene, isovalues=(50, 200))
-    with pytest.raises(LeaflightError, match="describes 2 volumes, but 1"):
+    with pytest.raises(LeaflightError, match="2 volumes, but 1"):
         leaflight.bake(volumes[:1], lapr_scene)
 
 

@@ -41,5 +41,5 @@ def test_powers_of_two_change_no_bit(work):
 def test_beyond_single_precision_is_refused():
     box = leaflight.bump_box(6)
     for unit in (1e-40, 1e36):
-        with pytest.raises(LeaflightError, match="in units in which they differ by"):
+        with pytest.raises(LeaflightError, match="in units"):
             lit(box, unit, "passes")

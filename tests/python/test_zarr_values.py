@@ -149,9 +149,7 @@ def test_packings_of_zarr_2(tmp_path):
     values = read_volume(path).values
     assert (values == 7).sum() >= 24 and (values != VALUES).sum() <= 24
     _change(tmp_path / "y.zarr" / ".zarray", compressor={"id": "pressed"})
-    with pytest.raises(
-        LeaflightError, match="compressed by the codec pressed, which is not installed; save"
-    ):
+    with pytest.raises(LeaflightError, match="codec pressed"):
         read_volume(path)
 
 
@@ -162,10 +160,10 @@ def _change(path, **changes):
 
 def test_bad_headers(tmp_path):
     path = write_group_3(tmp_path / "x.zarr")
-    with pytest.raises(LeaflightError, match="0: this folder holds no Zarr array or group"):
+    with pytest.raises(LeaflightError, match="0: .*no group"):
         probe(path)
     write_group_3(path / "0")
-    with pytest.raises(LeaflightError, match="0: this is not a Zarr array"):
+    with pytest.raises(LeaflightError, match="0: .*no array"):
         probe(path)
     ome = json.loads((path / "zarr.json").read_text())["attributes"]["ome"]
     ome["multiscales"][0]["datasets"][0]["path"] = "../y.zarr"
@@ -178,8 +176,8 @@ def test_bad_headers(tmp_path):
         with pytest.raises(LeaflightError, match="y.zarr: the values (are|have) .* convert"):
             probe(tmp_path / "y.zarr")
     _change(tmp_path / "y.zarr" / "zarr.json", data_type="uint16", shape=[0, 6, 7])
-    with pytest.raises(LeaflightError, match="the shape is 0 x 6 x 7, so there are no values"):
+    with pytest.raises(LeaflightError, match="0 x 6 x 7"):
         probe(tmp_path / "y.zarr")
     (tmp_path / "y.zarr" / "zarr.json").write_text("[")
-    with pytest.raises(LeaflightError, match="y.zarr: this is not a readable OME-Zarr"):
+    with pytest.raises(LeaflightError, match="y.zarr: .*OME-Zarr"):
         probe(tmp_path / "y.zarr")

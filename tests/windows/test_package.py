@@ -8,9 +8,8 @@ NOT_HERE = {
     ),
     **dict.fromkeys(
         (
-            *("test_against_cycles.py", "test_bench.py", "test_bench_rays.py", "test_docs.py"),
-            *("test_docstrings.py", "test_mutations.py", "test_report.py", "test_report_fits.py"),
-            *("test_report_whole.py", "test_rooms.py", "test_snippets.py", "test_translations.py"),
+            *("test_docs.py", "test_docstrings.py", "test_figures.py", "test_fits.py"),
+            *("test_laboratory.py", "test_rooms.py", "test_snippets.py", "test_translations.py"),
             "test_web_page.py",
         ),
         "programs and sources of this repository, which are the same everywhere",

@@ -18,7 +18,7 @@ from tools import assert_shows
 
 def check_a_kept_bake_is_continued(endless):
     stop(*begin(endless))
-    with pytest.raises(RuntimeError, match="Keep or throw away the stopped bake"):
+    with pytest.raises(RuntimeError, match="Keep the bake"):
         bpy.ops.leaflight.continue_bake()
     bpy.ops.leaflight.keep_bake()
     kept = cache.bake_of(endless)
@@ -37,7 +37,7 @@ def check_a_kept_bake_is_continued(endless):
     # Both are kept, and what is good enough is not continued.
     assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
     endless.leaflight.error = 1.1 * ours.statistics.estimated_error_percent
-    with pytest.raises(RuntimeError, match="give a smaller target to continue it"):
+    with pytest.raises(RuntimeError, match="smaller error"):
         bpy.ops.leaflight.continue_bake()
     assert cache.bake_of(endless) is ours
 
@@ -58,14 +58,14 @@ def check_a_continued_bake_shows_its_passes_and_is_stopped(noisy):
 
 
 def check_only_what_can_be_is_continued(passes, tmp_path):
-    with pytest.raises(RuntimeError, match="Bake this volume first"):
+    with pytest.raises(RuntimeError, match="flattened"):
         bpy.ops.leaflight.continue_bake()
     path = str(tmp_path / "fixed.vdb")
     fixed = {"isovalues": (40.0, 60.0), "samples": 1, "photons": 1000}
     leaflight.thesis.bake(cache.world_volume(passes), leaflight.cornell_box(), **fixed).save(path)
     bpy.ops.leaflight.load_bake(filepath=path)
     assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    with pytest.raises(RuntimeError, match="Only a bake with a target error"):
+    with pytest.raises(RuntimeError, match="its error"):
         bpy.ops.leaflight.continue_bake()
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
@@ -78,7 +78,7 @@ def check_only_what_can_be_is_continued(passes, tmp_path):
         assert offers & set(drawn(bake_panel.LEAFLIGHT_PT_bake)) == {f"leaflight.{offered}"}
     passes.leaflight.high = 55.0
     staleness.forget()
-    with pytest.raises(RuntimeError, match="The scene has changed since the bake"):
+    with pytest.raises(RuntimeError, match="scene has changed"):
         bpy.ops.leaflight.continue_bake()
 
 
@@ -110,7 +110,7 @@ class _Interrupted(bake.BakeJob):
 
 
 def check_an_interrupted_bake_is_resumed(passes):
-    with pytest.raises(RuntimeError, match="No bake of this volume was interrupted"):
+    with pytest.raises(RuntimeError, match="interrupted"):
         bpy.ops.leaflight.resume_bake()
     passes.leaflight.error = 0.3
     job = _Interrupted(bpy.context, passes)

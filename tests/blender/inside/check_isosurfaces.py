@@ -38,7 +38,7 @@ def check_one_albedo_or_a_ramp(bumps):
     close(isosurfaces.albedo_at(bumps, 50.0), (0.2, 0.25, 0.35), 1e-6)
     close(isosurfaces.albedo_at(bumps, 200.0), (0.8, 0.4, 0.2), 1e-6)
     _add_stop(bumps, 40.0, (1, 1, 1))
-    with pytest.raises(LeaflightError, match="two stops at isovalue 40"):
+    with pytest.raises(LeaflightError, match="isovalue 40"):
         isosurfaces.albedo_ramp(bumps)
 
 

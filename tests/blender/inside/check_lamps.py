@@ -63,9 +63,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     lamp().color = (1.0, 0.5, 0.25)
     bpy.context.view_layer.update()
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
-    assert "a volume texture holds the lamps as they were baked" in " ".join(
-        drawn(bake_panel.LEAFLIGHT_PT_bake_details)
-    )
+    assert "volume texture" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake_details))
     # Another isovalue, and back.
     lit.leaflight.isovalue = 45.0
     points = vertices_of(lit)
@@ -96,12 +94,12 @@ def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
         size = lamp().size
         change_it()
         bpy.context.view_layer.update()
-        assert "The scene has changed since the bake" in change(lit)
+        assert "scene has changed" in change(lit)
         assert_scaled(lit, before, 1.0)
         back(size)
     bpy.data.objects["lamp"].location.z -= 1.0
     bpy.context.view_layer.update()
-    assert "The scene has changed since the bake" in change(lit)
+    assert "scene has changed" in change(lit)
     assert_scaled(lit, before, 1.0)
     bpy.data.objects["lamp"].location.z += 1.0
     bpy.context.view_layer.update()
@@ -127,7 +125,7 @@ def check_of_two_lamps_each_follows_by_itself(passes):
     # Light of a color that was not there is not known.
     side.data.color = (1.0, 0.5, 1.0)
     bpy.context.view_layer.update()
-    assert "The scene has changed since the bake" in change(passes)
+    assert "scene has changed" in change(passes)
 
 
 def check_undo_files_frames_and_renders(lit, tmp_path):
@@ -173,7 +171,7 @@ def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
     bpy.ops.leaflight.export(filepath=str(tmp_path / "bright.glb"))
     dim, bright = (tmp_path / f"{name}.glb" for name in ("dim", "bright"))
     assert dim.read_bytes() != bright.read_bytes()
-    with pytest.raises(RuntimeError, match="Lamps have changed since the bake: set them back"):
+    with pytest.raises(RuntimeError, match="Lamps have changed"):
         bpy.ops.leaflight.continue_bake()
     # A new bake has the lamps as they are.
     before = colours_of(lit)

@@ -61,7 +61,7 @@ def check_the_time_ends_a_bake(endless, monkeypatch):
     statistics = cache.bake_of(endless).statistics
     # No block begins that would end too late, so the bake may end before its time.
     assert statistics.stopped and statistics.passes == 1
-    assert "was not reached: it reached the time limit" in endless.leaflight.bake_outcome
+    assert "was not reached" in endless.leaflight.bake_outcome
     assert_shows(endless, 50.0)
 
 
@@ -209,7 +209,7 @@ def check_a_stopped_bake_is_kept(endless):
     assert "keep" in sentence and stopped.offered() is job
     assert_shows_pass(endless, job.latest)
     assert not os.listdir(endless.leaflight.bake_folder)
-    with pytest.raises(RuntimeError, match="Keep or throw away the stopped bake"):
+    with pytest.raises(RuntimeError, match="Keep the bake"):
         bpy.ops.leaflight.bake()
     assert bpy.ops.leaflight.keep_bake() == {"FINISHED"}
     assert stopped.offered() is None and preview.of(endless) is None

@@ -24,7 +24,7 @@ FILES = {
 def check_it_is_upright_or_asked_framed_and_lit(name, tmp_path):
     path, is_oriented, preset = FILES[name]
     if not path.exists():
-        pytest.skip(f"{path.name} is not there: run validation/fetch_scans")
+        pytest.skip(f"{path.name} is not there: run validation/run fetch_scans")
     assert bpy.ops.leaflight.import_volume(filepath=str(path)) == {"FINISHED"}
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path)

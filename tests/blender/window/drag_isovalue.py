@@ -17,6 +17,7 @@ from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 # Steps of the mouse per drag, pixels per step, steps per second, and turns back and forth per drag.
@@ -28,7 +29,6 @@ pictures = []
 
 def main():
     path, low, high = sys.argv[-3:]
-    bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.ui_scale = 1.0
     # Without a graphics card most of a picture's time would go into these.
     bpy.context.preferences.system.viewport_aa = "OFF"
@@ -49,24 +49,14 @@ def show_leaflight_alone():
                 bpy.utils.unregister_class(cls)
             except RuntimeError:
                 pass
-    area = view_area()
+    area = hand.view()
     area.spaces.active.show_region_ui = True
     area.spaces.active.shading.type = "SOLID"
     area.spaces.active.overlay.show_overlays = False
 
 
-def view_area():
-    (window,) = bpy.context.window_manager.windows
-    return next(area for area in window.screen.areas if area.type == "VIEW_3D")
-
-
-def sidebar():
-    return next(region for region in view_area().regions if region.type == "UI")
-
-
 def import_volume(path, low, high):
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    hand.clear_scene()
     values = np.load(path)
     raw = f"{path}.raw"
     values.tofile(raw)
@@ -75,8 +65,8 @@ def import_volume(path, low, high):
     )
     bpy.ops.leaflight.stage()
     # Without a graphics card a lit viewport takes its time for all but the surface.
-    view_area().spaces.active.shading.type = "SOLID"
-    view_area().spaces.active.region_3d.view_perspective = "CAMERA"
+    hand.view().spaces.active.shading.type = "SOLID"
+    hand.view().spaces.active.region_3d.view_perspective = "CAMERA"
     settings = bpy.context.object.leaflight
     settings.light_walls = False
     settings.limit_isovalue((float(values.min()), float(values.max())), (low, high), low)
@@ -117,7 +107,7 @@ def drive():
 
 def choose_last_tab(window):
     """Clicks down the tabs of the sidebar; Blender's own is above ours."""
-    region = sidebar()
+    region = hand.region("UI")
     x, top = region.x + region.width - 14, region.y + region.height
     for y in range(top - 20, top - 200, -12):
         yield from gesture(window, [(x, y)])
@@ -125,7 +115,7 @@ def choose_last_tab(window):
 
 def find_slider(window):
     """Presses and drags a little, row by row, until the isovalue moves; returns the place."""
-    region = sidebar()
+    region = hand.region("UI")
     x = region.x + region.width // 3
     obj = bpy.context.object
     for y in range(region.y + region.height - 30, region.y + region.height - 160, -8):
@@ -189,7 +179,7 @@ def rest(name=None):
 
 def begin_bake(window):
     """Begins a bake, and waits until it has shown a pass."""
-    with bpy.context.temp_override(window=window, area=view_area(), region=sidebar()):
+    with bpy.context.temp_override(window=window, area=hand.view(), region=hand.region("UI")):
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
     yield from rest()
     while not bpy.context.object.data.get("leaflight_shown", "").count('"pass '):

@@ -22,6 +22,7 @@ from leaflight_addon.operators import jobs
 from leaflight_addon.show import display, surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
@@ -32,27 +33,13 @@ found, pictures = {"seconds": {}}, []
 
 
 def main():
-    bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.ui_scale = 1.0
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    hand.clear_scene()
     obj = blender.import_volume(VOLUME)
     blender.stage(obj)
     obj.leaflight.quality = "DRAFT"
     obj.leaflight.bake_folder = str(FOLDER / "bakes")
     stepwise.run(drive(), found)
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def area():
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
-
-
-def region():
-    return next(region for region in area().regions if region.type == "WINDOW")
 
 
 def volume():
@@ -80,7 +67,7 @@ def is_moved():
 
 
 def event(kind, value, x, y):
-    window().event_simulate(type=kind, value=value, x=int(x), y=int(y))
+    hand.window().event_simulate(type=kind, value=value, x=int(x), y=int(y))
 
 
 def press(key, x, y):
@@ -89,7 +76,7 @@ def press(key, x, y):
 
 
 def drive():
-    view = area().spaces.active
+    view = hand.view().spaces.active
     view.show_region_ui = False
     # Without a graphics card, other shading takes seconds for each picture.
     view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
@@ -97,7 +84,7 @@ def drive():
     view.region_3d.view_perspective = "CAMERA"
     yield from stepwise.wait(2.0)
     start = time.perf_counter()
-    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+    with hand.in_view():
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
     yield from stepwise.until(lambda: jobs.running() is None)
     found["bake"] = time.perf_counter() - start
@@ -132,7 +119,7 @@ def at_rest():
 
 def drag():
     """Drags the light with G and the mouse, and records the display meanwhile."""
-    x, y = region().x + 0.3 * region().width, region().y + 0.6 * region().height
+    x, y = hand.region().x + 0.3 * hand.region().width, hand.region().y + 0.6 * hand.region().height
     labels, times, before, triangles = set(), [], label(), found["triangles"]
     place = tuple(key_light().location)
     event("MOUSEMOVE", "NOTHING", x, y)
@@ -167,7 +154,7 @@ def drag():
 
 def stop():
     """Presses Esc during the passes, and records whether Live stays at rest."""
-    x, y = region().x + 0.5 * region().width, region().y + 0.5 * region().height
+    x, y = hand.region().x + 0.5 * hand.region().width, hand.region().y + 0.5 * hand.region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
     event("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
@@ -209,17 +196,17 @@ def move_and_wait():
 
 def picture(name):
     """Takes a picture in Stage's shading, which needs seconds without a graphics card."""
-    shading, drawn = area().spaces.active.shading, []
+    shading, drawn = hand.view().spaces.active.shading, []
     shading.type = "MATERIAL"
     handle = bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(1), (), "WINDOW", "POST_PIXEL"
     )
     while len(drawn) < 4:
-        region().tag_redraw()
+        hand.region().tag_redraw()
         yield 0.3
     bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     pictures.append(str(FOLDER / f"live_{name}.png"))
-    with bpy.context.temp_override(window=window(), area=area()):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
         bpy.ops.screen.screenshot_area(filepath=pictures[-1])
     shading.type = "SOLID"
 

@@ -13,6 +13,7 @@ from leaflight import blender
 from leaflight_addon.show import display, surface_object
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 
@@ -20,29 +21,27 @@ found = {}
 
 
 def main():
-    bpy.context.preferences.view.show_splash = False
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    hand.clear_scene()
     stepwise.run(steps(), found)
 
 
 def steps():
     # In a window, so that there is a step to go back to.
-    with viewport():
+    with hand.in_view():
         bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
         obj = bpy.context.object
         obj.leaflight.linked = False
         blender.add_isosurface(obj, 70.0, opacity=0.5)
         bpy.ops.ed.undo_push(message="Isosurfaces")
     yield from stepwise.wait(1.0)
-    event("D", "PRESS", shift=True)
-    event("D", "RELEASE", shift=True)
+    hand.event("D", "PRESS", shift=True)
+    hand.event("D", "RELEASE", shift=True)
     yield from stepwise.until(lambda: len(volumes()) == 2)
     for step in range(1, 8):
-        event("MOUSEMOVE", "NOTHING", to_the_right=20 * step)
+        hand.event("MOUSEMOVE", "NOTHING", x=0.5 + 0.02 * step)
         yield 0.1
-    event("LEFTMOUSE", "PRESS", to_the_right=140)
-    event("LEFTMOUSE", "RELEASE", to_the_right=140)
+    hand.event("LEFTMOUSE", "PRESS", x=0.64)
+    hand.event("LEFTMOUSE", "RELEASE", x=0.64)
     yield from stepwise.wait(1.0)
     copy = bpy.context.view_layer.objects.active
     found["moved"] = copy.location.length > 0.1
@@ -50,14 +49,14 @@ def steps():
     # By hand, as the slider of the panel does.
     (own,) = display.added_to(copy)
     own.leaflight.isovalue = 80.0
-    with viewport():
+    with hand.in_view():
         bpy.ops.ed.undo_push(message="Isovalue")
     yield from stepwise.wait(0.5)
     found["edited"] = state()
     for name, shift in (("undone", False), ("undone twice", False), ("redone", True)):
         before = state()
-        event("Z", "PRESS", ctrl=True, shift=shift)
-        event("Z", "RELEASE", ctrl=True, shift=shift)
+        hand.event("Z", "PRESS", ctrl=True, shift=shift)
+        hand.event("Z", "RELEASE", ctrl=True, shift=shift)
         yield from stepwise.until(lambda: state() != before)
         yield from stepwise.wait(1.0)
         found[name] = state()
@@ -77,25 +76,6 @@ def state():
 def volumes():
     found = (obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume)
     return sorted(found, key=lambda obj: obj.name)
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def view_area():
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
-
-
-def viewport():
-    region = next(region for region in view_area().regions if region.type == "WINDOW")
-    return bpy.context.temp_override(window=window(), area=view_area(), region=region)
-
-
-def event(kind, value, to_the_right=0, **modifiers):
-    area = view_area()
-    x, y = area.x + area.width // 2 + to_the_right, area.y + area.height // 2
-    window().event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
 
 
 main()

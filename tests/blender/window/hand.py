@@ -39,11 +39,20 @@ def view():
     return areas("VIEW_3D")[0]
 
 
+def region(kind="WINDOW"):
+    return next(region for region in view().regions if region.type == kind)
+
+
 def in_view():
     """Returns a context of the viewport, as a button in it has."""
-    area = view()
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    return bpy.context.temp_override(window=window(), area=area, region=region)
+    return bpy.context.temp_override(window=window(), area=view(), region=region())
+
+
+def clear_scene():
+    """Removes the first objects and the picture that hides them."""
+    bpy.context.preferences.view.show_splash = False
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
 
 
 def bind(key, operator, options):

@@ -19,6 +19,7 @@ from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import surface_object, whole_detail
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
@@ -52,7 +53,7 @@ def drive():
 
 def import_by_menu():
     found["objects"] = sorted(obj.name for obj in bpy.data.objects)
-    window = the_window()
+    window = hand.window()
     top = window.height
     # From below the entries of Blender itself.
     for row in (*range(9, 40), *range(9)):
@@ -77,11 +78,11 @@ def import_by_menu():
         raise RuntimeError("The menu Import has no volume for Leaflight.")
     # Searching for the entry does not count, finding it does.
     found["clicks"] = 2
-    area = next(area for area in the_window().screen.areas if area.type == "FILE_BROWSER")
+    area = next(area for area in hand.window().screen.areas if area.type == "FILE_BROWSER")
     parameters = area.spaces.active.params
     parameters.directory = os.path.dirname(VOLUME).encode()
     parameters.filename = os.path.basename(VOLUME)
-    with bpy.context.temp_override(window=the_window(), area=area):
+    with bpy.context.temp_override(window=hand.window(), area=area):
         bpy.ops.file.execute()
     yield from stepwise.until(lambda: volume() is not None)
     yield from stepwise.wait(1.0)
@@ -89,7 +90,7 @@ def import_by_menu():
 
 def hover_import():
     """Moves down the menu File until the mouse is on Import."""
-    place = found.get("import", (80, the_window().height - IMPORT))
+    place = found.get("import", (80, hand.window().height - IMPORT))
     found["import"] = place
     yield from move(place)
     yield from stepwise.wait(0.5)
@@ -97,7 +98,7 @@ def hover_import():
 
 
 def chosen_operator():
-    for area in the_window().screen.areas:
+    for area in hand.window().screen.areas:
         if area.type == "FILE_BROWSER":
             return area.spaces.active.active_operator
     return None
@@ -110,9 +111,9 @@ def stage_and_bake():
     found["staged"] = {
         "hidden": sorted(o.name for o in bpy.data.objects if o.hide_render),
         "camera": bpy.context.scene.camera.name,
-        "perspective": view_area().spaces.active.region_3d.view_perspective,
-        "shading": view_area().spaces.active.shading.type,
-        "overlays": view_area().spaces.active.overlay.show_overlays,
+        "perspective": hand.view().spaces.active.region_3d.view_perspective,
+        "shading": hand.view().spaces.active.shading.type,
+        "overlays": hand.view().spaces.active.overlay.show_overlays,
     }
     passes = note_passes()
     yield from click(header_button(386))
@@ -154,7 +155,7 @@ def note_passes():
 
 def take_pictures():
     """Takes pictures of the window, and of the camera's view with and without the volume."""
-    with bpy.context.temp_override(window=the_window()):
+    with bpy.context.temp_override(window=hand.window()):
         bpy.ops.screen.screenshot(filepath=str(FOLDER / "screen.png"))
     yield from stepwise.wait(0.5)
     scene = bpy.context.scene
@@ -167,11 +168,11 @@ def take_pictures():
 
 
 def picture(path):
-    region = next(r for r in view_area().regions if r.type == "WINDOW")
+    region = next(r for r in hand.view().regions if r.type == "WINDOW")
     scene = bpy.context.scene
     scene.render.image_settings.file_format = "PNG"
     scene.render.filepath = str(path)
-    with bpy.context.temp_override(window=the_window(), area=view_area(), region=region):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view(), region=region):
         bpy.ops.render.opengl(write_still=True, view_context=True)
 
 
@@ -234,7 +235,7 @@ def copy_and_delete():
     first = volume()
     name, isovalue = first.name, first.leaflight.isovalue
     other = isovalue + 0.3 * (first.leaflight.high - isovalue)
-    with bpy.context.temp_override(window=the_window(), area=view_area()):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
         bpy.ops.object.select_all(action="DESELECT")
         first.select_set(True)
         bpy.context.view_layer.objects.active = first
@@ -249,7 +250,7 @@ def copy_and_delete():
         "original": surface_object.shown_isovalue(bpy.data.objects[name]) == isovalue,
         "copy": abs(surface_object.shown_isovalue(copy) - other) < 1e-4,
     }
-    with bpy.context.temp_override(window=the_window(), area=view_area()):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
         bpy.ops.object.delete()
     yield from stepwise.wait(0.5)
     found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
@@ -264,7 +265,7 @@ def play():
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)
     yield from stepwise.wait(1.0)
-    with bpy.context.temp_override(window=the_window(), area=view_area()):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
         bpy.ops.screen.animation_play()
     frames, off = set(), []
 
@@ -275,7 +276,7 @@ def play():
         return len(frames) > 5
 
     yield from stepwise.until(has_played)
-    with bpy.context.temp_override(window=the_window(), area=view_area()):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
         bpy.ops.screen.animation_cancel(restore_frame=False)
     yield from stepwise.until(lambda: not surface_object.is_coarse(obj.data))
     found["played"] = {
@@ -289,17 +290,9 @@ def play():
 # ---- The window and the mouse ----
 
 
-def the_window():
-    return bpy.context.window_manager.windows[0]
-
-
-def view_area():
-    return next(area for area in the_window().screen.areas if area.type == "VIEW_3D")
-
-
 def header_button(x):
     """Returns the place of a button above the viewport, so many pixels from its left."""
-    region = next(r for r in view_area().regions if r.type == "TOOL_HEADER")
+    region = next(r for r in hand.view().regions if r.type == "TOOL_HEADER")
     return region.x + x, region.y + region.height // 2
 
 
@@ -314,7 +307,7 @@ def move(place):
     """Moves the mouse in small steps, since menus judge its direction."""
     for k in range(1, 5):
         x, y = (round(a + (b - a) * k / 4) for a, b in zip(_mouse, place))
-        the_window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+        hand.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
         yield 0.03
     _mouse[:] = place
 
@@ -323,18 +316,18 @@ def click(place):
     if place is not None:
         yield from move(place)
     for value in ("PRESS", "RELEASE"):
-        the_window().event_simulate(type="LEFTMOUSE", value=value, x=_mouse[0], y=_mouse[1])
+        hand.window().event_simulate(type="LEFTMOUSE", value=value, x=_mouse[0], y=_mouse[1])
         yield 0.1
     found["clicks"] += 1
 
 
 def key(name, **modifiers):
     """Presses a key over the middle of the viewport."""
-    areas = [area for area in the_window().screen.areas if area.type == "VIEW_3D"]
+    areas = [area for area in hand.window().screen.areas if area.type == "VIEW_3D"]
     if areas:
         yield from move((areas[0].x + areas[0].width // 2, areas[0].y + areas[0].height // 2))
     for value in ("PRESS", "RELEASE"):
-        the_window().event_simulate(type=name, value=value, x=_mouse[0], y=_mouse[1], **modifiers)
+        hand.window().event_simulate(type=name, value=value, x=_mouse[0], y=_mouse[1], **modifiers)
         yield 0.1
 
 

@@ -13,22 +13,10 @@ import numpy as np
 from leaflight_addon.edit import data_picture, pick_isovalue
 
 sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
 import stepwise  # noqa: E402
 
-bpy.context.preferences.view.show_splash = False
 found = {}
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def area():
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
-
-
-def region():
-    return next(region for region in area().regions if region.type == "WINDOW")
 
 
 def volume():
@@ -37,8 +25,8 @@ def volume():
 
 def event(kind, value, share, height=60):
     """Sends an event at a share of the viewport's width, so many pixels above its bottom."""
-    x = int(region().x + share * region().width)
-    window().event_simulate(type=kind, value=value, x=x, y=int(region().y + height))
+    x = int(hand.region().x + share * hand.region().width)
+    hand.window().event_simulate(type=kind, value=value, x=x, y=int(hand.region().y + height))
 
 
 def press(key):
@@ -47,15 +35,14 @@ def press(key):
 
 
 def pick():
-    with bpy.context.temp_override(window=window(), area=area(), region=region()):
+    with hand.in_view():
         bpy.ops.leaflight.pick_isovalue("INVOKE_DEFAULT")
 
 
 def steps():
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    hand.clear_scene()
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
-    area().spaces.active.show_region_ui = False
+    hand.view().spaces.active.show_region_ui = False
     # A gray viewport, before which the mark's color stands out.
     volume().hide_set(False)
     found["imported"] = volume().leaflight.isovalue
@@ -85,7 +72,7 @@ def steps():
 def orange_pixels():
     """Returns the number of pixels in the mark's color, at the bottom of the viewport."""
     seen = {}
-    yield from stepwise.pixels_of(area(), seen)
+    yield from stepwise.pixels_of(hand.view(), seen)
     part = seen["pixels"][:220, :, :3]
     return int((np.abs(part - data_picture.ISOVALUE) < 0.06).all(axis=-1).sum())
 

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""blender --enable-event-simulate --python compare.py -- FOLDER: a comparison by its
+dialog, as a user makes it; a comparison and an import that Esc ends.
+
+Prints a line WINDOW and a JSON object.
+"""
+
+import gzip
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import leaflight
+import nibabel
+import numpy as np
+from leaflight import blender
+from leaflight.io.readers import watched
+from leaflight_addon.compare import render_comparison
+from leaflight_addon.operators import jobs
+
+sys.path.insert(0, os.path.dirname(__file__))
+import hand  # noqa: E402
+import stepwise  # noqa: E402
+
+FOLDER = Path(sys.argv[-1])
+
+found = {}
+# When the viewport was drawn; what the comparison has said, however briefly.
+drawn, statuses = [], []
+
+
+def main():
+    render_comparison.ComparisonJob._status = property(
+        lambda self: statuses[-1], lambda self, text: statuses.append(text)
+    )
+    bpy.types.SpaceView3D.draw_handler_add(
+        lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
+    )
+    # 5.2 crashes when a script presses the button of a browser in a separate window.
+    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
+    hand.clear_scene()
+    raw = FOLDER / "bumps.raw"
+    leaflight._core.bump_box(24).astype("<f4").tofile(raw)
+    obj = blender.import_volume(raw, dims=(24, 24, 24), value_type="float32")
+    blender.stage(obj)
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 256
+    settings = obj.leaflight
+    settings.error, settings.resolution = 20.0, 24
+    blender.bake(obj, (40, 60), bake_folder=str(FOLDER / "bakes"))
+    blender.show(obj, 47.0)
+    bpy.context.view_layer.objects.active = obj
+    stepwise.run(drive(obj), found)
+
+
+def drive(obj):
+    yield from compare(obj)
+    yield from cancel(obj)
+    yield from cancel_import()
+
+
+def compare(obj):
+    images = FOLDER / "images"
+    yield from viewport_rests()
+    with hand.in_view():
+        bpy.ops.leaflight.render_comparison(
+            "INVOKE_DEFAULT", samples=64, baked_samples=96, share=50.0, folder=str(images)
+        )
+    yield from viewport_rests()
+    yield from hand.key("RET")
+    asked = time.perf_counter()
+    yield from stepwise.until(lambda: jobs.running() is not None)
+    start, last, gaps = time.perf_counter(), None, []
+    while jobs.running() is not None:
+        now = time.perf_counter()
+        gaps += [] if last is None else [now - last]
+        last = now
+        # The user moves the isovalue meanwhile.
+        blender.show(obj, 45.0 + len(gaps) % 5)
+        yield 0.05
+    yield 0.5
+    found["compare"] = {
+        "begun": start - asked,
+        "gap": max(gaps),
+        "seconds": time.perf_counter() - start,
+        "statuses": list(statuses),
+        "sentence": obj.leaflight.comparison,
+        "files": sorted(path.name for path in images.iterdir()),
+    }
+
+
+def cancel(obj):
+    obj.leaflight.comparison = ""
+    images = FOLDER / "cancelled"
+    with hand.in_view():
+        bpy.ops.leaflight.render_comparison(
+            "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
+        )
+    yield from stepwise.until(lambda: "Baked" in jobs.running().status())
+    start = time.perf_counter()
+    yield from hand.key("ESC")
+    yield from stepwise.until(lambda: jobs.running() is None)
+    found["cancel"] = {
+        "seconds": time.perf_counter() - start,
+        "sentence": obj.leaflight.comparison,
+        "files": len(list(images.iterdir())),
+    }
+
+
+def cancel_import():
+    """Cancels the import of half a gigabyte of zeros by Esc, after a part of it was read."""
+    readinto = watched._Watched.readinto
+
+    def wait_for_esc(file, buffer):
+        while file._progress.fraction > 0.05 and not file._progress.cancelled:
+            time.sleep(0.01)
+        return readinto(file, buffer)
+
+    watched._Watched.readinto = wait_for_esc
+    path = FOLDER / "large.nii.gz"
+    header = nibabel.Nifti1Header()
+    header.set_data_shape((800, 800, 800))
+    header.set_data_dtype(np.uint8)
+    header["magic"], header["vox_offset"] = b"n+1", 352
+    block = gzip.compress(bytes(800**3 // 64))
+    path.write_bytes(gzip.compress(header.binaryblock + bytes(4)) + 64 * block)
+    before = len(bpy.data.objects), len(bpy.data.meshes)
+    # As in Blender's factory scene, where imports come first.
+    hand.view().spaces.active.shading.type = "SOLID"
+    yield from viewport_rests()
+    with hand.in_view():
+        bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
+    yield from choose_file()
+    yield from stepwise.until(lambda: jobs.running() is not None)
+    work = jobs.running()
+    yield from stepwise.until(lambda: work.progress.fraction > 0.05)
+    start, status = time.perf_counter(), work.status()
+    yield from hand.key("ESC")
+    yield from stepwise.until(lambda: jobs.running() is None)
+    found["import"] = {
+        "seconds": time.perf_counter() - start,
+        "statuses": status,
+        "read": work.progress.fraction,
+        "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
+    }
+
+
+def choose_file():
+    """Presses the button of the file browser."""
+
+    yield from stepwise.until(hand.browser_is_open)
+    yield from stepwise.wait(2.0)
+    (browser,) = hand.areas("FILE_BROWSER")
+    with bpy.context.temp_override(window=hand.window(), area=browser):
+        bpy.ops.file.execute()
+
+
+def viewport_rests():
+    """Waits until the viewport is drawn: its shaders take seconds, whatever else is at work."""
+    drawn.clear()
+    hand.view().tag_redraw()
+    yield from stepwise.until(lambda: drawn and time.perf_counter() > drawn[-1] + 2.0)
+
+
+main()

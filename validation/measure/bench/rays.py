@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`bench rays`: isosurface rays beside Embree on the contoured mesh, on one thread.
+
+A program of core/bench traces the same rays both ways, in turns: from points of the isosurface into
+its front, distributed by the cosine. Seconds are of the processor, medians.
+"""
+
+import json
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from leaflight import LeaflightError, _core
+from leaflight.io.markdown import table
+from leaflight.volume.volume import bump_box
+from volume_recipes import absent_text, colin27, generated
+
+from .page import measured_on
+
+PROGRAM = "rays_against_embree"
+# Name, volumes as in volume_recipes.py, and isovalues.
+CASES = (
+    ("bump box, 100^3", generated(bump_box, 100), (20.0, 47.0, 100.0)),
+    ("bump box, 256^3", generated(bump_box, 256), (47.0,)),
+    ("Colin27 (ch2.nii.gz)", colin27, (24.5, 45.5, 70.5, 100.5, 150.5)),
+)
+QUICK_CASES = (("bump box, 16^3", generated(bump_box, 16), (20.0, 47.0, 100.0)),)
+# Rays of each isovalue, and how often all are traced.
+RAYS, REPETITIONS = 50_000, 9
+QUICK_RAYS, QUICK_REPETITIONS = 500, 3
+FORMATS = {
+    "triangles": "{:,}",
+    "million rays/s": "{:.2f}",
+    "over Embree's": "{:.2f}",
+    "occluded, million rays/s": "{:.2f}",
+    "over Embree's ": "{:.2f}",
+}
+
+
+def rays_section(options):
+    """Returns lines of Markdown. Raises LeaflightError where the program is not built."""
+    cases, rays, repetitions = CASES, RAYS, REPETITIONS
+    if options.quick:
+        cases, rays, repetitions = QUICK_CASES, QUICK_RAYS, QUICK_REPETITIONS
+    rows, absent = [], []
+    for name, recipe, isovalues in cases:
+        volumes = recipe(options.data, 1.0)
+        if volumes is None:
+            absent.append(name)
+        elif options.only in name:
+            found = _traced(volumes[0], rays, repetitions, isovalues)
+            rows += [_row(name, one, rays) for one in found if one["triangles"]]
+    return [
+        "## Rays against Embree",
+        "",
+        measured_on(),
+        "",
+        f"- {rays:,} rays start on the front of each isosurface, with a cosine "
+        "distribution, on one thread. Embree's rays hit the contoured mesh (rtcIntersect1 and "
+        "rtcOccluded1, a tree of high quality). Ours hit the isosurface of the volume itself, so "
+        f"a new isovalue needs no tree. Processor seconds, medians of {repetitions} turns.",
+        *absent_text(absent),
+        "",
+        *table(rows, FORMATS),
+    ]
+
+
+def _traced(volume, rays, repetitions, isovalues):
+    """Returns the program's answer for each isovalue of a volume."""
+    program = Path(_core.__file__).resolve().parents[2] / "core" / "bench" / PROGRAM
+    if not program.exists():
+        raise LeaflightError(f"{program} is absent; run 'cmake --build --preset bench'.")
+    with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
+        path = Path(folder) / "values.f32"
+        np.ascontiguousarray(volume.values, np.float32).tofile(path)
+        numbers = (*volume.field().dims, rays, repetitions, *isovalues)
+        done = subprocess.run([program, path, *map(str, numbers)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise LeaflightError(f"{PROGRAM} failed ({done.returncode}): {done.stderr.strip()}")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def _row(name, found, rays):
+    # The same rays, but for the few that start beneath a triangle of the mesh.
+    assert abs(found["intersect"]["hits"] - found["embree_intersect"]["hits"]) < 0.1 * rays
+    assert found["intersect"]["hits"] == found["occluded"]["hits"]
+    (speed, ratio), (of_occluded, ratio_of_occluded) = (
+        _speeds(found, kind, rays) for kind in ("intersect", "occluded")
+    )
+    return {
+        "isosurface": f"{name} at {found['isovalue']:g}",
+        "triangles": found["triangles"],
+        "million rays/s": speed,
+        "over Embree's": ratio,
+        "occluded, million rays/s": of_occluded,
+        "over Embree's ": ratio_of_occluded,
+    }
+
+
+def _speeds(found, kind, rays):
+    """Returns (million rays a second, that over Embree's)."""
+    ours, theirs = (float(np.median(found[name]["seconds"])) for name in (kind, f"embree_{kind}"))
+    return rays / ours / 1e6, theirs / ours

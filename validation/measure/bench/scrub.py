@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`bench scrub`: a new isovalue, until its lit mesh is there; VTK beside it, and inside Blender.
+
+Outside Blender a case is contouring and the lookup of baked radiance at the vertices. VTK does the
+same with FlyingEdges3D and ProbeFilter, in turns with us. Inside Blender it is what its user waits
+for before the drawing: all from the slider's change to the evaluated mesh.
+"""
+
+import json
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import driver
+import numpy as np
+from leaflight import _core
+from leaflight.bake.bake import bake
+from leaflight.io.markdown import table
+from leaflight.volume.volume import bump_box
+from volume_recipes import absent_text, colin27, generated
+
+from .page import measured_on
+from .vtk_peer import VtkPeer
+
+SCRIPT = Path(__file__).with_name("scrub_scene.py")
+# Seconds of a lookup do not depend on the noise.
+LEAST_WORK = {"error": 20.0, "progress": False}
+FORMATS = {
+    "isovalue": "{:g}",
+    "triangles": "{:,}",
+    "ms": "{:.0f}",
+    "VTK ms": "{:.0f}",
+    "VTK / ours": "{:.2f}",
+    "triangles while it moves": "{:,}",
+    "ms while it moves": "{:.0f}",
+}
+
+
+@dataclass(frozen=True)
+class Effort:
+    """volumes: see volume_recipes.py; repetitions: of each isovalue."""
+
+    name: str = "Colin27 (ch2.nii.gz)"
+    volumes: Callable = colin27
+    isovalues: tuple = (24.5, 45.5, 70.5, 100.5, 150.5)
+    isovalues_in_blender: tuple = (45.5, 150.5)
+    repetitions: int = 7
+
+
+# Effort without Colin27: a generated volume with as many triangles.
+GENERATED = Effort(
+    "bump box, 256^3", generated(bump_box, 256), (20.0, 47.0, 100.0), isovalues_in_blender=(20.0,)
+)
+QUICK = Effort("bump box, 24^3", generated(bump_box, 24), (47.0, 100.0), (47.0,), 2)
+
+
+def scrub_section(options):
+    """Returns lines of Markdown. Raises LeaflightError without VTK, and without Blender."""
+    effort = QUICK if options.quick else Effort()
+    volumes, absent = effort.volumes(options.data, 1.0), []
+    if volumes is None:
+        absent, effort = [effort.name], GENERATED
+        volumes = effort.volumes(options.data, 1.0)
+    (volume,) = volumes
+    isovalue_range = min(effort.isovalues) - 1, max(effort.isovalues) + 1
+    baked = bake(volume, isovalues=isovalue_range, **LEAST_WORK)
+    grid = baked.grids[0]
+    with VtkPeer(volume.values, grid.dense("radiance")) as peer:
+        rows = [_row(effort, volume.field(), grid, c, peer) for c in effort.isovalues]
+    version, inside = _in_blender(baked, effort)
+    return [
+        "## Isovalues",
+        "",
+        measured_on(),
+        "",
+        "- Times are wall-clock medians of contouring and lookup of the radiance at the vertices. "
+        "VTK's FlyingEdges3D and ProbeFilter take turns with ours; the ratio is that of a turn.",
+        f"- The second table is of Blender {version}, from the slider to "
+        "the evaluated mesh, before any drawing.",
+        *absent_text(absent),
+        "",
+        *table(rows, FORMATS),
+        "",
+        *table(inside, FORMATS),
+    ]
+
+
+def _row(effort, field, grid, isovalue, peer):
+    # Each once before, so that neither has yet to find its memory.
+    triangles, theirs = _ours(field, grid, isovalue)[1], peer.contour(isovalue)[1]
+    plain = len(_core.contour(field, isovalue)[2])
+    assert abs(plain - theirs) < 0.02 * plain, f"VTK has {theirs} triangles, not {plain}"
+    pairs = [
+        (_ours(field, grid, isovalue)[0], peer.contour(isovalue)[0])
+        for _ in range(effort.repetitions)
+    ]
+    ours, theirs = np.transpose(pairs)
+    return {
+        "volume": f"{effort.name} at {isovalue:g}",
+        "triangles": triangles,
+        "ms": float(np.median(ours)),
+        "VTK ms": float(np.median(theirs)),
+        "VTK / ours": float(np.median(theirs / ours)),
+    }
+
+
+def _ours(field, grid, isovalue):
+    """Returns (milliseconds, triangles)."""
+    start = time.perf_counter()
+    triangles = grid.lit_contour(field, isovalue)[2]
+    return 1e3 * (time.perf_counter() - start), len(triangles)
+
+
+def _in_blender(baked, effort):
+    """Returns (version, rows) of Blender with the add-on."""
+    with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
+        blender = driver.with_addon(Path(folder, "blender"))
+        baked.save(Path(folder, "bake.vdb"))
+        work = {
+            "bake": f"{folder}/bake.vdb",
+            "isovalues": effort.isovalues_in_blender,
+            "repetitions": effort.repetitions,
+            "rows": f"{folder}/rows.json",
+        }
+        blender.run(*driver.NAMED, "--python", SCRIPT, "--", json.dumps(work))
+        return blender.about["blender"], json.loads(Path(work["rows"]).read_text())

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inside Blender: ... -- DATA FOLDER PICTURE.webp. Stills of default bakes with lit walls beside
+those of Cycles; prints their FLIP. DATA holds the volumes other than Colin27.
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from leaflight import _core, blender
+from leaflight.io.images import display_colours
+from leaflight.measure.flip import flip
+from PIL import Image
+
+SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
+# Side of a crop, which is shown twice as large, and gap between pictures, in pixels.
+CROP, GAP = SIZE // 4, 8
+COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
+# File, options to read it, and isovalue to show.
+VOLUMES = (
+    (COLIN27, {}, 45.5),
+    (Path("nucleon.raw"), {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
+    (Path("heptane.nii.gz"), {}, 60.5),
+    (Path("aneurism.nrrd"), {}, 60.5),
+    (Path("bunny_ct_half.nrrd"), {}, 800.5),
+)
+
+
+def main():
+    data, work, out = map(Path, sys.argv[-3:])
+    rows = []
+    print("| volume | isovalue | bake s | FLIP, mean | 95th percentile |")
+    print("|---|---|---|---|---|")
+    for path, options, isovalue in VOLUMES:
+        path = data / path
+        if path.exists():
+            folder = work / path.name.split(".")[0]
+            found = compared(path, options, isovalue, folder)
+            print(line_of(path, found))
+            rows.append(row_of(found, folder))
+    write_rows(rows, out)
+
+
+def compared(path, options, isovalue, folder):
+    """Bakes a volume by default, walls included, and compares one isosurface with Cycles."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    obj = blender.import_volume(path, **options)
+    blender.stage(obj, "CORNELL")
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.resolution_percentage = 100
+    blender.bake(obj, light_walls=True, bake_folder=str(folder))
+    blender.show(obj, isovalue)
+    return blender.compare(obj, folder, CYCLES_SAMPLES, BAKED_SAMPLES)
+
+
+def line_of(path, found):
+    cells = (
+        path.name,
+        f"{found['isovalue']:g}",
+        f"{found['bake_seconds']:.1f}",
+        f"{found['flip_mean']:.4f}",
+        f"{found['flip_percentile_95']:.4f}",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def row_of(found, folder):
+    """Returns both stills and the two places of largest FLIP, as (height, width, 3) of 0..255."""
+    stem = f"{found['name']}_{found['isovalue']:g}"
+    baked, cycles = (
+        _core.read_exr(str(folder / f"{stem}_{still}.exr"))[..., :3]
+        for still in ("baked", "cycles")
+    )
+    seen = flip(baked, cycles, found["exposure"]).map
+    shown = [display_colours(still, found["exposure"]) for still in (baked, cycles)]
+    crops = [
+        np.concatenate([enlarged(still, place) for still in shown], axis=1)
+        for place in largest(seen)
+    ]
+    return np.concatenate([*shown, np.concatenate(crops)], axis=1)
+
+
+def largest(seen):
+    """Corners (y, x) of two squares that do not overlap, where the mean of a map is largest."""
+    half = CROP // 2
+    count = SIZE // half
+    tiles = seen[: count * half, : count * half].reshape(count, half, count, half).mean((1, 3))
+    sums = tiles[:-1, :-1] + tiles[1:, :-1] + tiles[:-1, 1:] + tiles[1:, 1:]
+    corners = []
+    for _ in range(2):
+        y, x = np.unravel_index(np.argmax(sums), sums.shape)
+        corners.append((y * half, x * half))
+        sums[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2] = -1
+    return corners
+
+
+def enlarged(picture, place):
+    y, x = place
+    return picture[y : y + CROP, x : x + CROP].repeat(2, axis=0).repeat(2, axis=1)
+
+
+def write_rows(rows, out):
+    gap = np.full((GAP, rows[0].shape[1], 3), 255, np.uint8)
+    sheet = np.concatenate([part for row in rows for part in (gap, row)][1:])
+    Image.fromarray(sheet).save(out, quality=90)
+
+
+main()

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inside Blender: ... -- FOLDER. Pictures of the window after each of the four clicks."""
+
+import os
+import sys
+from pathlib import Path
+
+import bpy
+from leaflight_addon.operators import jobs
+from leaflight_addon.show import surface_object
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "blender" / "window"))
+import hand  # noqa: E402
+import stepwise  # noqa: E402
+
+FOLDER = sys.argv[sys.argv.index("--") + 1]
+# The tab Leaflight in the sidebar, from the right edge of the viewport and from its top.
+TAB = 10, 175
+
+
+def run(drive):
+    """Runs a script in a window, which yields the seconds before its next step."""
+    bpy.context.preferences.view.show_splash = False
+    bpy.context.preferences.view.ui_scale = 1.0
+    stepwise.run(drive(), {})
+
+
+def drive():
+    yield from open_tab()
+    call(bpy.ops.leaflight.open_example)
+    yield 2.0
+    picture("first_brain_imported")
+    yield 0.5
+    call(bpy.ops.leaflight.stage)
+    yield 30.0  # shaders are compiled
+    picture("first_brain_staged")
+    yield 0.5
+    yield from bake()
+    picture("first_brain_baked")
+    yield 0.5
+    settings = bpy.context.object.leaflight
+    settings.isovalue = settings.low + 0.5 * (settings.high - settings.low)
+    yield 1.0
+    while surface_object.is_coarse(bpy.context.object.data):
+        yield 0.5
+    yield 1.0
+    picture("first_brain_scrubbed")
+    yield 0.5
+
+
+def bake():
+    call(bpy.ops.leaflight.bake)
+    while jobs.running() is not None:
+        yield 0.5
+    while surface_object.is_coarse(bpy.context.object.data):
+        yield 0.5
+    yield 2.0
+
+
+def call(operator, how="INVOKE_DEFAULT", **options):
+    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+        assert operator(how, **options) & {"FINISHED", "RUNNING_MODAL"}
+
+
+def open_tab():
+    """Before 4.2 only the mouse can choose a tab."""
+    hand.view().spaces.active.show_region_ui = True
+    yield 1.0
+    region = next(region for region in hand.view().regions if region.type == "UI")
+    x, y = region.x + region.width - TAB[0], region.y + region.height - TAB[1]
+    hand.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
+    yield 0.2
+    for value in ("PRESS", "RELEASE"):
+        hand.window().event_simulate(type="LEFTMOUSE", value=value, x=x, y=y)
+        yield 0.2
+    yield 1.0
+
+
+def picture(name):
+    with bpy.context.temp_override(window=hand.window()):
+        bpy.ops.screen.screenshot(filepath=os.path.join(FOLDER, f"{name}.png"))
+
+
+if __name__ == "__main__":
+    run(drive)

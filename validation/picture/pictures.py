@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes pictures of the documentation: docs/images.
+
+    validation/run pictures NAME [FILE, DIR or NAME]
+
+guide makes lit_walls.png, comparison.png and several_isosurfaces.png. first_brain makes
+first_brain_*.png, the window after each click. live makes live.png: a lamp is dragged over the
+baked volume FILE. stills makes README.md's pictures. They have vessels if DIR holds aneurism.nrrd.
+against_cycles makes against_cycles.webp, and prints FLIP of Colin27 and of the volumes in DIR.
+scans makes docs/gallery.md's pictures, of one scan with its NAME. web_page makes web_page*.webp,
+the page of Colin27 in Chromium. All but the last are made through the add-on in Blender. The first
+three take minutes, the others half an hour.
+"""
+
+import argparse
+import shutil
+import subprocess
+from pathlib import Path
+
+import driver
+import nibabel
+from leaflight.volume.particles import nucleons
+from PIL import Image
+
+from . import web_page
+from .skull import write_skull
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+IMAGES = ROOT / "docs" / "images"
+WORK = ROOT / "build" / "pictures"
+SCANS_FOLDER = ROOT / "build" / "scans"
+BRAINS = Path("/usr/share/mricron/templates")
+HUMAN = SCANS_FOLDER / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz"
+# Name, file, look, and by how many voxels it is smoothed.
+SCANS = (
+    ("human", HUMAN, "SKIN", 0),
+    ("human_smooth", HUMAN, "SKIN", 1),
+    ("macaque", BRAINS / "inia19-t1-brain.nii.gz", "CLAY", 0),
+    ("fly", SCANS_FOLDER / "fly_150x256x256.tif", "COPPER", 0),
+    ("shell", SCANS_FOLDER / "shell_225x128x128.tif", "IVORY", 0),
+    ("bone", SCANS_FOLDER / "bone_128x128x128.tif", "BONE", 0),
+)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    made = (guide, first_brain, live, stills, against_cycles, scans)
+    makers = {maker.__name__: maker for maker in made}
+    parser.add_argument("name", choices=(*makers, "web_page"))
+    parser.add_argument("argument", nargs="?", default="", metavar="FILE, DIR or NAME")
+    options = parser.parse_args()
+    if options.name == "web_page":
+        return web_page.main()
+    shutil.rmtree(WORK, ignore_errors=True)
+    WORK.mkdir(parents=True)
+    makers[options.name](driver.with_addon(WORK / "blender"), options.argument)
+
+
+def inside(blender, script, *arguments):
+    """Runs a script of this folder in background Blender; prints the lines that it means for us."""
+    output = blender.run(*driver.NAMED, "--python", HERE / script, "--", *arguments)
+    print(*(line for line in output.splitlines() if line.startswith(("|", "docs/"))), sep="\n")
+
+
+def in_window(blender, script, *arguments, size):
+    status, output = blender.show(script, *arguments, size=size)
+    print(*(line for line in output.splitlines() if line.startswith(("SCAN", "WINDOW"))), sep="\n")
+    if status:
+        raise driver.BlenderFailed(output)
+
+
+def guide(blender, _):
+    volume = WORK / "volume.nii"
+    values = nucleons(64)[0]
+    nibabel.save(nibabel.Nifti1Image(values.values.T, values.index_to_world), volume)
+    inside(blender, "lit_walls.py", volume, WORK / "bakes", IMAGES / "lit_walls.png")
+    inside(blender, "comparison.py", volume, WORK / "compared", IMAGES / "comparison.png")
+    inside(blender, "isosurfaces.py", WORK / "bakes", IMAGES / "several_isosurfaces.png")
+
+
+def first_brain(blender, _):
+    in_window(blender, HERE / "first_brain.py", IMAGES, size=(1280, 800))
+
+
+def live(blender, volume):
+    script = ROOT / "tests" / "blender" / "window" / "drag_lamp.py"
+    in_window(blender, script, Path(volume).resolve(), WORK, size=(1024, 640))
+    shutil.copy(WORK / "live.png", IMAGES)
+
+
+def stills(blender, folder):
+    download = "apt-get download -qq invesalius-examples && dpkg -x invesalius-examples_*.deb skull"
+    subprocess.run(download, shell=True, check=True, cwd=WORK)
+    write_skull(
+        WORK / "skull/usr/share/doc/invesalius-examples/examples/Cranium.inv3", WORK / "skull.nii"
+    )
+    inside(blender, "stills.py", Path(folder or "/nonexistent").resolve(), WORK, IMAGES)
+
+
+def against_cycles(blender, folder):
+    folder = Path(folder or "/nonexistent").resolve()
+    inside(blender, "against_cycles.py", folder, WORK, IMAGES / "against_cycles.webp")
+
+
+def scans(blender, only):
+    subprocess.run([HERE / "fetch_scans.sh"], check=True)
+    for name, file, look, smooth in SCANS:
+        if only not in ("", name):
+            continue
+        in_window(blender, HERE / "scans.py", WORK, file, name, look, smooth, size=(1600, 1000))
+        for made, kept in ((f"{name}_baked", f"window_{name}"), (name, name)):
+            save_webp(Image.open(WORK / f"{made}.png"), kept)
+        viewport = Image.open(WORK / f"{name}_viewport.png")
+        cycles = Image.open(next((WORK / name).glob("*_cycles.png")))
+        both = Image.new("RGB", (2 * viewport.width, viewport.height))
+        both.paste(viewport, (0, 0))
+        both.paste(cycles, (viewport.width, 0))
+        save_webp(both, f"cycles_{name}")
+
+
+def save_webp(picture, name):
+    picture.convert("RGB").save(IMAGES / f"{name}.webp", quality=85, method=6)

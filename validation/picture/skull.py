@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The CT skull of Debian's invesalius-examples as NIfTI, without the head rest of the scanner."""
+
+import plistlib
+import tarfile
+
+import nibabel
+import numpy as np
+from scipy import ndimage
+
+# In Hounsfield units.
+BONE, AIR = 150, -1024
+# Around the bones, in voxels.
+KEPT = 6
+
+
+def write_skull(project, out):
+    with tarfile.open(project) as archive:
+        files = {member.name.split("/")[-1]: member for member in archive.getmembers()}
+        described = plistlib.load(archive.extractfile(files["main.plist"]))
+        matrix = described["matrix"]
+        data = archive.extractfile(files[matrix["filename"]]).read()
+    values = np.frombuffer(data, matrix["dtype"]).reshape(matrix["shape"]).copy()
+    labels, _ = ndimage.label(values > BONE)
+    sizes = np.bincount(labels.ravel())
+    head = ndimage.binary_dilation(labels == 1 + np.argmax(sizes[1:]), iterations=KEPT)
+    values[~head & (values > BONE)] = AIR
+    # y runs to the face, z upwards; the file does not say to which side of the patient x runs.
+    image = nibabel.Nifti1Image(values.T, np.diag([*described["spacing"], 1.0]))
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, out)

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: GPL-3.0-or-later
-"""validation/report: error against seconds, bakes against Cycles, and the tables of the thesis."""

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The thesis's tables on sampling, computed again, with a verdict for each row."""
+
+import io
+import os
+
+import numpy as np
+from written import parse_arguments, prepare, write
+
+from .experiments import QUICK, Effort, table_3_1, table_4_2, table_4_9
+from .pictures import side_by_side
+
+TABLES = (table_3_1, table_4_2, table_4_9)
+COLUMNS = ("strategy", "samples", "rays", "filter", "ours", "printed", "seconds", "verdict")
+# Pixels, about, of each picture among those side by side.
+BESIDE = 300
+TABLES_SAY = (
+    "Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run. "
+    "Seconds are those of each bake by the clock. Uniform, stratified, regular and importance "
+    "samples must not exceed the error that the thesis prints for uniform ones. Nor must samples "
+    "in each texel, which the thesis does not have. Strategies that leave gaps must err at least "
+    "three times as much as our uniform samples. Percent are of a displayed color of 1, so that "
+    "they grow with a scene's brightness. The thesis does not state its brightness."
+)
+
+
+def main():
+    """Returns 1 if an error is not what it must be."""
+    options = parse_arguments(__doc__, has_data=False)
+    prepare(options.out, "tables.md")
+    effort = QUICK if options.quick else Effort()
+    done = [table(effort) for table in TABLES]
+    lines = [
+        "# The thesis's tables",
+        "",
+        f"Written by `validation/run tables{' --quick' * options.quick}` on {os.cpu_count()} "
+        f"cores. {TABLES_SAY}",
+        *(line for table in done for line in _text(table)),
+    ]
+    files = {name: content for table in done for name, content in _files(table).items()}
+    write(options.out, {**files, "tables.md": "\n".join(lines) + "\n"})
+    print("\n".join(lines))
+    return int(any(row.passed is False for table in done for row in table.rows))
+
+
+def _cells(row):
+    """Returns the COLUMNS of a row; absent ones are None."""
+    trial, scattered = row.trial, row.trial.scattered
+    cells = (
+        trial.name,
+        trial.samples if scattered else None,
+        trial.rays,
+        f"{scattered.filter} {scattered.radius}" if scattered else None,
+        row.error,
+        trial.printed,
+        row.seconds,
+        row.verdict,
+    )
+    return {**dict(zip(COLUMNS, cells, strict=True)), **row.others}
+
+
+def _files(table):
+    """Returns pictures by their names."""
+    files = {}
+    for kind, pictures in table.pictures.items():
+        reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
+        row = side_by_side(list(pictures.values()), reduction)
+        files[f"images/{table.name}_{kind}.png"] = _small_png(row)
+    return files
+
+
+def _small_png(picture):
+    """Returns the bytes of a PNG file with 128 colors: a document does not need more."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(picture).quantize(128).save(file, "PNG", optimize=True)
+    return file.getvalue()
+
+
+def _text(table):
+    columns = [*COLUMNS, *table.rows[0].others]
+    lines = ["", f"## {table.title}", "", _line(columns), "|" + "---|" * len(columns)]
+    for row in table.rows:
+        lines += [_line(_printed(name, cell) for name, cell in _cells(row).items())]
+    lines += ["", *(f"- {note}" for note in table.notes)]
+    for kind, pictures in table.pictures.items():
+        names = ", ".join(pictures)
+        lines += ["", f"![{names}](images/{table.name}_{kind}.png)", ""]
+        lines += [f"*{kind.capitalize()}: {names}.*"]
+    return lines
+
+
+def _printed(name, cell):
+    if cell is None:
+        return ""
+    number = "{:.2f}" if isinstance(cell, float) else "{}"
+    formats = {"samples": "{:,}", "printed": "{:g}", "seconds": "{:.1f}"}
+    return formats.get(name, number).format(cell)
+
+
+def _line(cells):
+    return "| " + " | ".join(cells) + " |"

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Documents of measurements, and their pictures."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from leaflight.io.images import write_png
+from leaflight.io.output import check_writable, replaced
+
+
+def parse_arguments(description, has_data=True):
+    """Returns the options quick, out and data of a program that writes a document."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--quick", action="store_true", help="less of everything")
+    parser.add_argument(
+        "--out", type=Path, default=Path("report"), metavar="DIR", help="folder (report)"
+    )
+    if has_data:
+        parser.add_argument("--data", type=Path, metavar="DIR", help="folder of real data sets")
+    return parser.parse_args()
+
+
+def prepare(folder, name):
+    """Makes the folder and that for images; checks that it can hold the named file."""
+    (folder / "images").mkdir(parents=True, exist_ok=True)
+    check_writable(folder / name, ".md")
+
+
+def write(folder, files):
+    """files: by name in the folder, text, bytes or pictures; each is written whole or not."""
+    for name, content in files.items():
+        if isinstance(content, np.ndarray):
+            write_png(folder / name, content)
+            continue
+        with replaced(folder / name) as temporary:
+            temporary.write_bytes(content if isinstance(content, bytes) else content.encode())
