@@ -67,14 +67,14 @@ def test_frames_and_a_video(blender, animated, tmp_path):
     # Again, only what is missing is rendered, and the same.
     (folder / names[2]).unlink()
     done = render(blender, animated, "--out", folder, "--frames", 2, 4)
-    assert done.returncode == 0 and "3 frames, of which 2" in done.stdout
+    assert done.returncode == 0 and "3 frames, 2 of them" in done.stdout
     np.testing.assert_array_equal(
         np.asarray(Image.open(folder / names[2]).convert("RGB")), pictures[2]
     )
     # A .blend that has changed is rendered again.
     os.utime(animated)
     done = render(blender, animated, "--out", folder, "--frames", 1, 1)
-    assert "1 frames, of which 0" in done.stdout
+    assert "1 frames, 0 of them" in done.stdout
 
 
 def test_sentences(blender, animated, tmp_path):

@@ -112,7 +112,7 @@ def test_what_fails_is_reported(cli, tmp_path):
         ("bump_box", "line 3:"),
         ("bump_box --out a.vdb --workers 3", "--out"),
         ("bump_box --out 'a.vdb", "quotation"),
-        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line writes"),
+        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line also writes"),
         ("", "lists no bakes"),
     ],
 )

@@ -209,9 +209,9 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     assert_same_maps(loaded, ours)
     with pytest.raises(LeaflightError, match="not saved"):
         ours.save(tmp_path / "moved.vdb")
-    with pytest.raises(LeaflightError, match="resume its original"):
-        leaflight.resume(ours)
-    with pytest.raises(LeaflightError, match="not relit"):
+    with pytest.raises(LeaflightError, match="continue its original"):
+        leaflight.refine(ours)
+    with pytest.raises(LeaflightError, match="move its original"):
         ours.relit({scene.lights[0].name: 2})
 
 
@@ -219,8 +219,8 @@ def test_it_says_what_cannot_move(bake, scene):
     other = leaflight.Volume(BOX.values + 1, BOX.index_to_world, BOX.name)
     for volume, changed, settings, what in (
         (other, scene, {}, "values have changed"),
-        ([BOX, BOX], scene, {}, "1 volumes, not of 2"),
-        (BOX, scene, {"isovalues": (30.0, 60.0)}, "range of isovalues has changed"),
+        ([BOX, BOX], scene, {}, "1 volumes, .* 2"),
+        (BOX, scene, {"isovalues": (30.0, 60.0)}, "isovalue range has changed"),
         (
             BOX,
             replace(scene, isosurfaces=[replace(scene.isosurfaces[0], scattering="mirror")]),
@@ -231,7 +231,7 @@ def test_it_says_what_cannot_move(bake, scene):
         with pytest.raises(LeaflightError, match=what):
             bake.moved(volume, changed, **settings)
     fixed = leaflight.thesis.bake(BOX, scene, isovalues=ISOVALUES, samples=4, photons=2000)
-    with pytest.raises(LeaflightError, match="not exact"):
+    with pytest.raises(LeaflightError, match="no exact direct light"):
         fixed.moved(BOX, scene)
     progress = leaflight.Progress()
     progress.cancel()

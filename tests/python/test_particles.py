@@ -84,7 +84,7 @@ def test_names():
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_bad_options(name):
-    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: .* 2 nodes"):
+    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: .* nodes per side"):
         open_volume(name, dims=[1])
     with pytest.raises(LeaflightError, match=f"{name}: the size is not one number"):
         open_volume(name, dims=[8, 8, 8])

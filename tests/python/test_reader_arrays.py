@@ -123,7 +123,7 @@ def test_downsampling(tmp_path):
     np.testing.assert_array_equal(half.index_to_world @ [1, 1, 1, 1], [2.5, 5, 7.5, 1])
     np.save(path, values.astype(np.float32))
     np.testing.assert_allclose(read_volume(path, downsample=2).values, exact, rtol=1e-6)
-    with pytest.raises(LeaflightError, match="one of 8"):
+    with pytest.raises(LeaflightError, match="average 8"):
         read_volume(path, downsample=8)
     with pytest.raises(LeaflightError, match="one of 1, 2, 4, 8"):
         read_volume(path, downsample=3)

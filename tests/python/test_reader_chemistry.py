@@ -155,10 +155,10 @@ def test_damaged_files_of_vasp(tmp_path, values):
     for broken, sentence in (
         (whole[:1500], "ends before"),
         (whole.replace("   6   5   4", "  600  500  400"), "ends before"),
-        (whole.replace("3.0 0.0 0.0", "0 0 0"), "nowhere"),
-        (whole.replace("   6   5   4", "   6   0   4"), "readable file of VASP"),
+        (whole.replace("3.0 0.0 0.0", "0 0 0"), "not invertible"),
+        (whole.replace("   6   5   4", "   6   0   4"), "readable VASP file"),
         (head, "no values"),
-        ("", "readable file of VASP"),
+        ("", "readable VASP file"),
     ):
         with pytest.raises(LeaflightError, match=f"CHGCAR: .*({sentence})"):
             read_back(path, broken)
@@ -207,8 +207,8 @@ def test_grids_of_xcrysden(tmp_path, values):
         (whole.replace("6 5 4", "600 500 400"), "ends before"),
         (whole.replace("6 5 4", "6 5 4 7"), "readable XSF"),
         (whole.replace("6 5 4", "6 5 -4"), "readable XSF"),
-        (whole.replace("_3D", "_2D"), "three dimensions"),
-        ("", "three dimensions"),
+        (whole.replace("_3D", "_2D"), "three-dimensional"),
+        ("", "three-dimensional"),
     ):
         with pytest.raises(LeaflightError, match=f"x.xsf: .*{sentence}"):
             read_back(path, broken)

@@ -163,13 +163,13 @@ def test_a_tilted_gantry(tmp_path, values):
 def test_slices_beside_each_other(tmp_path, values):
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k, ImagePositionPatient=[50 * (k == 2), 0, k])
-    with pytest.raises(LeaflightError, match="50 mm aside"):
+    with pytest.raises(LeaflightError, match="50 mm off"):
         read_volume(tmp_path)
     for k in range(4):
         write_slice(tmp_path / str(k), values[k], k)
         place = {"ImagePositionPatient": [60, 20, k], "InstanceNumber": 10 + k}
         write_slice(tmp_path / f"{k} aside", values[k], k, **place)
-    with pytest.raises(LeaflightError, match="50 mm aside"):
+    with pytest.raises(LeaflightError, match="50 mm off"):
         read_volume(tmp_path)
 
 

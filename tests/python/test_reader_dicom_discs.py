@@ -131,9 +131,9 @@ def test_folders_of_no_volume(tmp_path, values):
         read_volume(tmp_path)
     for k in range(2):
         write_slice(tmp_path / f"{k}", values[k], k, uid(f"{k}"))
-    with pytest.raises(LeaflightError, match="2 pictures .*single"):
+    with pytest.raises(LeaflightError, match="2 series .*single"):
         read_volume(tmp_path)
-    with pytest.raises(LeaflightError, match="single slice"):
+    with pytest.raises(LeaflightError, match="only one slice"):
         read_volume(tmp_path / "0")
 
 

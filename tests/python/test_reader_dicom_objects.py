@@ -134,7 +134,7 @@ def test_gates_of_a_camera(tmp_path, values):
 
 def test_pages_that_are_times(tmp_path, values):
     path = write_pages(tmp_path / "x.dcm", values, FrameIncrementPointer=0x00181063, FrameTime=40)
-    with pytest.raises(LeaflightError, match="4 slices .*one place"):
+    with pytest.raises(LeaflightError, match="4 slices .*same position"):
         read_volume(path)
 
 

@@ -235,7 +235,7 @@ PICTURES = [
 @pytest.mark.parametrize("sizes, fields", PICTURES)
 def test_a_picture_is_no_volume(tmp_path, shorts, sizes, fields):
     path = write(tmp_path / "x.nrrd", header(sizes, "raw", *fields.split("\n")), shorts.tobytes())
-    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of its axes"):
+    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of the axes"):
         read_volume(path)
 
 
@@ -243,7 +243,7 @@ def test_a_picture_of_pynrrd(tmp_path):
     nrrd = pytest.importorskip("nrrd")
     picture = np.arange(3 * 20 * 30, dtype=np.uint8).reshape(3, 20, 30)
     nrrd.write(str(tmp_path / "x.nrrd"), picture, {"kinds": ["RGB-color", "domain", "domain"]})
-    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of its axes"):
+    with pytest.raises(LeaflightError, match="x.nrrd: .* 2 of the axes"):
         read_volume(tmp_path / "x.nrrd")
 
 

@@ -187,10 +187,10 @@ def test_damaged(tmp_path, points):
     for text, sentence in (
         ("1,2,3,4\n5,6,7\n", "'5, 6, 7'"),
         # An empty field must not shift those behind it.
-        ("x,y,z,value,w\n1,2,3,4,5\n1,,3,4,5\n", "each line must hold"),
+        ("x,y,z,value,w\n1,2,3,4,5\n1,,3,4,5\n", "lacks numbers or fields"),
         ("x,y,z,value,w\n1,2,3,4,5\n1,2,3,4\n", "fields"),
-        ("1;2;3;4\n1,5;2;3;4\n", "each line must hold"),
-        ("a,b,c,d\n1,2,3,4\n", "must name the columns"),
+        ("1;2;3;4\n1,5;2;3;4\n", "lacks numbers or fields"),
+        ("a,b,c,d\n1,2,3,4\n", "does not name the columns"),
         ("0,0,0,1\n1,1,0,2\n2,0,0,3\n3,2,0,3\n", "box"),
         ("", "do not fill"),
     ):

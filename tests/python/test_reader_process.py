@@ -120,7 +120,7 @@ def test_one_process_decodes_all_pages(call, tmp_path):
         assert not np.array_equal(number, page("other.dat", -1, most=1000))
     # Without it, a process decodes one page.
     np.testing.assert_array_equal(page("file.dat", 3), first + 3)
-    with pytest.raises(LeaflightError, match="file.dat: .* did not live"):
+    with pytest.raises(LeaflightError, match="file.dat: .* crashed"):
         page("file.dat", 3, most=23)
 
 

@@ -222,7 +222,7 @@ def test_one_picture_is_no_volume(tmp_path):
 
 def test_one_slice_is_no_volume(tmp_path):
     save(tmp_path / "x.png", GRAY[0])
-    with pytest.raises(LeaflightError, match="x.png: .*only slice"):
+    with pytest.raises(LeaflightError, match="x.png: .*only this slice"):
         read_volume(tmp_path)
 
 

@@ -147,5 +147,5 @@ def test_it_says_what_is_wrong(of_one, one_lamp):
     fixed = leaflight.thesis.bake(
         leaflight.bump_box(10), one_lamp, isovalues=ISOVALUES, samples=4, photons=2000
     )
-    with pytest.raises(LeaflightError, match="not exact"):
+    with pytest.raises(LeaflightError, match="no exact direct light"):
         fixed.relit({name: 2})

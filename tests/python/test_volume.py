@@ -22,7 +22,7 @@ def test_bump_box_fills_the_unit_cube():
 
 
 def test_bump_box_has_a_least_size():
-    with pytest.raises(LeaflightError, match="2 nodes"):
+    with pytest.raises(LeaflightError, match="nodes per side"):
         leaflight.bump_box(1)
 
 

@@ -160,7 +160,7 @@ def _change(path, **changes):
 
 def test_bad_headers(tmp_path):
     path = write_group_3(tmp_path / "x.zarr")
-    with pytest.raises(LeaflightError, match="0: .*no group"):
+    with pytest.raises(LeaflightError, match="0: .*Zarr array or group"):
         probe(path)
     write_group_3(path / "0")
     with pytest.raises(LeaflightError, match="0: .*no array"):

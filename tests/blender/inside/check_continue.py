@@ -18,7 +18,7 @@ from tools import assert_shows
 
 def check_a_kept_bake_is_continued(endless):
     stop(*begin(endless))
-    with pytest.raises(RuntimeError, match="Keep the bake"):
+    with pytest.raises(RuntimeError, match="stopped bake"):
         bpy.ops.leaflight.continue_bake()
     bpy.ops.leaflight.keep_bake()
     kept = cache.bake_of(endless)
@@ -37,7 +37,7 @@ def check_a_kept_bake_is_continued(endless):
     # Both are kept, and what is good enough is not continued.
     assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
     endless.leaflight.error = 1.1 * ours.statistics.estimated_error_percent
-    with pytest.raises(RuntimeError, match="smaller error"):
+    with pytest.raises(RuntimeError, match="smaller target"):
         bpy.ops.leaflight.continue_bake()
     assert cache.bake_of(endless) is ours
 
@@ -65,7 +65,7 @@ def check_only_what_can_be_is_continued(passes, tmp_path):
     leaflight.thesis.bake(cache.world_volume(passes), leaflight.cornell_box(), **fixed).save(path)
     bpy.ops.leaflight.load_bake(filepath=path)
     assert "leaflight.continue_bake" not in drawn(bake_panel.LEAFLIGHT_PT_bake)
-    with pytest.raises(RuntimeError, match="its error"):
+    with pytest.raises(RuntimeError, match="target error"):
         bpy.ops.leaflight.continue_bake()
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()

@@ -177,9 +177,9 @@ def check_the_dialog_shows_the_facts_of_the_header(tmp_path):
     assert facts[0] == "NIfTI file" and facts[1] == "12 x 14 x 16 voxels, float32"
     assert "mm" in facts[2] and facts[3] == "Read as 6 x 7 x 8 voxels" and facts[4].endswith("MB")
     path.write_bytes(b"text")
-    stored, problem = stored_facts.look(str(path), CHOICES)
+    stored, problem = stored_facts.read_facts(str(path), CHOICES)
     assert stored is None and "NIfTI" in problem
-    assert stored_facts.look(str(tmp_path), CHOICES) == (None, "")
+    assert stored_facts.read_facts(str(tmp_path), CHOICES) == (None, "")
 
 
 def check_a_word_with_numbers_is_translated(tmp_path):

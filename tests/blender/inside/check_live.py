@@ -278,7 +278,7 @@ def check_what_cannot_be_live_says_so(lit, held):
     high, lit.leaflight.high = lit.leaflight.high, 55.0
     place = move_lamp()
     finish(held)
-    assert "range of isovalues" in live.sentence()
+    assert "isovalue range" in live.sentence()
     assert live.sentence() in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
     close(colours_of(lit), before, 1e-5)
     lit.leaflight.high = high

@@ -209,7 +209,7 @@ def check_a_stopped_bake_is_kept(endless):
     assert "keep" in sentence and stopped.offered() is job
     assert_shows_pass(endless, job.latest)
     assert not os.listdir(endless.leaflight.bake_folder)
-    with pytest.raises(RuntimeError, match="Keep the bake"):
+    with pytest.raises(RuntimeError, match="stopped bake"):
         bpy.ops.leaflight.bake()
     assert bpy.ops.leaflight.keep_bake() == {"FINISHED"}
     assert stopped.offered() is None and preview.of(endless) is None

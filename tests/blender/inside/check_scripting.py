@@ -70,12 +70,12 @@ def check_errors_are_sentences(volume, tmp_path):
         (lambda: blender.import_volume(tmp_path / "no.nii"), "no such file"),
         (lambda: blender.export(volume, tmp_path / "x.glb"), "flattened"),
         (lambda: blender.bake(volume, eror=1.0), 'no setting "eror"'),
-        (lambda: blender.bake(None), "no Leaflight volume"),
-        (lambda: blender.compare(volume, tmp_path), "Bake the flattened illumination first"),
-        (lambda: blender.animate(volume, []), "no isovalue"),
-        (lambda: blender.animate_frames(volume), "holds one frame"),
-        (lambda: blender.bake_frames(volume), "holds one frame"),
-        (lambda: blender.bake_frames(None), "no Leaflight volume"),
+        (lambda: blender.bake(None), "not a Leaflight volume"),
+        (lambda: blender.compare(volume, tmp_path), "Bake this volume first"),
+        (lambda: blender.animate(volume, []), "isovalues"),
+        (lambda: blender.animate_frames(volume), "only one frame"),
+        (lambda: blender.bake_frames(volume), "only one frame"),
+        (lambda: blender.bake_frames(None), "not a Leaflight volume"),
     ):
         with pytest.raises(leaflight.LeaflightError, match=words):
             call()
