@@ -29,7 +29,7 @@ struct Pair {
   RTCRay embree;
 };
 
-// Where Embree's rays begin, in voxels: the mesh lies this far from the isosurface at times.
+// Start of Embree's rays in voxels, because the mesh may lie this far from the isosurface.
 constexpr double offset = 1e-3;
 
 struct Mesh {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which texels of a lattice are stored: all threads, by the clock.
+// Measures the choice of stored texels of a lattice: wall-clock time of all threads.
 #include <benchmark/benchmark.h>
 
 #include "bench_box.h"

@@ -187,7 +187,7 @@ def test_a_cancelled_save_writes_nothing(box_bake, tmp_path):
 
 
 def test_reading_can_be_cancelled_and_has_a_share(lapr_file):
-    """Of the direct light of isosurfaces, and then of the walls, all is done in the end."""
+    """Checks that progress nears 1 after direct light of isosurfaces, and again after walls."""
     cancelled, progress = Progress(), Progress()
     cancelled.cancel()
     with pytest.raises(Cancelled):
