@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Isosurface rays beside Embree on the contoured mesh, on one thread: what `validation/run bench rays`
-// runs.
+// Isosurface rays beside Embree on the contoured mesh, on one thread: what `validation/run bench
+// rays` runs.
 //
 //     rays_against_embree FILE NX NY NZ RAYS REPETITIONS ISOVALUE...
 //
