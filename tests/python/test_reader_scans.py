@@ -95,7 +95,7 @@ def test_pairs(tmp_path, shorts, kind, end):
         assert volume.unit == "mm" and volume.patient and volume.name == "x"
         assert plain == bool(volume.notes)
     (tmp_path / f"x.hdr{end}").unlink()
-    with pytest.raises(LeaflightError, match="no header x.hdr"):
+    with pytest.raises(LeaflightError, match="header x.hdr is missing"):
         read_volume(tmp_path / f"x.img{end}")
 
 

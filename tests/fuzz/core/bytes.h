@@ -9,7 +9,8 @@
 
 namespace leaflight::fuzz {
 
-// Input of libFuzzer, read from the front as validation/run fuzz packs its seeds. Zeros follow its end.
+// Input of libFuzzer, read from the front as validation/run fuzz packs its seeds. Zeros follow its
+// end.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
