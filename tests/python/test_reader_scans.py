@@ -208,7 +208,7 @@ def test_damaged_afni(tmp_path):
         with pytest.raises(LeaflightError, match=sentence):
             read_volume(head)
     (tmp_path / "x.BRIK").unlink()
-    with pytest.raises(LeaflightError, match="no x.BRIK"):
+    with pytest.raises(LeaflightError, match="x.BRIK is missing"):
         read_volume(head)
 
 
