@@ -66,6 +66,8 @@ def _files(path: Path) -> tuple[Path, Path]:
         files = [path] if path in files else files
         existing = [file for file in files if file.is_file()]
         if not existing:
-            raise LeaflightError(f"{path}: the file {files[0].name} is missing; put it beside the other one.")
+            raise LeaflightError(
+                f"{path}: the file {files[0].name} is missing; put it beside the other one."
+            )
         found.append(existing[0])
     return found[0], found[1]
