@@ -94,7 +94,7 @@ def test_headers_of_any_file(tmp_path, cli, values, name, skip):
         ),
         (500, 133, r"0 behind the 500"),
         (-1, 119, r"120 bytes.* 119;.*type \(--dims, --type\)"),
-        (-2, 120, r"not -2 \(--skip\)"),
+        (-2, 120, r"-2; .*\(--skip\)"),
     ],
 )
 def test_headers_that_do_not_fit(tmp_path, cli, skip, size, sentence):

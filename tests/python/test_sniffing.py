@@ -90,7 +90,7 @@ def test_names_without_a_suffix(tmp_path):
         assert format_of(tmp_path / name).module == module
     for name in ("chgcar notes.txt", "x", "x.gz"):
         (tmp_path / name).write_bytes(b"")
-        with pytest.raises(LeaflightError, match="suffix .*contents"):
+        with pytest.raises(LeaflightError, match="suffix .*content are unknown"):
             format_of(tmp_path / name)
 
 
@@ -116,7 +116,7 @@ def test_contents_that_are_not_known(tmp_path, content):
     path = tmp_path / "x.foo"
     path.write_bytes(content)
     assert module_of(path) is None
-    with pytest.raises(LeaflightError, match="x.foo: .*suffix .foo .*contents"):
+    with pytest.raises(LeaflightError, match="x.foo: .*suffix .foo .*content are unknown"):
         read_volume(path)
 
 

@@ -163,7 +163,7 @@ def test_bad_headers(tmp_path):
     with pytest.raises(LeaflightError, match="0: .*Zarr array or group"):
         probe(path)
     write_group_3(path / "0")
-    with pytest.raises(LeaflightError, match="0: .*no array"):
+    with pytest.raises(LeaflightError, match="0: .*not a Zarr array"):
         probe(path)
     ome = json.loads((path / "zarr.json").read_text())["attributes"]["ome"]
     ome["multiscales"][0]["datasets"][0]["path"] = "../y.zarr"
