@@ -207,7 +207,7 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     loaded = leaflight.load_bake(tmp_path / "bake.vdb").moved(BOX, there)
     assert loaded.id == ours.id
     assert_same_maps(loaded, ours)
-    with pytest.raises(LeaflightError, match="not saved"):
+    with pytest.raises(LeaflightError, match="cannot be saved"):
         ours.save(tmp_path / "moved.vdb")
     with pytest.raises(LeaflightError, match="continue its original"):
         leaflight.refine(ours)

@@ -120,7 +120,7 @@ def test_other_light_stays(one_lamp):
 def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: (2, 1, 0.5)})
-    with pytest.raises(LeaflightError, match="not saved"):
+    with pytest.raises(LeaflightError, match="cannot be saved"):
         relit.save(tmp_path / "relit.vdb")
     assert not list(tmp_path.iterdir())
     with pytest.raises(LeaflightError, match="continue its original"):
