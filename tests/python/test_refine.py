@@ -149,14 +149,14 @@ def test_a_first_picture_begins_anew(bump_scene, tmp_path):
 def test_what_is_good_enough_is_not_continued(box):
     baked = box(error=8.0)
     with pytest.raises(SettingError, match="already") as caught:
-        resume(baked)
+        refine(baked)
     assert caught.value.settings == ("error",)
 
 
 def test_a_fixed_amount_of_work_is_not_continued(bump_scene, fixed_work):
     baked = leaflight.thesis.bake(leaflight.bump_box(8), bump_scene, **fixed_work)
     with pytest.raises(LeaflightError, match="fixed amount"):
-        resume(baked, error=0.1)
+        refine(baked, error=0.1)
 
 
 def test_the_command_line(cli, root, tmp_path):
