@@ -210,7 +210,7 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     with pytest.raises(LeaflightError, match="not saved"):
         ours.save(tmp_path / "moved.vdb")
     with pytest.raises(LeaflightError, match="resume its original"):
-        leaflight.resume(ours)
+        leaflight.refine(ours)
     with pytest.raises(LeaflightError, match="not relit"):
         ours.relit({scene.lights[0].name: 2})
 
