@@ -138,4 +138,4 @@ def test_workers_are_of_one_kind(cli, command):
 
 def test_no_workers_are_none(cli, tmp_path):
     done = cli("batch", listed(tmp_path, f"bump_box --out {tmp_path}/x.vdb"), "--workers", "0")
-    assert done.status == 2 and "not 0" in done.err
+    assert done.status == 2 and "workers is 0" in done.err
