@@ -267,5 +267,5 @@ def check_an_error_in_the_middle_restores_the_scene(baked, small_frame, tmp_path
 
 
 def check_it_needs_a_bake_and_a_camera(boxed):
-    with pytest.raises(RuntimeError, match="flattened"):
+    with pytest.raises(RuntimeError, match="Bake this volume first"):
         bpy.ops.leaflight.render_comparison()

@@ -58,7 +58,7 @@ def check_a_continued_bake_shows_its_passes_and_is_stopped(noisy):
 
 
 def check_only_what_can_be_is_continued(passes, tmp_path):
-    with pytest.raises(RuntimeError, match="flattened"):
+    with pytest.raises(RuntimeError, match="Bake this volume first"):
         bpy.ops.leaflight.continue_bake()
     path = str(tmp_path / "fixed.vdb")
     fixed = {"isovalues": (40.0, 60.0), "samples": 1, "photons": 1000}

@@ -155,7 +155,7 @@ def linear(colors):
 
 
 def check_it_needs_a_bake(boxed, tmp_path):
-    with pytest.raises(RuntimeError, match="flattened"):
+    with pytest.raises(RuntimeError, match="Bake this volume first"):
         export(tmp_path / "box.glb")
 
 

@@ -203,7 +203,7 @@ def check_what_is_no_bake_is_refused(bumps, tmp_path):
         sentence = error_of(operator, filepath=str(tmp_path / "x.vdb"))
         assert "x.vdb" in sentence and "\n" not in sentence
     assert bumps.leaflight.bake_id == ""
-    with pytest.raises(RuntimeError, match="flattened"):
+    with pytest.raises(RuntimeError, match="Bake this volume first"):
         bpy.ops.leaflight.relocate_bake(filepath=str(tmp_path / "x.vdb"))
 
 
