@@ -69,7 +69,7 @@ def check_errors_are_sentences(volume, tmp_path):
     for call, words in (
         (lambda: blender.import_volume(tmp_path / "no.nii"), "no such file"),
         (lambda: blender.export(volume, tmp_path / "x.glb"), "Bake this volume first"),
-        (lambda: blender.bake(volume, eror=1.0), 'no setting "eror"'),
+        (lambda: blender.bake(volume, eror=1.0), 'no bake setting "eror"'),
         (lambda: blender.bake(None), "not a Leaflight volume"),
         (lambda: blender.compare(volume, tmp_path), "Bake this volume first"),
         (lambda: blender.animate(volume, []), "isovalues"),
