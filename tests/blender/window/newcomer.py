@@ -195,9 +195,11 @@ def stop_and_keep():
         "offered": stopped.offered() is not None,
         "bake": volume().leaflight.bake_id == first,
     }
-    # Keep Bake stands where Bake stood, once the header is drawn.
-    yield from stepwise.wait(1.0)
-    yield from click(header_button(386))
+    # Keep Bake stands where Bake stood, once the header is drawn. A busy machine draws it late.
+    while stopped.offered() is not None:
+        yield from stepwise.wait(1.0)
+        if jobs.running() is None:
+            yield from click(header_button(386))
     yield from stepwise.until(lambda: volume().leaflight.bake_id != first)
     yield from stepwise.until(lambda: jobs.running() is None)
     found["first"], found["second"] = first, volume().leaflight.bake_id
