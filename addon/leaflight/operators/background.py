@@ -114,6 +114,8 @@ class BackgroundOperator(LeaflightOperator):
         context.window_manager.event_timer_remove(self._timer)
         self._status = None
         jobs.show_status(None)
+        # After Esc nothing else does: they would show the progress and Stop until the mouse moves.
+        jobs.redraw_panels()
 
     def _show_status(self, context: bpy.types.Context) -> None:
         """Shows the progress in the status bar and redraws the panels."""
