@@ -341,7 +341,7 @@ def _without_image(tree, texture):
     [
         (_sky, "Sky"),
         (_ball, "Mirror Ball"),
-        (_moved, "moves"),
+        (_moved, "Mapping"),
         (_by_normal, "Texture Coordinate"),
         (_without_image, "without an image"),
     ],
