@@ -96,7 +96,7 @@ def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
     for name in ("leaflight.bake", "leaflight.export.gltf.write_glb", "leaflight.blender.show"):
         assert f'id="{name}"' in api
     # From the docstrings, with their own line breaks.
-    assert "percent, of what compare() calls rms_percent" in api
+    assert "Target error in percent, as rms_percent of compare()" in api
     # From the parser.
     assert "--both-sides" in (site / "command_line.html").read_text()
 

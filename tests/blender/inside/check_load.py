@@ -31,7 +31,7 @@ def check_another_bake_under_the_right_name_is_not_taken_for_it(saved):
     obj = open_blend(blend)
     obj.leaflight.isovalue = 71.0
     sentence = surface_object.problems[obj.name_full]
-    assert first.name in sentence and "another bake" in sentence and "\n" not in sentence
+    assert first.name in sentence and "not the bake of" in sentence and "\n" not in sentence
     assert staleness.change_since_bake(bpy.context, obj) == sentence
     assert "radiance" not in obj.data.attributes
     assert obj.data.materials[0] == obj.leaflight.isosurface_material
@@ -114,7 +114,7 @@ def check_relocating_to_another_bake_is_refused(saved):
     bpy.ops.leaflight.bake()
     identifier = saved.leaflight.bake_id
     sentence = error_of(bpy.ops.leaflight.relocate_bake, filepath=str(first))
-    assert "another bake" in sentence and first.name in sentence and "\n" not in sentence
+    assert "not the bake of" in sentence and first.name in sentence and "\n" not in sentence
     assert saved.leaflight.bake_id == identifier
     assert_lit(saved)
 
