@@ -7,27 +7,17 @@ at once. If the package cannot be loaded, the error is one line.
 
 import signal
 import sys
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NoReturn
+from collections.abc import Sequence
+from typing import NoReturn
 
 from .parser import make_parser
-from .shared_options import Parser, UsageError
-
-if TYPE_CHECKING:
-    from leaflight.cli.output import Command
+from .shared_options import UsageError
 
 
-def main(
-    arguments: Sequence[str] | None = None,
-    parser: Callable[[], Parser] = make_parser,
-    command: "Command | None" = None,
-) -> int:
-    """Runs one command; returns the exit status.
-
-    parser, command: Parser and function of another program than `leaflight`, see leaflight.cli.run.
-    """
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command; returns the exit status."""
     try:
-        options = parser().parse_args(arguments)
+        options = make_parser().parse_args(arguments)
         from leaflight.cli import run
     except KeyboardInterrupt:
         return 130
@@ -36,14 +26,12 @@ def main(
         if sys.stderr is not None:
             print(f"leaflight: {why}", file=sys.stderr)
         return 2
-    return run(options, command)
+    return run(options)
 
 
-def program(
-    parser: Callable[[], Parser] = make_parser, command: "Command | None" = None
-) -> NoReturn:
+def program() -> NoReturn:
     """Runs the command of the program's arguments and ends it with its exit status."""
-    status = main(None, parser, command)
+    status = main()
     # Ignore Ctrl-C during exit, because the work is done and reported.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)
