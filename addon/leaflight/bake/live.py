@@ -304,7 +304,7 @@ def _go_on():
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
     bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
-    bl_description = "Stop updating the light until an object moves again"
+    bl_description = "Keep the shown light until an object moves again. Esc does the same"
     bl_options = set()
     conditions = (checks.needs(lambda _: _work, "Nothing is in progress"),)
 
@@ -332,7 +332,11 @@ PROPERTIES = (
         "leaflight_live",
         BoolProperty(
             name="Live",
-            description=("Update the light while lamps, walls and volumes move"),
+            description=(
+                "Update the light while lamps, walls and volumes move: direct light at "
+                "once, indirect light by the passes of a new bake. The last pass is saved "
+                "to a new file"
+            ),
             update=_switched,
         ),
     ),

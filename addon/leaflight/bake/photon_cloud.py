@@ -25,7 +25,10 @@ _KIND, _PHOTONS = "photons", "leaflight_photons"
 class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.photon_cloud"
     bl_label = "Show Photon Map"
-    bl_description = "Trace photons and show their hits on isosurfaces as points"
+    bl_description = (
+        "Trace photons and show their hits on isosurfaces as colored points, which are "
+        "not rendered by default"
+    )
     conditions = (jobs.is_free, *checks.VOLUME)
 
     count: IntProperty(

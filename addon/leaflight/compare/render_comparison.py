@@ -160,7 +160,11 @@ class ComparisonJob(jobs.Job):
 class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
     bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
-    bl_description = "Compare renders of the bake, Cycles and local shading. Esc cancels"
+    bl_description = (
+        "Render the isosurface as baked, path-traced by Cycles and with local shading, "
+        "and measure the differences. A second Blender renders in the background. Esc "
+        "cancels"
+    )
     bl_options = set()
     conditions = (
         jobs.is_free,
@@ -170,7 +174,8 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
 
     samples: IntProperty(
         name="Cycles Samples",
-        description="Samples per pixel of the path-traced still",
+        description="Samples per pixel of the path-traced still. More samples take longer and "
+        "reduce noise",
         default=256,
         min=2,
         soft_max=4096,

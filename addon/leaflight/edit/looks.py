@@ -87,7 +87,9 @@ def _items(presets):
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.isosurface_preset"
     bl_label = "Look"
-    bl_description = "Set color, gloss and backdrop of the isosurfaces"
+    bl_description = (
+        "Set color or color map and gloss of the isosurfaces, and the color of the stage's backdrop"
+    )
 
     preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
 
@@ -109,7 +111,9 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.add_stop"
     bl_label = "Add Color Stop"
-    bl_description = "Add a stop at the shown isovalue with its color"
+    bl_description = (
+        "Add a stop at the shown isovalue with its color. The first stop replaces the single albedo"
+    )
 
     def run(self, context):
         volume = active_volume(context)

@@ -42,7 +42,8 @@ class LEAFLIGHT_OT_import_volume(
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
         name="All Files",
-        description="List files with any suffix, such as DICOM slices",
+        description="List files with any suffix, because DICOM slices often have none. You can "
+        "also choose their folder",
         options={"SKIP_SAVE"},
         update=_list_files,
     )
@@ -58,7 +59,7 @@ class LEAFLIGHT_OT_import_volume(
     )
     partner: StringProperty(
         name="Volume",
-        description="Volume with the same scale and position",
+        description="Volume whose scale and position the new one takes",
         search=lambda _self, context, _text: placing.volume_names(context),
     )
     up: EnumProperty(
@@ -73,19 +74,21 @@ class LEAFLIGHT_OT_import_volume(
     )
     resolution: EnumProperty(
         name="Resolution",
-        description="Resolution of the volume, for volumes that exceed the memory",
+        description="Share of the voxels to keep, for volumes that exceed the memory",
         items=stored_facts.RESOLUTION_ITEMS,
     )
     smooth: FloatProperty(
         name="Smooth",
-        description="Standard deviation, in voxels, of a Gaussian on the values",
+        description="Standard deviation, in voxels, of a Gaussian on the values. Removes noise "
+        "and the steps of 8-bit values",
         default=0.0,
         min=0.0,
         max=10.0,
     )
     smooth_normals: FloatProperty(
         name="Smooth Normals",
-        description="Standard deviation, in voxels, of a Gaussian on the normals",
+        description="Standard deviation, in voxels, of a Gaussian on the normals. Smooths the "
+        "shading; isosurfaces stay where they are",
         default=0.0,
         min=0.0,
         max=10.0,
@@ -102,11 +105,12 @@ class LEAFLIGHT_OT_import_volume(
     )
     animate: BoolProperty(
         name="As Animation",
-        description="Show the next volume of the series at each frame, by keyframes",
+        description="Show the next volume of the series at each frame, by keyframes from the "
+        "first frame of the scene on",
     )
     dataset: StringProperty(
         name="Dataset",
-        description="Volume or series to read, if there are several",
+        description="Volume of the file, or series of the folder, to read if there are several",
         search=lambda self, _context, _text: self._datasets(),
     )
 

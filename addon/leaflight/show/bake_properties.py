@@ -69,7 +69,8 @@ class BakeOptions:
     )
     use_resolution: BoolProperty(
         name="Texels",
-        description="Set the number of texels, instead of deriving it from the voxels",
+        description="Set the number of texels, for volumes that exceed the memory or the time. "
+        "Otherwise it follows from the voxels",
     )
     resolution: IntProperty(
         name="Texels",
@@ -91,7 +92,7 @@ class BakeOptions:
     )
     use_time_limit: BoolProperty(
         name="Time Limit",
-        description="Stop after this many seconds",
+        description="Stop after a number of seconds. A short time makes the light coarser",
     )
     time_limit: FloatProperty(
         name="Seconds",
@@ -105,16 +106,19 @@ class BakeOptions:
     )
     seed: IntProperty(
         name="Seed",
-        description="Seed of the random numbers; another seed gives different noise",
+        description="Seed of the random numbers. Another seed changes the noise, but not the "
+        "detail",
         min=0,
     )
     both_sides: BoolProperty(
         name="Both Sides",
-        description="Bake the backs of isosurfaces, too. Nearly doubles the time",
+        description="Bake the backs of isosurfaces, too, for volumes that are cut open. Nearly "
+        "doubles the time",
     )
     light_walls: BoolProperty(
         name="Light the Walls",
-        description="Bake the light of the walls for every isovalue, too",
+        description="Bake the light of the walls for every isovalue, too, so that their shadows "
+        "and color bleeding follow the isosurface",
     )
     bake_folder: StringProperty(
         name="Folder",

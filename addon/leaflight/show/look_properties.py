@@ -51,23 +51,26 @@ def _has_box(_look, obj):
 class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
         name="Opacity",
-        description="Opacity of the isosurface. Its light is that of an opaque one",
+        description="Opacity of the isosurface. Its light is that of an opaque one: isosurfaces "
+        "that are shown together neither light nor shade each other",
         default=1.0,
         update=_changed,
     )
     use_color: BoolProperty(
         name="Own Color",
-        description="Use another color than the albedo of the volume",
+        description="Show this isosurface in another color than the albedo of the volume",
         update=_changed,
     )
     color: ColorProperty(
         name="Color",
-        description="Albedo of this isosurface. Incident light stays that of the bake",
+        description="Albedo of this isosurface. The light that falls on it stays that of the "
+        "bake. To bake the color, add a stop to the volume's color ramp",
         update=_color_chosen,
     )
     dust: FloatProperty(
         name="Hide Dust",
-        description="Hide separate parts that are shorter than this many voxels",
+        description="Hide separate parts that are shorter than this many voxels; 0 shows all. "
+        "Hidden parts still cast their shadows",
         default=0.0,
         min=0.0,
         soft_max=50.0,
@@ -77,7 +80,8 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     gloss: ShareProperty(
         name="Gloss",
-        description="Weight of a clear coat that reflects the scene's lamps",
+        description="Weight of a clear coat that reflects the scene's lamps; 1 is glazed china. "
+        "Comparisons leave it out",
         update=_changed,
         options=set(),
     )
@@ -97,7 +101,8 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     box: PointerProperty(
         name="Clip Box",
-        description="Object or Empty whose box cuts the isosurfaces. Their light is unchanged",
+        description="Object whose bounding box, or Empty whose cube, cuts the isosurfaces. Their "
+        "light does not change: parts that are cut away still cast their shadows",
         type=bpy.types.Object,
         poll=_has_box,
         update=_all_changed,
@@ -120,7 +125,7 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     slice_axes: BoolVectorProperty(
         name="Slices",
-        description="Show the data on a plane across this axis, which is not baked",
+        description="Show the data on a plane across this axis. Bakes ignore the plane",
         size=3,
         update=_slices_changed,
     )
@@ -135,14 +140,15 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     slice_colors: EnumProperty(
         name="Colors",
-        description="Colors of the values on the planes",
+        description="Colors of the values on the planes, over the volume's isovalue range",
         items=data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
     )
     slices_inside: BoolProperty(
         name="Inside Only",
-        description="Show data only within the isosurface, instead of from Lowest on",
+        description="Show only data within the isosurface. Otherwise all values from Lowest on "
+        "are shown",
         update=_slices_changed,
     )
 

@@ -76,7 +76,7 @@ class Isosurfaces:
     )
     isosurface_emission_strength: FloatProperty(
         name="Strength",
-        description="Radiance that the isosurfaces emit",
+        description="Radiance that the isosurfaces emit; 0 is none",
         default=0.0,
         min=0.0,
         soft_max=100.0,
@@ -89,7 +89,8 @@ class Isosurfaces:
     )
     linked: BoolProperty(
         name="Linked",
-        description="Link the isovalue with those of the other volumes",
+        description="Move the isovalue together with those of the other volumes, so that all show "
+        "the same common isovalue",
         default=True,
     )
     shading: EnumProperty(
@@ -155,7 +156,8 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
 
     show_walls: bpy.props.BoolProperty(
         name="Show Lit Walls",
-        description="Show walls with baked light instead of the original objects",
+        description="Show walls with the baked light of the shown isosurface, instead of the "
+        "original objects. Turn it off to edit these",
         default=True,
         update=_walls_changed,
     )

@@ -87,7 +87,7 @@ class ReadingChoices:
     )
     skip: IntProperty(
         name="Skip",
-        description="Bytes before the values of a .raw file; -1 if values end it",
+        description="Bytes before the values of a .raw file; -1 if the values are at its end",
         default=0,
         min=-1,
     )
@@ -106,7 +106,7 @@ class ReadingChoices:
     )
     channel: IntProperty(
         name="Channel",
-        description="Number of the channel, from 0; -1 if there is only one",
+        description="Number of the channel to read, from 0; -1 if there is only one",
         default=-1,
         min=-1,
     )
@@ -137,7 +137,8 @@ class VolumeSource(ReadingChoices):
     )
     shown_frame: IntProperty(
         name="Frame",
-        description="Number of the shown volume in the series over time, from 0",
+        description="Number of the shown volume in the series over time, from 0. Keyframes play "
+        "the series. Each frame has its own bake",
         min=0,
         update=_frame_changed,
     )

@@ -26,7 +26,10 @@ _STAGED = "leaflight_stage"
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.stage"
     bl_label = "Stage"
-    bl_description = "Add walls, lights and a camera around the volumes, instead of others"
+    bl_description = (
+        "Add walls, lights and a camera around the volumes, as objects that you can edit. "
+        "Replaces the previous stage and hides other objects"
+    )
 
     preset: EnumProperty(
         name="Stage", description="Objects to add around the volumes", items=presets.ITEMS
@@ -37,7 +40,8 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     )
     hide_others: BoolProperty(
         name="Hide Others",
-        description="Hide all other objects, so that they are not baked",
+        description="Hide all other objects in viewports and renders, so that they are not baked. "
+        "Nothing is deleted, and Show Hidden shows them again",
         default=True,
     )
 
@@ -107,7 +111,10 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
-    bl_description = "Move the camera so that the isosurfaces fill its frame"
+    bl_description = (
+        "Move the camera so that the shown isosurfaces fill its frame. Before a bake, "
+        "also fit the stage to them"
+    )
 
     def run(self, context):
         scene, isosurface = context.scene, active_volume(context)

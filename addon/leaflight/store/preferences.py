@@ -17,7 +17,8 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
 
     own_cache_folder: BoolProperty(
         name="Own Cache Folder",
-        description="Store bakes of unsaved files outside Blender's user folder",
+        description="Store bakes of unsaved files outside Blender's user folder, if that is on a "
+        "small or slow disk",
     )
     cache_folder: StringProperty(
         name="Cache Folder",
@@ -26,7 +27,7 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     )
     limit_threads: BoolProperty(
         name="Limit Threads",
-        description="Limit the number of threads of a bake",
+        description="Limit the number of threads of a bake, to leave processors to other work",
     )
     threads: IntProperty(
         name="Threads",
@@ -37,7 +38,8 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     )
     limit_memory: BoolProperty(
         name="Limit Memory",
-        description="Limit memory: larger volumes use files, and texels become coarser",
+        description="Limit the memory of volumes and bakes. Larger volumes are kept in a file, "
+        "and texels become coarser to fit",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
