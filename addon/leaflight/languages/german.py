@@ -75,9 +75,9 @@ MESSAGES = {
     "Live": "Mitgehend",
     "Update the light while lamps, walls and volumes move: direct light at once, indirect "
     "light by the passes of a new bake. The last pass is saved to a new file": (
-        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen: direktes Licht sofort, "
-        "indirektes durch die Durchgänge einer neuen Berechnung. Der letzte wird in einer neuen "
-        "Datei gespeichert"
+        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen: direktes Licht "
+        "sofort, indirektes durch die Durchgänge einer neuen Berechnung. Der letzte wird in "
+        "einer neuen Datei gespeichert"
     ),
     "Stopped: direct light is current, indirect light is of an earlier position": (
         "Angehalten: direktes Licht ist aktuell, indirektes Licht von einer früheren Lage"
