@@ -23,7 +23,7 @@
 namespace leaflight {
 namespace {
 
-// The same ray for both, from a point of the isosurface into its front, by the cosine.
+// One ray for both methods. It leaves the front of an isosurface, with a cosine-weighted direction.
 struct Pair {
   IsosurfaceRay<3> isosurface;
   RTCRay embree;

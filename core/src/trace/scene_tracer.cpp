@@ -268,7 +268,7 @@ template <int D>
 bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                               const Vec<D>& light_normal) const {
   const Vec<D> origin = ray_origin(from);
-  // The direction is the whole way, so t = 1 at its end.
+  // The direction is the whole segment, so t = 1 at its end.
   return blocked(from, origin, leave_plane<D>(light_point, light_normal) - origin, 1);
 }
 

@@ -70,10 +70,10 @@ struct BoundingSphere {
   double radius = 0;
 };
 
-// The isovalues whose isosurfaces block a way: least < c <= greatest. It has an infinite `greatest`
-// if walls block the way. It is just below the isovalue range if none of its isosurfaces blocks the
-// way. In a scene without openings, every way starts outside the isosurfaces, and `least` is minus
-// infinity.
+// The isovalues whose isosurfaces block a shadow ray: least < c <= greatest. It has an infinite
+// `greatest` if walls block the ray. It is just below the isovalue range if none of its isosurfaces
+// blocks the ray. In a scene without openings, every ray starts outside the isosurfaces, and
+// `least` is minus infinity.
 struct BlockingIsovalues {
   double least, greatest;
 
@@ -113,17 +113,17 @@ class SceneTracer {
   Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const;
   SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double c) const;
 
-  // True if an isosurface or a wall blocks the way to a point on a light, or to infinity in a
-  // direction.
+  // True if an isosurface or a wall blocks the segment to a point on a light, or the ray to
+  // infinity in a direction.
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
-  // Returns the isovalues that block such a way.
+  // Returns the isovalues that block such a segment or ray.
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
                              const Vec<D>& light_normal) const;
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  // True if ways may pass through openings of the isosurfaces, which requires a single volume.
+  // True if light may pass through openings of the isosurfaces, which requires a single volume.
   bool has_openings() const { return has_openings_; }
 
  private:

@@ -30,7 +30,7 @@ class EnvironmentSampler {
  private:
   struct Direction {
     Vec<D> direction;
-    double density;  // per angle
+    double density;  // density per solid angle, or per angle in 2D
   };
   Direction sample_any(const std::array<double, 2>& u) const;
   Direction sample_image(const std::array<double, 2>& u) const;

@@ -9,22 +9,23 @@
 
 namespace leaflight {
 
-// A point on the isosurface through a position. Texels and direct light both need it.
+// A point with the isosurface through it, as texels and direct light need it.
 template <int D>
 struct IsosurfacePoint {
   Vec<D> position;  // in index coordinates
   CellPoint<D> at;
   CellCorners<D> corners;
-  double value;     // of the field; NaN without data
+  double value;     // value of the field; NaN in masked cells
   Vec<D> gradient;  // shading gradient, in index coordinates
 };
 template <int D>
 IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
 
-// Direct light of a scene's light points at any point of any isosurface of a volume. The cosine and
-// the distance are exact at each point. For each texel and light point it stores the greatest value
-// on the way, for backs the least. Isosurfaces of lower isovalues are in shadow there, for backs
-// those of higher ones. Nothing is averaged or random.
+// Direct light of a scene's light points on all isosurfaces of a volume. Visibility maps hold, for
+// each texel and light point, the greatest value between the two. Isosurfaces of lower isovalues
+// are in shadow there. For backs, the maps hold the least value, and isosurfaces of higher
+// isovalues are in shadow. Cosine and distance are exact at each shaded point. Nothing is averaged
+// or random.
 template <int D>
 class DirectLight {
  public:
@@ -34,8 +35,8 @@ class DirectLight {
   // Computes the maps of one volume in a `resolution`. With `back`, it includes the backs, which
   // requires that the scene has only this volume. For `spacing`, see VisibilitySweep. An `earlier`
   // light is that of the same scene under other lights. Its maps are reused for points that have
-  // not moved. The result does not depend on the number of threads, nor on `earlier` if its texels
-  // are as wide. Throws Cancelled.
+  // not moved. The result does not depend on the number of threads. It does not depend on
+  // `earlier`, if the texels of that have the same width. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
               const DirectLight* earlier = nullptr);
@@ -54,7 +55,7 @@ class DirectLight {
   // Returns the range of the codes in values of the field.
   const IsovalueRange& code_range() const { return code_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
-  // Returns the VisibilityCode of the way from an active texel to a point.
+  // Returns the VisibilityCode between an active texel and a light point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
     return maps_->codes[back][slot * points_.size() + point];
   }
@@ -77,8 +78,8 @@ class DirectLight {
   }
   // Returns the emission of the isosurface [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
-  // Interpolates the greatest code on the way to a point. `near`: the position's weights in
-  // lattice().
+  // Interpolates the greatest code between a position and a light point. `near`: the position's
+  // weights in lattice().
   float greatest(std::size_t point, const TexelWeights<D>& near, bool back) const;
 
  private:

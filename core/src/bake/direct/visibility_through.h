@@ -10,7 +10,7 @@ namespace leaflight {
 
 // The shadows that isosurfaces of another volume cast on those of one volume, for equal common
 // isovalues. The sweep runs over nodes of the other volume. Each node of this volume looks up the
-// code where its way to the light enters the other volume.
+// code where the segment to the light enters the other volume.
 template <int D>
 class VisibilityThrough {
  public:
@@ -19,8 +19,8 @@ class VisibilityThrough {
   VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
                     const TexelLattice<D>& nodes, const IsovalueRange& code_range);
 
-  // Raises the code of each node to the greatest code of the other volume on the way to a light
-  // point, including the node itself.
+  // Raises the code of each node to the greatest code of the other volume between it and a light
+  // point.
   void run(const LightSource<D>& source, std::vector<std::uint8_t>& found,
            Progress& progress) const;
 
@@ -33,7 +33,8 @@ class VisibilityThrough {
   Affine<D> to_frame_, to_other_;  // from the indices of `volume`; from the frame
 };
 
-// The greatest code of all volumes of a scene on the way from a light point to each node of one.
+// The shadows that isosurfaces of all volumes cast on those of one volume: for each node, the
+// greatest code between it and a light point.
 template <int D>
 class VisibilityThroughAll {
  public:

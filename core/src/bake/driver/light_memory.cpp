@@ -12,9 +12,9 @@
 namespace leaflight {
 namespace {
 
-// Measured memory in bytes (docs/clusters.md). It counts texels of the result and of indirect light
-// at the end of a pass, when memory peaks. A saved texel is one of the file's grids, without their
-// inputs. A saved voxel is a share of the nodes of the grid of values.
+// Measured memory in bytes (docs/clusters.md): per texel of direct and of indirect light, at the
+// end of a pass, when memory peaks. While a file is written, memory per texel is `saved_texel`, and
+// per voxel of the volume `saved_voxel`.
 struct TexelBytes {
   double direct, indirect;
 };

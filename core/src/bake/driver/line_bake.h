@@ -87,11 +87,11 @@ class LineBake final : public Integrator<D> {
   const PreviousLight<D>* previous_;  // may be null
   const BlockWorkers* workers_;       // may be null
   IndexedLattice<D> texels_;
-  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, after the first use
-  std::vector<TexelSurface<D>> surfaces_;          // at the texels of indirect light
-  DirectLookup<D> direct_lookup_;                  // empty when no lines need it
+  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light at texels_, after its first use
+  std::vector<TexelSurface<D>> surfaces_;          // isosurfaces at the texels of indirect light
+  DirectLookup<D> direct_lookup_;                  // empty if no lines need it
   std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
-  std::vector<TexelLattice<D>> lattices_;          // of the photons
+  std::vector<TexelLattice<D>> lattices_;          // texels that collect photons
   PhotonCaches<D> photons_;
   // Light of both sides of white isosurfaces at the texels of indirect light; empty when no lines
   // need it.

@@ -11,8 +11,8 @@
 
 namespace leaflight {
 
-// Detail of the light of walls. One of every `share` ways to light points is traced
-// (MeshDirectLight). `samples`: of each vertex at each node, if lines light the volume.
+// Quality of the walls' light. `share`: one of this many shadow rays to light points is traced
+// (MeshDirectLight). `samples`: paths per vertex and isovalue node, if lines light the volume.
 struct WallDetail {
   int samples = 8;
   std::size_t share = 1;
@@ -29,7 +29,7 @@ struct LitScene {
   LightSampler<D> lights;
   SplitLight<D> split;
   std::vector<LineVolume<D>> volumes;
-  // One per volume, after its computation; null if no texel of it stores light.
+  // Direct light of each volume, once it is computed; null if no texel of the volume stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
   WallDetail wall_detail;
   std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // null before its computation

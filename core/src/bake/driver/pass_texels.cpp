@@ -10,31 +10,31 @@ namespace {
 // Upper bounds on the default texels if they are finer than voxels.
 constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
 constexpr int most_halvings = 2;
-// Numbers of voxels that isosurfaces pass. Above the first, lines of indirect light are two texels
-// apart. Above the second, texels of indirect light are coarser than voxels. Above the third, those
-// of photons are.
+// Limits on the number of voxels that isosurfaces cross. Above the first, lines of indirect light
+// are two texels apart. Above the second, texels of indirect light are wider than voxels. Above the
+// third, so are those of photons.
 constexpr std::size_t most_dense_voxels = 200'000, most_indirect_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
 constexpr int widest_texel = 8;
 // Photons of a block of rays; each block traces its own.
 constexpr std::uint64_t ray_photons = 100'000;
-// Upper bound on the texels of indirect light if each traces its own rays.
+// Upper bound on the texels of indirect light if rays are traced from each.
 constexpr std::size_t most_ray_texels = 500'000;
-// Upper bound on the texels of indirect light if a resolution is given that has fewer.
+// Upper bound on the texels of indirect light if the caller gives a resolution with fewer texels.
 constexpr std::size_t most_given_indirect_texels = 500'000;
 // Width of a texel of a first picture, in voxels.
 constexpr int preview_width = 4;
-// Photons carry light of several bounces until line passes have sampled it, and the indirect light
-// of the walls.
+// Number of photons. They carry the indirect light of the walls, and light of several bounces until
+// line passes have sampled it.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 // Shadow rays per patch of the walls.
 constexpr int wall_samples = 8, preview_wall_samples = 2;
 
-// Counts the texels that isosurfaces pass.
+// A function that counts the texels that isosurfaces cross.
 template <int D>
 using Counted = std::function<std::size_t(const Index<D>& resolution)>;
 
-// Halves the width of texels while their number stays small. `count`: number at `resolution`.
+// Halves the width of texels while their number stays small. `count`: their number at `resolution`.
 template <int D>
 Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
                 const Counted<D>& counted) {
@@ -45,8 +45,8 @@ Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
   return resolution;
 }
 
-// Returns the texel width at which isosurfaces pass at most `most` texels. `voxels`: those that
-// they pass.
+// Returns the texel width at which isosurfaces cross at most `most` texels. `voxels`: number of
+// voxels that they cross.
 int width_for(std::size_t voxels, std::size_t most, int dimension) {
   int width = 1;
   while (width < widest_texel && voxels > most) {

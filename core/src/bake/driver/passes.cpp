@@ -19,8 +19,8 @@ constexpr std::size_t most_without_preview = 200'000;
 // Parameters of a first picture: its blocks, the spacing of its visibility sweeps, and the
 // estimates per point of its error. All estimates would delay it.
 constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
-// Predicted ratio of the walls' time in a complete pass to that in the first picture: for ways to
-// lights, and for samples.
+// Predicted ratio of the walls' time in a complete pass to that in the first picture: for shadow
+// rays and for samples.
 constexpr int more_ways = 6, more_samples = 3;
 // A pass that runs out of time ends after at least this many blocks.
 constexpr int least_blocks = 2;
@@ -372,13 +372,14 @@ class Passes {
   const Previous* previous_ = nullptr;                 // null: none
   std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
-  std::size_t count_ = 0, preview_texels_ = 1;         // of all texels; of the first picture's
+  // Number of all texels, and of those of the first picture.
+  std::size_t count_ = 0, preview_texels_ = 1;
   Texels chosen_ = Texels::usual;
-  // Passes; blocks of the previous bake; blocks after this pass.
+  // Number of passes, of blocks of the previous bake, and of blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
   PreviewSeconds preview_seconds_;
   double walls_seconds_ = 0, fine_walls_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0;
-  double block_began_ = 0, saved_ = 0;  // times
+  double block_began_ = 0, saved_ = 0;  // when the block began; when the last checkpoint was saved
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;

@@ -45,7 +45,7 @@ struct GatherLines {
   // Slots of the points, or inactive.
   std::vector<std::array<std::int32_t, LineBundle<D>::width>> slots;
   std::size_t source = 0;  // number of a source of direct light
-  // The next members serve one line at a time.
+  // Working memory for one line at a time.
   std::vector<float> h;
   Stack higher, lower;
 
@@ -57,7 +57,7 @@ struct GatherLines {
 template <int D>
 struct Walk {
   int lane, step, begin, end;  // planes
-  double length;               // of the way from z to z + 1
+  double length;               // length of the line between two planes
   Vec<D> to_origin;
   Rgb sky;
   int stretch;  // plane after the last masked one

@@ -12,10 +12,10 @@ namespace leaflight {
 namespace {
 
 constexpr std::size_t ways_per_piece = 256;
-// Work of a way in points of lines.
+// Work of a shadow ray, in the unit of the progress: points of lines.
 constexpr double points_of_lines_per_way = 48;
 
-// Gives each vertex the set that its neighbors and their neighbors use least.
+// Assigns to each vertex the set of light points that its neighbors and their neighbors use least.
 std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
   constexpr std::uint8_t none = light_point_sets;
   constexpr int near = 64;  // weight of a neighbor against all of theirs
@@ -34,8 +34,9 @@ std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t 
   return sets;
 }
 
-// Returns the vertex that traces the way to a point, by the point's number modulo `share`. It is
-// the nearest of the neighbors and their neighbors whose turn it is, or else the vertex itself.
+// Returns, by the number of a light point modulo `share`, the vertex that traces the shadow ray to
+// it. This is the nearest of the neighbors and their neighbors whose turn it is, or else the vertex
+// itself.
 std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbours,
                                                   const std::vector<std::uint8_t>& sets,
                                                   std::size_t vertex, std::size_t share) {
@@ -56,7 +57,7 @@ std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbou
   return found;
 }
 
-// The way to a source from a point, seen from the front of its facet.
+// A shadow ray from a point to a source, relative to the front of the point's facet.
 template <int D>
 struct WayTo {
   Vec<D> direction{0.0};  // unit
