@@ -100,7 +100,7 @@ std::vector<Vec<D>> to_points(const DoubleArray& array) {
   return points;
 }
 
-// A tuple of D numbers in Python.
+// Type of an array of D numbers, a tuple in Python.
 template <int D>
 using Tuple = std::array<double, static_cast<std::size_t>(D)>;
 

@@ -12,7 +12,7 @@
 namespace leaflight::python {
 namespace {
 
-// An array of voxels of one type.
+// NumPy's type of an array of voxels.
 template <class Value>
 using VoxelArray = py::array_t<Value, py::array::c_style>;
 

@@ -35,7 +35,7 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
                         adopt<std::uint8_t>(std::move(direct), {n}));
 }
 
-// Counts photons from lights to surfaces and out of the scene.
+// Counts the photons that end on surfaces and outside the scene.
 template <int D>
 py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed) {
   PhotonBalance balance;

@@ -30,7 +30,7 @@ const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back
   return back ? grid.radiance_back : grid.radiance;
 }
 
-// Returns the radiance of one side's texels, or the part of it that is not direct light.
+// Returns the radiance of one side's texels, or its indirect part.
 template <int D>
 std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
@@ -72,7 +72,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
               "radiance_error.");
 }
 
-// True if lookups add direct light of points, so that texels hold none of it.
+// True if lookups add the direct light of points, because texels do not contain it.
 template <int D>
 bool scales(const RadianceGrid<D>& grid) {
   return grid.direct && (!grid.has_back() || grid.direct->has_back());

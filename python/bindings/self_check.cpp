@@ -35,8 +35,8 @@ Version loaded_embree() {
 
 Version tbb_version(int interface) { return {interface / 1000, interface % 1000 / 10}; }
 
-// OpenVDB, OpenEXR and Imath are left out. The loader checks them, because each of their symbols
-// contains the version.
+// Returns the libraries that the module was compiled with. The dynamic linker already checks
+// OpenVDB, OpenEXR and Imath, whose symbols contain the version.
 std::vector<Library> libraries() {
   return {
       {"oneTBB", tbb_version(TBB_INTERFACE_VERSION), tbb_version(TBB_runtime_interface_version())},

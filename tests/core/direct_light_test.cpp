@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Direct light of every isosurface from one number a texel and light point, against shadow rays.
+// Tests direct light from visibility maps against shadow rays.
 #include "bake/direct/direct_light.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ PointLight<D> point_light(const Vec<D>& position) {
   return light;
 }
 
-// Two bumps, so that isosurfaces throw shadows on themselves.
+// Returns a field with two bumps, so that isosurfaces cast shadows on themselves.
 template <int D>
 Field<D> bumps(int n) {
   return test::sampled<D>(n, [](const Vec<D>& x) {
@@ -131,13 +131,13 @@ TEST(DirectLightOfIsosurfaces, HasThoseOfMeshes) {
   scene.meshes.push_back(
       test::wall("plate", {0.1, 0.1, 1.1}, {0.35, 0, 0}, {0, 0.9, 0}, Rgb(0.5f)));
   expect_shadows("a plate before the light", scene, false, 0.1);
-  // Through the volume; a texel's width beside it is wrong.
+  // Put a wall through the volume. Results within a texel of it may be wrong.
   scene.meshes = {test::wall("wall", {0.75, -0.2, -0.2}, {0, 1.4, 0}, {0, 0, 1.4}, Rgb(0.5f))};
   expect_shadows("a wall within", scene, false, 0.15);
 }
 
 TEST(DirectLightOfIsosurfaces, HasThoseOfBacks) {
-  // A bowl: light falls into it from above.
+  // The field has the shape of a bowl, and light enters it from above.
   const Field<3> bowl =
       test::sampled<3>(41, [](const Vec3& x) { return 1.1 - (x - Vec3(0.5, 0.5, 0.9)).length(); });
   expect_shadows("bowl", lit<3>(bowl, {0.55, 0.9}, point_light<3>({0.5, 0.45, 1.3})), true, 0.1);
@@ -154,7 +154,7 @@ TEST(DirectLightOfIsosurfaces, HasThemWhereVoxelsAreNoCubes) {
 }
 
 TEST(DirectLightOfIsosurfaces, IsTheSameForAnyIsovalueUnits) {
-  // Bytes, and a common isovalue of other units.
+  // Test bytes, and common isovalues with an offset and a scale.
   const Field<3> field = bumps<3>(33);
   std::vector<std::uint8_t> bytes;
   for (const float h : test::values_of(field)) {
@@ -177,7 +177,7 @@ TEST(DirectLightOfIsosurfaces, PassesOverMaskedVoxels) {
   expect_shadows("masked", lit<3>(field, {0.2, 0.9}, lamp_above<3>()));
 }
 
-// A lamp above that moves, beside a point of light that does not.
+// Returns a scene with a lamp above the volume, which tests move, and a point light that stays.
 template <int D>
 std::vector<Light<D>> lights_after(double moved) {
   AreaLight<D> lamp = lamp_above<D>();
@@ -228,7 +228,7 @@ TEST(DirectLightOfIsosurfaces, TakesNothingElse) {
   Scene<3> scene = test::scene_of(bumps<3>(21), Rgb(0.5f), {0.2, 0.9});
   scene.lights = lights_after<3>(0);
   const DirectLight<3> alone = maps_of(scene, 1);
-  // Maps that are wrong, since a plate hides all light.
+  // Compute maps of another scene, in which a plate blocks all light. Reused maps are then wrong.
   Scene<3> other = scene;
   other.lights = lights_after<3>(0.2);
   other.meshes = {test::wall("plate", {-0.05, -1, -1}, {0, 3, 0}, {0, 0, 3}, Rgb(0.5f))};
@@ -264,7 +264,7 @@ TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   EXPECT_EQ(direct.radiance(scene.volumes[0].field, {8, 8, 8}, true), Rgb(0));
 }
 
-// Checks that the light points of a light together are about as bright as the light.
+// Expects the light points of a light to have about its total brightness.
 template <class Kind>
 void expect_whole(const Kind& light) {
   Scene<3> scene = test::scene_of(bumps<3>(9), Rgb(0.5f), {0.2, 0.9});
@@ -357,7 +357,7 @@ TEST(LightPoints, TakeTheSunOutOfAnImage) {
     EXPECT_TRUE(point.source.infinite);
     points += average(point.source.amount);
   }
-  // All light of the image is in one part or the other: over all directions.
+  // Integrate all directions: both parts together must contain all light of the image.
   const double all = EnvironmentSampler<3>(*scene.environment).power(tracer.bounds());
   const double wide = EnvironmentSampler<3>(*split.wide).power(tracer.bounds());
   EXPECT_NEAR(points * parallel_area(tracer.bounds()) / (all - wide), 1, 0.1);

@@ -28,7 +28,7 @@ Way<D> random_way(const Field<D>& field, Random& random) {
     way.from[a] = (2 * random.uniform() - 0.5) * field.dims[a];
     way.direction[a] = random.uniform() < 0.1 ? 0 : random.uniform() - 0.5;
   }
-  // Towards some point within it.
+  // Aim at a random point inside the field.
   if (random.uniform() < 0.7) {
     for (int a = 0; a < D; ++a) {
       way.direction[a] = (random.uniform() * (field.dims[a] - 1) - way.from[a]) / field.dims[a];
@@ -39,7 +39,7 @@ Way<D> random_way(const Field<D>& field, Random& random) {
   return way;
 }
 
-// The greatest of samples along a way.
+// Returns the greatest of many samples along a segment.
 template <int D>
 double marched(const Field<D>& field, const Way<D>& way, double least) {
   const double end = std::min(way.t_max, 40.0 * field.dims[0]), steps = 100000;
@@ -82,7 +82,7 @@ TEST(GreatestValue, IsThatOfFineSamples) {
   expect_samples_beneath(test::noise<3>(20, 4, 0), 100);
 }
 
-// A ray from outside hits exactly the isosurfaces up to the greatest value on it.
+// A ray from outside hits exactly the isosurfaces up to the greatest value along it.
 TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
   const Field<3> field = test::sampled<3>(40, [](const Vec3& x) {
     const double edge = std::min({x.x, x.y, x.z, 1 - x.x, 1 - x.y, 1 - x.z});
@@ -118,7 +118,7 @@ TEST(GreatestValue, LeavesOutCellsWithoutData) {
   const Field<3> field =
       test::field_from<3>(std::move(values), {10, 10, 10}, test::unit_cube<3>(10));
   const Vec3 from(-1, 5, 5), along(1, 0, 0);
-  EXPECT_EQ(greatest_value(field, from, along, infinity, 0), 9);  // in the cell before
+  EXPECT_EQ(greatest_value(field, from, along, infinity, 0), 9);  // reached in the previous cell
   EXPECT_EQ(greatest_value(field, from, along, 5, 0), 3);
   EXPECT_EQ(greatest_value(field, Vec3(6.5, 5, 5), along, 1.4, 0), 0);
   EXPECT_EQ(greatest_value(field, Vec3(5, 5, -3), Vec3(0, 0, 1), 1, 0.5), 0.5);

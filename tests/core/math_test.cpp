@@ -14,7 +14,7 @@
 namespace leaflight {
 namespace {
 
-// Any 2^k first points hold one point in each elementary interval of area 2^-k.
+// Each elementary interval of area 2^-k must contain one of the first 2^k points.
 TEST(Sobol, IsAZeroTwoSequence) {
   for (std::uint64_t seed : {1ull, 99ull, 0x123456789abcdefull}) {
     for (int log2_n = 0; log2_n <= 10; ++log2_n) {
@@ -31,7 +31,7 @@ TEST(Sobol, IsAZeroTwoSequence) {
   }
 }
 
-// chi-square over 8 x 8 equal bins of (cos^2, phi).
+// Tests chi-square over 8 x 8 equal bins of (cos^2, phi).
 TEST(CosineHemisphere, HasItsDensity) {
   Random random(1);
   const Vec3 n = Vec3(-0.3, 0.5, -0.8).normalized();

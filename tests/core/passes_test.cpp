@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes in passes of lines through the volume.
+// Tests bakes in passes of lines.
 #include "bake/driver/passes.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   const Scene<3> scene = small_scene();
   BakeSettings<3> settings = in_passes();
   settings.resolution = {9, 9, 9};
-  settings.error = 0.02;  // it takes several passes
+  settings.error = 0.02;  // takes several passes
   std::vector<RadianceGrid<3>> passes;
   Progress whole;
   const auto look = [&](Baked<3>&& baked) {
@@ -53,7 +53,7 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   EXPECT_TRUE(stopped.statistics.stopped);
   EXPECT_EQ(stopped.statistics.passes, 1);
   EXPECT_TRUE(same_bits(passes[0], stopped.grids[0]));
-  // Nobody needs to look on.
+  // A bake without a callback.
   Progress alone;
   EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
 }
@@ -73,8 +73,8 @@ TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   expect_same_light(bakes);
 }
 
-// The mean difference of two grids, of both sides, over the mean of the second; and how the means
-// differ.
+// The mean difference of two grids over both sides, relative to the mean of the second, and the
+// relative difference of the means.
 struct Difference {
   double of_texels = 0, of_means = 0;
 
@@ -113,7 +113,7 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     settings.resolution = Index<3>{texels, texels, texels};
     settings.seed = 9;
     const Baked<3> truth = stopped_after(5, scene, settings);
-    // A single bake may be nearer by chance.
+    // A single bake may be closer by chance.
     constexpr int seeds = 4;
     double now = 0, then = 0, means = 0, noise = 0;
     for (int seed = 0; seed < seeds; ++seed) {
@@ -145,12 +145,13 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   const std::vector<PreviousLight<3>> previous =
       previous_light(stopped_after(1, glowing, settings));
   const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
-  // Within the ball most light is reflected more than once.
+  // Inside the ball, most light is reflected more than once.
   EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).of_means, 0,
               test::sanitized ? 0.05 : 0.02);
 }
 
-// Compares the error that bakes report with their difference from the mean of other bakes.
+// Compares the errors that continued bakes report with their differences from the mean of other
+// bakes.
 TEST(Passes, ContinuedKnowTheirError) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
@@ -159,7 +160,7 @@ TEST(Passes, ContinuedKnowTheirError) {
   Progress progress;
   constexpr int bakes = 8;
   std::vector<Vec<3, float>> sum_of_others;
-  std::vector<float> variance;  // of that sum
+  std::vector<float> variance;  // variance of the sum
   for (int i = 0; i < bakes; ++i) {
     settings.seed = 9 + i;
     const RadianceGrid<3> other = bake(scene, settings, progress).grids[0];
@@ -187,7 +188,7 @@ TEST(Passes, ContinuedKnowTheirError) {
     const std::vector<PreviousLight<3>> previous =
         previous_light(stopped_after(1, scene, settings));
     const Baked<3> continued = stopped_after(1, scene, settings, &previous);
-    // Once more.
+    // Continue a second time.
     const std::vector<PreviousLight<3>> again = previous_light(continued);
     const double twice = coverage(stopped_after(1, scene, settings, &again));
     sum += (coverage(continued) + twice) / 2;
@@ -203,7 +204,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   coarse.resolution = {9, 9, 9};
   Progress progress;
   const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
-  // A first picture has other texels, too, so the bake starts from the beginning.
+  // A first picture has other texels, so a bake that continues it starts from the beginning.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
@@ -213,7 +214,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
 TEST(Passes, EndInTime) {
   BakeSettings<3> settings = in_passes();
   settings.error = 1e-4;
-  settings.seconds = 1e-9;  // over before the second pass
+  settings.seconds = 1e-9;  // is over before the second pass
   Progress progress;
   const Baked<3> baked = bake(small_scene(), settings, progress);
   EXPECT_TRUE(baked.statistics.stopped);
@@ -235,7 +236,7 @@ TEST(Passes, ExpectTheirWorkAndThatOfTheWalls) {
 double seconds_to_cancel_passes() {
   const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   BakeSettings<3> settings = in_passes();
-  settings.error = 1e-4;  // not reached
+  settings.error = 1e-4;  // is not reached
   return test::seconds_to_cancel([&](Progress& progress) { bake(scene, settings, progress); });
 }
 
@@ -245,7 +246,7 @@ TEST(Passes, AreCancelledWithinHalfASecond) {
   EXPECT_LT(seconds_to_cancel_passes(), test::sanitized ? 5 : 0.5);
 }
 
-// The radiance of each texel's center, whose isosurface is that of the center.
+// Calls check(position, value) for the center of each texel.
 template <class Check>
 void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
   const RadianceGrid<3>& grid = baked.grids[0];
@@ -263,7 +264,7 @@ void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) 
 }
 
 TEST(Passes, PlanesInTheSunAreExact) {
-  // h falls with z, so that isosurfaces are planes which face up.
+  // h decreases with z, so isosurfaces are planes that face up.
   Scene<3> scene = test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return 1 - x.z; }),
                                   Rgb(0.5f), {0.2, 0.8});
   const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
@@ -288,19 +289,19 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   light.intensity = Rgb(3.0f);
   scene.lights.push_back(light);
   BakeSettings<3> settings = in_passes();
-  settings.resolution = {65, 65, 65};  // by default, but with sanitizers too
+  settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 way = lamp - x;
     const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
-    // The tolerance is for the width of a texel.
+    // The tolerance covers the width of a texel.
     EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
   });
 }
 
 TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
-  // Spheres of radius 0.4 to 0.1 about the light.
+  // Isosurfaces are spheres of radius 0.4 to 0.1 about the light.
   Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
   PointLight<3> light;
   light.position = Vec3(0.5);
@@ -314,7 +315,7 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   double ratio = 0;
   int count = 0;
   for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
-    if (c > 0.8) return;  // texels are wide for so small a sphere
+    if (c > 0.8) return;  // texels are too wide for such a small sphere
     // The inside receives I / r^2. A sphere also lights itself equally everywhere, so that it
     // reflects a / (1 - a) I / (pi r^2). The albedo a is a half.
     const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
@@ -323,8 +324,8 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
     ++count;
   });
   if (test::sanitized) return;
-  // Lines look indirect light up half a texel nearer to the light than the isosurface that they
-  // meet.
+  // Lines look up indirect light half a texel closer to the light than the isosurface that they
+  // hit.
   EXPECT_NEAR(ratio / count, 1, 0.08);
 }
 
@@ -332,7 +333,7 @@ TEST(Passes, FurnaceIsUniform) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
-  settings.exposure = 0.2;  // so that no color is white, whose noise would not count
+  settings.exposure = 0.2;  // so that no color is white, whose noise would be ignored
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   double sum = 0, square = 0;

@@ -14,7 +14,7 @@ namespace {
 
 using Edge = std::array<std::int32_t, 2>;
 
-// The same by a map.
+// Compares the edges with those that a std::map finds.
 void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t vertices) {
   const std::size_t polygons = corners.size() / sides;
   const PolygonEdges edges = polygon_edges(corners.data(), polygons, sides, vertices);
@@ -59,7 +59,7 @@ TEST(PolygonEdges, OfAClosedSurface) {
 TEST(PolygonEdges, OfAnyPolygons) {
   std::mt19937 random(1);
   for (const int sides : {3, 4}) {
-    // Few vertices, so that many polygons share an edge and many edges a vertex.
+    // Use few vertices, so that many polygons share an edge and many edges share a vertex.
     for (const int vertices : {5, 40, 1000}) {
       std::uniform_int_distribution<std::int32_t> any(0, vertices - 1);
       std::vector<std::int32_t> corners(300 * sides);

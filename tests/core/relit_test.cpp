@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights at other strengths than those that were baked, against scenes that were baked with them.
+// Tests bakes whose lights have other strengths afterwards, against bakes with these strengths.
 #include <gtest/gtest.h>
 
 #include "scenes.h"
@@ -13,8 +13,8 @@ Progress ignored;
 
 const Rgb first_factor(3, 0.5f, 0), second_factor(0.25f, 2, 7);
 
-// A ball over a floor with an area light, a spot and a small mesh that glows. The light's strengths
-// are factors; zero leaves a light out.
+// Returns a ball over a floor with an area light, a spot light and a small emissive mesh. The
+// arguments scale the lights; zero removes one.
 Scene<3> room(const Rgb& first, const Rgb& second, const Rgb& glow) {
   Scene<3> scene = test::scene_of(test::ball<3>(25), Rgb(0.7f, 0.6f, 0.5f), {0.6, 0.9});
   scene.meshes.push_back(
@@ -51,7 +51,7 @@ void expect_equal(const Imath::V3d& found, const Imath::V3d& truth, double scale
 TEST(Relit, DirectLightIsThatOfTheOtherStrengths) {
   const Scene<3> scene = room(Rgb(1), Rgb(1), Rgb(1));
   const DirectLight<3> found = direct_light(scene).scaled({first_factor, second_factor});
-  // Points are where lights are, whatever their strengths: none of these is black.
+  // Light points depend on positions, so no light may be black here.
   const DirectLight<3> truth = direct_light(room(first_factor, second_factor, Rgb(1)));
   double most = 0;
   for_some_positions(test::field_of(scene), [&](const Vec3& position, bool back) {
@@ -102,7 +102,7 @@ TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
   }
 }
 
-// Binary fractions, so that both scenes take the same decisions in floating point.
+// Use powers of two, so that both scenes take the same branches in floating point.
 TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
   const auto baked = [](Real brighter) {
     Scene<3> scene = test::small_scene();
@@ -145,7 +145,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
 
 TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   Scene<3> scene = test::small_scene();
-  // Two lights at one place: equal power in red, three times the power in green.
+  // Put two lights at one place, with equal power in red and three times the power in green.
   const Vec3 place(0.1, 0.1, 1.1);
   scene.lights = {PointLight<3>{"first", place, 0, Rgb(1, 1, 0), {}},
                   PointLight<3>{"second", place, 0, Rgb(1, 3, 0), {}}};
@@ -154,11 +154,11 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   };
   expect_equal(factor({Rgb(3), Rgb(1)}), {2, 1.5, 2}, 1);
   expect_equal(factor({Rgb(0), Rgb(0)}), {0, 0, 0}, 1);
-  // A light behind the back wall lights nothing that is seen.
+  // A light behind the back wall lights nothing visible.
   scene.lights.emplace_back(PointLight<3>{"hidden", {0.5, 3, 0.5}, 0, Rgb(50), {}});
   expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
   scene.lights.pop_back();
-  // Another source has the strength that it had.
+  // Another emitter keeps its strength.
   scene.environment =
       Environment<3>{"world", Rgb(0.2f), nullptr, {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}};
   const Imath::V3d dark = factor({Rgb(0), Rgb(0)}), double_light = factor({Rgb(2), Rgb(2)});
@@ -171,7 +171,7 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   EXPECT_GT(dark.x, dark.y);
 }
 
-// An isosurface that glows keeps its own light, and all that comes from others is scaled.
+// An emissive isosurface keeps its own emission, while all light of lamps is scaled.
 TEST(Relit, OwnEmissionStays) {
   Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);

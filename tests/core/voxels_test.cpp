@@ -22,8 +22,7 @@ bool same_bits(const Array& a, const Array& b) {
                      a.size() * sizeof(a[0])) == 0;
 }
 
-// A noisy ball whose values reach from one end of an integer type to the other, held by this type
-// and by floats.
+// Returns a noisy ball over the full range of an integer type, stored in this type and as floats.
 template <class Value>
 struct Pair {
   Field<3> own, floats;
@@ -101,7 +100,7 @@ TYPED_TEST(VoxelsOf, BoundTheSameIsosurfaces) {
   EXPECT_EQ(mesh.triangles, same.triangles);
 }
 
-// In passes, which follow lines, and with fixed samples by rays.
+// Tests bakes in passes, by lines, and bakes with fixed samples, by rays.
 TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
   const Pair<TypeParam> pair(test::sanitized ? 8 : 15);
   BakeSettings<3> passes;
