@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes whose light is traced by several processes: the same bits, whoever traces and dies."""
+"""Tests bakes whose light is traced by several processes, also if some of them die."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
-# In several passes.
+# These settings need several passes.
 SETTINGS = {"error": 0.5, "isovalues": (30.0, 70.0), "both_sides": True, "walls": True}
 
 
@@ -67,7 +67,7 @@ def test_workers_that_die(volume, alone, workers):
     def kill(_bake):
         alive = []
         while not alive:
-            # The client may not know yet that the last killed worker is dead.
+            # The client may not have noticed that the last killed worker is dead.
             found = workers.client.run(os.getpid, on_error="ignore")
             alive = [pid for pid in found.values() if pid not in killed]
         killed.append(alive[0])
@@ -101,7 +101,7 @@ def test_going_on_with_a_bake(volume, workers):
 
 
 def never_done():
-    """Has this worker trace each block again and again."""
+    """Makes this worker trace each block again and again."""
 
     def trace(self, number):
         while True:
@@ -153,7 +153,7 @@ def test_what_cannot_be_shared(volume, workers):
     with pytest.raises(LeaflightError, match="either"):
         Workers()
     with socket.socket() as silent:
-        # Its port is nobody else's.
+        # Reserve a port on which nothing answers.
         silent.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         with pytest.raises(LeaflightError, match=address):
@@ -162,7 +162,7 @@ def test_what_cannot_be_shared(volume, workers):
 
 @pytest.mark.slow
 def test_the_command_line(cli, tmp_path):
-    """Its own workers, and those of a scheduler that somebody has started."""
+    """Checks the command's own workers, and those of a running scheduler."""
     arguments = ["bake", "bump_box", "--dims", "12", "--error", "4", "--out"]
     outs = [tmp_path / f"{name}.vdb" for name in ("alone", "two", "scheduler")]
     with LocalCluster(2, dashboard_address="127.0.0.1:0", memory_limit=0) as cluster:
@@ -197,6 +197,6 @@ def test_workers_hold_what_was_reported(workers):
 
 
 def resident():
-    """Returns bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    """Returns the peak memory of this process in bytes. ru_maxrss would include its parent."""
     lines = open("/proc/self/status").read().splitlines()
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))

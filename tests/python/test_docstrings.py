@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/plain_docstrings.py: what the site makes of a docstring in plain text."""
+"""Tests docs/plain_docstrings.py, which turns plain docstrings into tables of the site."""
 
 import importlib.util
 import inspect

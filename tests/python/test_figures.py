@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sums behind published figures: what is interpolated, judged and taken as the reference."""
+"""Tests the computation of published figures: interpolation, judgment and reference."""
 
 import math
 from dataclasses import replace
@@ -47,7 +47,7 @@ def test_nothing_is_read_beyond_the_points(error, found):
 
 
 def test_errors_that_rise_by_chance():
-    """Checks that the first two neighbors around the error count, with their seconds."""
+    """Checks that the first two neighbors that enclose the error count, with their seconds."""
     assert 2.0 < cost_at(3.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])[0] < 4.0
     assert 1.0 < cost_at(4.5, [4.0, 5.0, 3.0], [1.0, 2.0, 4.0])[0] < 2.0
 
@@ -60,7 +60,7 @@ def test_a_break_even_outside_is_a_bound():
 
 @pytest.fixture
 def peer(monkeypatch):
-    """Yields Cycles that errs by 40 % / sqrt(paths at a vertex), and the seeds of its passes."""
+    """Yields a Cycles whose error is 40 % / sqrt(paths per vertex), and the seeds of its passes."""
     seeds = []
 
     def noisy_cycles(scene, isovalue, mesh, passes):
@@ -77,7 +77,7 @@ def peer(monkeypatch):
 
 def test_cycles_is_measured_around_the_error(peer):
     cycles, seeds = peer
-    # 1 % takes 1600 paths at a vertex.
+    # An error of 1 % takes 1600 paths per vertex.
     samples = cycles.reference_samples(1.0, 40 / math.sqrt(1024), 1024)
     assert samples == pytest.approx(1600 / CORNERS, rel=0.01)
     truth, one_pass = cycles.reference(samples)
@@ -85,7 +85,7 @@ def test_cycles_is_measured_around_the_error(peer):
     counts = cycles.counts(1.0, samples, one_pass)
     assert counts == pytest.approx([samples / 2, samples, 2 * samples], rel=0.05)
     errors, seconds = cycles.measured(counts, 0, truth)
-    # The reference's own noise is taken out, and the pass that warms up does not count.
+    # The reference's noise is subtracted, and the warm-up pass does not count.
     assert errors == pytest.approx(np.sqrt([2, 1, 0.5]), rel=0.04)
     assert seconds == pytest.approx(1e-3 * np.array(counts))
     cycles.measured(counts, 1, truth)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The fits of the report against curves whose slope, floor and cost are known."""
+"""Tests the fits of the report with curves of known slope, floor and cost."""
 
 import numpy as np
 import pytest
@@ -41,7 +41,9 @@ def test_floor_without_noise():
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    """Errors off by 5 % at random: 95 % of the intervals hold slope, floor and noise."""
+    """Checks errors with a random deviation of 5 %: 95 % of the intervals must contain slope, floor
+    and noise.
+    """
     rng = np.random.default_rng(0)
     hits = np.zeros(3)
     trials = 1000
@@ -51,21 +53,21 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         fit = noise_and_floor(SAMPLES, error_of(SAMPLES, 1.0, 25.0) * noise)
         hits[1] += holds(root(fit.interval(0)), 1.0)
         hits[2] += holds(root(fit.interval(1)), 5.0)
-    # Four standard deviations of a binomial; the slope's model is exact, for the others the
-    # weights, taken from the measured errors, cost a little.
+    # Allow four standard deviations of a binomial. Only the slope's model is exact. Weights of the
+    # others come from measured errors, so allow a little more.
     deviation = 4 * np.sqrt(0.95 * 0.05 * trials)
     assert abs(hits[0] - 0.95 * trials) < deviation
     assert (hits[1:] > 0.90 * trials - deviation).all()
 
 
 def test_a_floor_that_is_none():
-    """Where there is no floor its interval reaches down to 0."""
+    """Checks that without a floor the interval includes 0."""
     rng = np.random.default_rng(1)
     found = 0
     for _ in range(200):
         noise = rng.lognormal(0.0, 0.03, len(SAMPLES))
         found += root(noise_and_floor(SAMPLES, error_of(SAMPLES, 0, 9) * noise).interval(0)).low > 0
-    # 2.5 % of 200 lie above, and four standard deviations.
+    # Allow 2.5 % of 200, plus four standard deviations.
     assert found <= 5 + 4 * np.sqrt(200 * 0.025)
 
 
@@ -110,13 +112,13 @@ def test_break_even_of_uncertain_fits():
     truth = 20.0 / (0.5 + 0.25 * 36.0 / (4 - 0.04))
     found = [break_even(2.0, 20.0, *fits_of(0.2, 36, 0.5, 0.25, 0.03, k)) for k in range(200)]
     assert all(one.low < one.value < one.high for one in found)
-    # 95 % of 200, and four standard deviations.
+    # Expect 95 % of 200, minus four standard deviations.
     assert sum(holds(one, truth) for one in found) >= 190 - 4 * np.sqrt(200 * 0.95 * 0.05)
     assert found[0] == break_even(2.0, 20.0, *fits_of(0.2, 36, 0.5, 0.25, 0.03, 0))
 
 
 def test_break_even_of_seconds_that_vary():
-    """Whoever measures both again finds the ratio within the interval."""
+    """Checks that the interval contains the ratio of a repeated measurement."""
     fits = fits_of(0.2, 36.0, 0.5, 0.25)
     found = break_even(2.0, 20.0, *fits, varying=0.1)
     assert found.value == break_even(2.0, 20.0, *fits).value

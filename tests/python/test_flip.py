@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""FLIP of two pictures, by NVIDIA's library."""
+"""Tests FLIP of two pictures, by NVIDIA's library."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from leaflight.measure.flip import flip
 
 @pytest.fixture
 def picture():
-    """Returns a smooth linear picture between dark and white."""
+    """Returns a smooth linear picture from dark to white."""
     y, x = np.mgrid[0:48, 0:64] / 64.0
     return np.stack([x, y, 0.5 * (x + y)], axis=-1).astype(np.float32)
 

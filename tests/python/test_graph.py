@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The graph of a height field under ordinary light, beside its flattened light."""
+"""Tests the graph of a height field under light in space against its light in the plane."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from leaflight.flatland import graph
 
 @pytest.fixture(scope="module")
 def direct_bake():
-    """Returns the 2D bump box with black walls and hardly any inter-reflection."""
+    """Returns the 2D bump box with black walls and hardly any interreflection."""
     scene = flatland.flat_box()
     dark = replace(
         scene,
@@ -22,7 +22,7 @@ def direct_bake():
 
 
 def _flattened(bake):
-    """Returns the corrected texture at the middles of the cells, and where it is known."""
+    """Returns the corrected texture at the centers of cells, and a mask of known texels."""
     texture = bake.texture() * flatland.BRIGHTNESS_CORRECTION
     known = bake.grid.mask() > 0
     corners = [(slice(a, a - 1 or None), slice(b, b - 1 or None)) for a in (0, 1) for b in (0, 1)]
@@ -40,8 +40,8 @@ def test_the_mesh_is_the_graph():
 
 
 def test_a_steep_graph_is_lit_as_by_flattened_light(direct_bake):
-    # Infinitely high walls and lamps repeat along z, and ordinary light becomes that of the plane:
-    # with the correction of 2/pi (thesis 3.4.3) both agree. A flat graph sees its lamp askew.
+    # Walls of infinite height and lamps repeat along z. Light in space then equals light in the
+    # plane with the factor 2/pi (thesis 3.4.3). The graph is flat, so it sees the lamp at an angle.
     flattened, known = _flattened(direct_bake)
     ratios = []
     for height in (1.0, 4.0, 32.0):
@@ -49,5 +49,5 @@ def test_a_steep_graph_is_lit_as_by_flattened_light(direct_bake):
         ratios.append(flattened[known].mean() / ordinary[known].mean())
     assert ratios[0] > ratios[1] > ratios[2]
     assert ratios[2] == pytest.approx(1, abs=0.06)
-    # Point by point, too, save for the facets of the mesh and noise.
+    # Single points agree, too, except for the mesh's facets and noise.
     assert np.corrcoef(flattened[known].ravel(), ordinary[known].ravel())[0, 1] > 0.95

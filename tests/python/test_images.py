@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images as arrays, whatever their format and depth."""
+"""Tests that images of all formats and depths become arrays."""
 
 import numpy as np
 import pytest
@@ -104,7 +104,7 @@ def test_comments_of_an_exr_are_read_from_its_header(tmp_path):
 
 
 def test_an_attribute_of_an_exr_claims_no_more_than_the_file_has(tmp_path):
-    """OpenEXR would take these two gigabytes before it looks."""
+    """Checks that no memory is allocated for the claimed size of an attribute, two gigabytes."""
     path = tmp_path / "x.exr"
     _core.write_exr(str(path), np.zeros((8, 8, 3), np.float32), "of one thing")
     whole = path.read_bytes()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Messages that a panel may show, too, speak of settings, not of flags of the command line."""
+"""Tests that messages which the add-on can also show name no flags of the command line."""
 
 import ast
 import re

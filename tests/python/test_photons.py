@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Photons as points."""
+"""Tests photons as points."""
 
 import json
 
@@ -33,7 +33,9 @@ def test_they_lie_on_their_isosurfaces(photons):
 
 
 def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
-    """No more direct light than the lamp emits over the isovalue range, and a good part of that."""
+    """Checks that direct light is most of what the lamp emits over the isovalue range, but not
+    more.
+    """
     volume = leaflight.bump_box(24)
     (volume,), scene, isovalue_range = placed(volume, bump_scene, None)
     core = core_scene(scene, [volume.field()], isovalue_range)

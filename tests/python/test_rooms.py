@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Imports and includes run one way: a room knows only those below it (docs/architecture.md).
+"""Tests that imports and includes run downwards (docs/architecture.md), and that functions are
+short. A package or folder there is a room.
 
 And functions are short.
 """
@@ -18,7 +19,7 @@ from leaflight.thesis.settings import FixedSamples, SampleOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Rooms from the bottom up. Files in no room are below all rooms, except FACES at the top.
+# Packages from the bottom up. Files in no package are below all, except FACES at the top.
 PACKAGE = (
     "volume",
     "scene",
@@ -135,7 +136,7 @@ def imports(folder):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom) and node.level:
-                # One dot is the module's own folder, each more the one above.
+                # One dot is the module's own folder; each further dot is one folder up.
                 base = place[: len(place) - node.level]
                 target = (*base, *(node.module or "").split("."))
                 names = [a.name for a in node.names] if target[-1] == "" else [None]
@@ -167,7 +168,7 @@ def test_functions_are_short():
 
 
 def test_functions_have_few_parameters():
-    """At most 8; settings by their names, which a dataclass holds, count as one."""
+    """Checks for at most 8 parameters; the fields of a settings dataclass count as one."""
     many = []
     for place, node in functions():
         known = node.args
@@ -194,7 +195,7 @@ def test_options_are_the_settings_by_their_names(settings, options):
 
 
 def test_functions_of_the_core_are_short():
-    """Checks for at most 60 lines, from the first column to a brace there."""
+    """Checks for at most 60 lines, from a first column to the closing brace there."""
     start = re.compile(r"(?!namespace|struct|class|enum|using|template|inline constexpr)[A-Za-z]")
     long, found = [], 0
     for path in core_sources():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake declares, for checkers of types alone, the methods that rooms above it give it."""
+"""Tests that Bake declares, for type checkers, the methods that higher packages add."""
 
 import ast
 import inspect

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How tests wait: for what happens, however long that takes here."""
+"""Functions with which tests wait for events, however long they take."""
 
 import subprocess
 import time
 from contextlib import contextmanager
 
-# Seconds after which a program hangs, whatever the machine.
+# Seconds after which a program is assumed to hang, on any machine.
 HANG = 1800
 
 
@@ -20,7 +20,7 @@ def wait_for(happened, can_happen):
 
 @contextmanager
 def started(*command, **options):
-    """Starts a program that may never end by itself, and ends it with the context."""
+    """Starts a program that may never end by itself; the context ends it."""
     with subprocess.Popen(*command, **options) as process:
         try:
             yield process
