@@ -53,7 +53,7 @@ def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
 
 
 def test_pip_refuses_where_this_says_so():
-    """Compares with pip itself: it never refuses in a virtual environment, but the system's may."""
+    """Compares with pip, which may refuse, but never in a virtual environment."""
     managed = missing_package._is_managed()
     command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "nothing-at-all"]
     done = subprocess.run(command, capture_output=True, text=True)

@@ -11,8 +11,8 @@ from waiting import HANG
 
 ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 EPSILON = np.finfo(np.float32).eps
-# Upper bound on the relative rounding error. A radiance is a product of about 20 rounded factors
-# and a few sums of such products. Positions are double in both builds.
+# Upper bound on the relative error: 64 roundings of half an epsilon. A radiance is a product of
+# about 20 rounded factors, and a few sums of such products. Positions are double in both builds.
 MOST = 32 * EPSILON
 # The test part `double` makes the build; other runs might find an old one.
 pytestmark = pytest.mark.slow

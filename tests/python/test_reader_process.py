@@ -77,7 +77,7 @@ def test_values_come_piece_by_piece(call):
         np.testing.assert_array_equal(one, values[0])
         with pytest.raises(LeaflightError, match="crashed or exceeded"):
             process.array(most=23)
-    # Test values that fill less or more than the array.
+    # The array must have exactly the size of the values.
     for shape in ((3, 3, 4), (1, 3, 3)):
         with call("two_pieces") as process:
             process.answer()
@@ -118,7 +118,7 @@ def test_one_process_decodes_all_pages(call, tmp_path):
             page("other.dat", 9)
         # A new process takes its place.
         assert not np.array_equal(number, page("other.dat", -1, most=1000))
-    # Without a list of pages, a process decodes one page.
+    # Without kept_processes(), each page has its own process.
     np.testing.assert_array_equal(page("file.dat", 3), first + 3)
     with pytest.raises(LeaflightError, match="file.dat: .* crashed"):
         page("file.dat", 3, most=23)

@@ -95,7 +95,7 @@ def test_a_newer_library_of_the_same_major_version():
 
 
 def _shifted(values, matrix):
-    """Returns wrong first numbers, like an array read with the offsets of another NumPy."""
+    """Returns a field of moved values, as if read with the array layout of another NumPy."""
     return _core.Field(np.roll(values, 1).copy(), matrix)
 
 

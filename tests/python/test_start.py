@@ -27,7 +27,7 @@ print(empty, time.process_time(), "leaflight" in sys.modules, "numpy" in sys.mod
 
 
 def measured(*arguments):
-    """Returns (seconds of an empty interpreter, of the program, imported modules)."""
+    """Returns (seconds of an empty interpreter, of the program, True if it loaded modules)."""
     folder = Path(leaflight.__file__).parents[1]
     command = [sys.executable, "-c", MEASURE, str(folder), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=HANG, check=True)

@@ -50,7 +50,7 @@ CAMERA = Camera((0.5, -4.0, 0.5), (0.5, 0.5, 0.5), angle=20.0)
 
 
 def on_the_sphere():
-    """Returns (mask of pixels that see the sphere of radius 0.35, mask near its edge, points)."""
+    """Returns (pixels that see the sphere of radius 0.35, pixels near its edge, visible points)."""
     directions = CAMERA.directions(*SIZE, range(SIZE[1]))
     along = directions @ np.array([0.0, 4.5, 0.0])
     inside = along**2 - (4.5**2 - 0.35**2)

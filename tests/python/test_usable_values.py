@@ -94,7 +94,7 @@ REAL = {
 def test_real_values_stay(tmp_path, name):
     values = REAL[name]
     if name in ("metal in a scan", "hot pixels"):
-        # Values may be as close as 0.1 %, and closer.
+        # Make the outliers rare: 0.1 % of the voxels or less.
         values = np.repeat(values[:, :, :1], 5 * N, axis=2).astype(values.dtype)
         values[..., -1] = REAL[name][..., N // 2]
     read_again = read(tmp_path, values).values
@@ -159,7 +159,7 @@ def test_fill_values_of_other_readers(tmp_path):
         (2**53, 2**53 + 3, np.int64, 9_007_199_254_740_990),
         (2**63, 2**63 + 40, np.uint64, 9_223_372_036_854_775_800),
         (16_000_000, 16_000_003, np.float32, 16_000_000.0),
-        # These stay unchanged.
+        # These values need no offset.
         (1_000_000, 1_000_003, np.int32, 0),
         (101325.0, 101425.0, np.float32, 0),
         (0.0, 1.0, np.float64, 0),
@@ -183,7 +183,7 @@ def test_values_far_from_0_keep_their_differences(tmp_path, low, high, kind, off
     lo, hi = leaflight.default_isovalue_range(volume)
     assert lo < leaflight.default_isovalue(volume) < hi
     text = f" less {offset:.15g}"
-    # Name and source must be kept by all operations.
+    # Name and source must mention the offset, also after other operations.
     assert (volume.name == f"x{text}") == (offset != 0) == (f", {text[1:]}" in volume.source)
     assert offset == 0 or f": {text[6:]} is subtracted from them" in volume.notes[0]
     for options in ({"downsample": 2}, {"smooth": 1.0}):

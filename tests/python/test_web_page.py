@@ -303,9 +303,7 @@ def test_titles_are_no_markup(box_bake, tmp_path):
 
 
 def test_levels_of_light_points_round_unlike_each_other():
-    """Checks rounding: the mean over light points of decoded codes differs by less than half a
-    part.
-    """
+    """Checks that the rounding errors of different light points average out."""
     points, least, greatest = 36, 20, 140
     codes = np.arange(256, dtype=np.uint8)
     about = np.full_like(codes, least), np.full_like(codes, greatest)
