@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: Shift+D of a volume beside which another isosurface is shown.
+"""Tests Shift+D in a window, on a volume with an added isosurface. Needs a Blender with a window
+and xvfb-run, which provides a screen.
 
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: a lamp is dragged with the mouse, and light follows.
+"""Tests Live in a window: a lamp is dragged with the mouse, and the light follows. Needs a Blender
+with a window and xvfb-run, which provides a screen.
 
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """

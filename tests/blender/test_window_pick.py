@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: the isovalue is dragged in the histogram that lies over the viewport.
+"""Tests dragging the isovalue in the histogram over the viewport. Needs a Blender with a window and
+xvfb-run, which provides a screen.
 
 Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """
@@ -20,7 +21,7 @@ def picked(blender, ball):
 
 def test_a_drag_moves_the_isovalue_and_enter_keeps_it(picked):
     assert picked["imported"] != picked["dragged, kept"] == picked["kept"]
-    # To the right of the middle of the range, 13.4 to 100, and within it.
+    # It must be right of the middle of the range, 13.4 to 100, and within it.
     assert 56.7 < picked["kept"] < 100
     assert picked["dragged, taken back"] < 56.7
 

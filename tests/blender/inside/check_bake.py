@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake Flattened Illumination and what it leaves behind."""
+"""Checks Bake Flattened Illumination and its result."""
 
 import os
 import sys
@@ -17,7 +17,7 @@ from tools import assert_shows, close, error_of, mesh_arrays, start, wait_while
 
 
 def _state():
-    """Returns the state that a cancelled or failed bake must leave alone."""
+    """Returns the state that a cancelled or failed bake must not change."""
     obj = bpy.context.object
     return {
         "objects": sorted(o.name for o in bpy.data.objects),
@@ -110,7 +110,7 @@ def endless(boxed):
 
 
 def _cancel(obj):
-    """Begins a bake, cancels it, and returns the seconds until it ended."""
+    """Starts a bake, cancels it, and returns the seconds until it ended."""
     work = start(bake.BakeJob(bpy.context, obj))
     wait_while(work, lambda: work.progress.fraction == 0)
     cancelled = time.perf_counter()

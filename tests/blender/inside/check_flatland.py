@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images as graphs with isolines, lit within the plane."""
+"""Checks images as graphs with isolines, lit within the plane."""
 
 import bpy
 import leaflight
@@ -29,7 +29,7 @@ def lit(bump_graph):
 
 
 def _expected_lines(graph):
-    """Yields points, heights and isovalues of all isolines, as the core has them."""
+    """Yields points, heights and isovalues of all isolines, computed by the core."""
     field = graph_object.field_of(graph)
     settings = graph.leaflight_flat
     low, high = field.field().range
@@ -66,7 +66,7 @@ def check_isolines_are_tubes_about_the_cores(bump_graph):
 
 def check_passes_are_shown_until_the_bake_is_cancelled(lit):
     before = colours_of(lit)
-    # Texels so fine that one pass does not reach the error.
+    # Use many texels, so that one pass does not reach the error.
     lit.leaflight_flat.resolution, lit.leaflight_flat.seed = 800, 1
     job = isolines.FlatBakeJob(lit)
     job._arguments["error"] = 0.02

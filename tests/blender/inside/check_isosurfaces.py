@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the isosurfaces look: color ramp, emission, mirror and glass, caps."""
+"""Checks materials of isosurfaces: color ramp, emission, mirror and glass, caps."""
 
 import bpy
 import numpy as np

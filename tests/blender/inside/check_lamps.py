@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps at other strengths than at the bake: the display follows at once."""
+"""Checks lamps whose strength changes after the bake: the display follows at once."""
 
 import bpy
 import numpy as np
@@ -17,7 +17,7 @@ SCALED = "Lamps have changed since the bake: direct light is exact, indirect lig
 
 @pytest.fixture
 def lit(passes):
-    """Bakes a volume in passes, with its walls; vertex attributes show it."""
+    """Bakes a volume with its walls in passes; vertex attributes show the light."""
     passes.leaflight.error = 20.0
     passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
@@ -64,7 +64,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     bpy.context.view_layer.update()
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
     assert "volume texture" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake_details))
-    # Another isovalue, and back.
+    # Change the isovalue and restore it.
     lit.leaflight.isovalue = 45.0
     points = vertices_of(lit)
     close(
@@ -72,7 +72,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     )
     lit.leaflight.isovalue = 50.0
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
-    # Dark, and as it was.
+    # Switch the lamp off and on again.
     bpy.data.objects["lamp"].hide_render = True
     bpy.context.view_layer.update()
     assert_scaled(lit, before, 0.0)
@@ -122,7 +122,7 @@ def check_of_two_lamps_each_follows_by_itself(passes):
     expected = bake.grid.lookup(cache.volume_of(passes).field(), points)
     close(colours_of(passes), expected, 1e-4 * expected.max())
     assert np.abs(colours_of(passes) - before).max() > 0.01 * before.max()
-    # Light of a color that was not there is not known.
+    # A channel that was black in the bake cannot be scaled.
     side.data.color = (1.0, 0.5, 1.0)
     bpy.context.view_layer.update()
     assert "scene has changed" in change(passes)
@@ -158,7 +158,7 @@ def check_undo_files_frames_and_renders(lit, tmp_path):
     lit_pixels = dim.max(axis=-1) > 0.02
     assert lit_pixels.sum() > 100
     ratio = bright[lit_pixels].sum(axis=-1) / dim[lit_pixels].sum(axis=-1)
-    # Edges go through pixels, and brighter light splits the mesh at edges of shadows once more.
+    # Edges pass through pixels, and brighter light splits the mesh once more at edges of shadows.
     assert np.quantile(np.abs(ratio - 3.0), 0.98) < 0.005
     off = (bright - 3 * dim)[lit_pixels]
     assert np.sqrt((off**2).mean()) < 0.002 * bright.max()
@@ -173,7 +173,7 @@ def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
     assert dim.read_bytes() != bright.read_bytes()
     with pytest.raises(RuntimeError, match="Lamps have changed"):
         bpy.ops.leaflight.continue_bake()
-    # A new bake has the lamps as they are.
+    # A new bake uses the current strengths.
     before = colours_of(lit)
     bpy.ops.leaflight.bake()
     assert lamps.factors_of(lit.leaflight) == ()

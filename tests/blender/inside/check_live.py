@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: lamps, walls and volumes that move are lit at once, and finally without a click."""
+"""Checks Live: moved lamps, walls and volumes are lit at once, and the final light without a
+click.
+"""
 
 import time
 
@@ -19,7 +21,7 @@ CHANGED = "The scene has changed since the bake: bake again"
 
 
 class Held:
-    """Passes of live bakes wait until they may go on, or are cancelled."""
+    """A hold on passes of live bakes, until a check releases or cancels them."""
 
     def __init__(self, monkeypatch):
         self.may_pass = False
@@ -47,7 +49,7 @@ def held(monkeypatch):
 
 @pytest.fixture
 def lit(passes, held):
-    """Bakes a volume with its walls, and turns Live on."""
+    """Bakes a volume with its walls, and switches Live on."""
     passes.leaflight.error = 20.0
     passes.leaflight.resolution = 16
     passes.leaflight.light_walls = True
@@ -63,7 +65,7 @@ def lamp():
 
 
 def move_lamp(by=(0.4, -0.3, -0.2)):
-    """Returns where it was."""
+    """Moves the lamp; returns its previous position."""
     before = tuple(lamp().location)
     put_lamp(np.add(before, by))
     return before
@@ -81,7 +83,7 @@ def tick():
 
 
 def to_passes():
-    """Waits until all direct light of the newest place is shown, and passes wait."""
+    """Waits until the direct light of the newest position is shown, and passes wait."""
     tick()
     work = live.at_work()
     while not (live._job is not None and live._job._can_be_cancelled and has_lit_walls()):
@@ -119,7 +121,7 @@ def walls():
 
 
 def assert_shows_moved(obj, fresh):
-    """Checks for new direct light, to the last bit of its maps, over the bake's indirect light."""
+    """Checks for new direct light, equal bit by bit, over the indirect light of the bake."""
     shown = preview.of(obj).bake
     assert shown.is_moved and shown.original is cache.bake_of(obj)
     points = len(fresh.grid.direct.light_points)
@@ -139,7 +141,7 @@ def check_a_lamp_that_moves_lights_at_once_and_finally(lit, held):
     fresh = baked_anew(lit)
     to_passes()
     assert_shows_moved(lit, fresh)
-    # The mesh stays, and only its light is another.
+    # The mesh stays, and only its light changes.
     close(vertices_of(lit), vertices, 0)
     assert np.abs(colours_of(lit) - before).max() > 0.2 * before.max()
     assert np.abs(walls() - on_walls).max() > 0.2 * on_walls.max()
@@ -223,7 +225,7 @@ def check_stop_leaves_it_until_something_moves(lit, held):
     assert not work.is_alive() and live.at_work() is None
     close(colours_of(lit), shown, 0)
     assert "earlier position" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
-    # An object that lights nothing is no reason to begin again.
+    # Moving an object that lights nothing must not restart the bake.
     live.changed(bpy.context.scene)
     finish(held)
     close(colours_of(lit), shown, 0)
@@ -261,12 +263,12 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.context.object
-    # The bake belongs to the earlier place, and the panel says so.
+    # The bake belongs to the previous position, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED
     # The file stores half precision.
     close(colours_of(obj), before, 1e-3 * before.max())
-    # Live goes on by itself.
+    # Live must continue.
     to_passes()
     assert preview.of(obj).bake.is_moved
     finish(held)

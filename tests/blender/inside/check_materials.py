@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials and image textures in the terms of the bake."""
+"""Checks how materials and image textures are converted for the bake."""
 
 import math
 
@@ -74,7 +74,7 @@ def check_glass():
 
 
 def _brightness(path, material, angle):
-    """Returns the light (r, g, b) of a white world through a polished slab, seen at an angle."""
+    """Returns the light (r, g, b) of a white world through a polished slab at an angle."""
     bpy.context.scene.world = one_coloured_world((1, 1, 1))
     bpy.ops.mesh.primitive_cube_add(size=2)
     slab = bpy.context.object
@@ -88,7 +88,7 @@ def _brightness(path, material, angle):
 
 
 def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
-    """Only what it reflects differs: 4 % at each face, which the bake colors as well."""
+    """Checks that only its reflection differs, 4 % at each face, and that a warning says so."""
     principled = principled_material(Transmission=1.0, Roughness=0.0, IOR=1.5)
     found = surface(principled)
     assert len(found.warnings) == 1 and "Glass BSDF" in found.warnings[0]
@@ -100,7 +100,9 @@ def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_o
 
 
 def check_a_principled_diffuse_that_is_not_lambertian_is_warned_of(tmp_path):
-    """Where Cycles renders it otherwise in a white world: until 3.6 by its roughness."""
+    """Checks the warning where Cycles renders it differently in a white world: until 3.6, by its
+    roughness.
+    """
     for roughness in (0.0, 0.5, 1.0):
         material = principled_material(Roughness=roughness)
         found = surface(material)
@@ -121,7 +123,7 @@ def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_pa
 
 
 def check_thin_films_and_thin_walls():
-    """Checks each input that this Blender has; they came with 4.2, 4.5, 5.0 and 5.2."""
+    """Checks each input that this version has; they were added in 4.2, 4.5, 5.0 and 5.2."""
     white = {"Base Color": (1, 1, 1, 1), "Roughness": 0.0}
     film = {"Thin Film Thickness": 400.0}
     for material, inputs in (
@@ -238,7 +240,7 @@ def _diffuse(tree):
 
 
 def _textured_plane(image, extension="REPEAT"):
-    """Adds a plane whose second UV map is used; it turns, scales and moves the image."""
+    """Adds a plane that uses its second UV map, which rotates, scales and moves the image."""
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     plane = bpy.context.object
     second = plane.data.uv_layers.new(name="Second")
@@ -265,7 +267,7 @@ def _exported(plane):
 
 
 def _albedo_at(part, points):
-    """Looks up the texture of a mesh at points (n, 2) of its plane z = 0, between pixels."""
+    """Returns texture colors of a mesh at points (n, 2) of its plane z = 0, between pixels."""
     colours = np.full((len(points), 3), np.nan)
     for triangle, uv in zip(part.triangles, part.uv):
         a, b, c = part.vertices[triangle][:, :2].astype(np.float64)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Cornell box out of Blender objects, and reading walls and lights back."""
+"""Checks the Cornell box made of Blender objects, and the conversion of its walls and lights
+back.
+"""
 
 import bpy
 import leaflight

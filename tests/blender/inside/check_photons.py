@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The photon map as a cloud of points."""
+"""Checks the photon map as a cloud of points."""
 
 import bpy
 import numpy as np

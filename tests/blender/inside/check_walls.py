@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls show the light of the present isosurface."""
+"""Checks that walls show the light of the shown isosurface."""
 
 import bpy
 import numpy as np
@@ -71,9 +71,9 @@ def check_beyond_the_window_they_show_its_end(lit):
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_frames_of_an_animation_show_each_its_own_light(lit, tmp_path, engine):
-    """The left wall alone, seen from the inside: its vertices' colors, frame by frame."""
+    """Checks vertex colors of the left wall alone, seen from inside, frame by frame."""
     for obj in bpy.context.scene.objects:
-        # Without its lamp it would be dark.
+        # Keep lamps, without which it would be dark.
         if obj.type != "LIGHT":
             obj.hide_render = obj.hide_render or obj.name != "left wall Lit"
     lit.hide_render = False
@@ -150,14 +150,14 @@ def check_the_isosurface_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_p
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     lit = bpy.data.objects[name]
-    # The file of the bake holds halves.
+    # The file of the bake stores half precision.
     assert_walls_show(lit, 40.0, 2e-3)
     lit.leaflight.isovalue = 70.0
     assert_walls_show(lit, 70.0)
 
 
 def check_walls_are_of_the_same_pass_as_the_isosurface(lit):
-    """A pass that has the light of the walls shows it; without the pass all is as before."""
+    """Checks passes with and without light of the walls."""
     scene, other = bpy.context.scene, cache.bake_of(lit)
     lit.leaflight.seed += 1
     bpy.ops.leaflight.bake()

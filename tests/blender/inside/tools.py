@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the checks share: reading meshes back, rendering exact pixels, reading reports."""
+"""Helpers of the checks: read meshes, render exact pixels, read reports."""
 
 import os
 import sys
@@ -23,13 +23,13 @@ from mathutils import Vector
 # Seconds after which another program hangs, whatever the machine.
 HANG = 1800
 
-# The name under which Blender has the add-on.
+# Name of the add-on's module in Blender.
 ADDON = sys.modules["leaflight_addon"].__name__
 
 _engines = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items
 EEVEE = next((e for e in ("BLENDER_EEVEE", "BLENDER_EEVEE_NEXT") if e in _engines), None)
 
-# Sockets of the Principled BSDF, from 4.0 on.
+# Sockets of the Principled BSDF that have other names from 4.0 on.
 _RENAMED = {
     "Specular": "Specular IOR Level",
     "Transmission": "Transmission Weight",
@@ -69,7 +69,7 @@ def colours_of(obj, name="radiance"):
 
 
 def expected_surface(obj, isovalue):
-    """Returns the same three of the core itself, for the volume and the bake of an object."""
+    """Returns the same three, computed by the core for the volume and the bake of an object."""
     field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
         vertices, _, triangles = leaflight._core.contour(field, isovalue)
@@ -94,7 +94,9 @@ def to_world(obj, points):
 
 
 def in_frame(obj):
-    """Returns the places of an isosurface's large parts in the camera's frame, and distances."""
+    """Returns positions of an isosurface's large parts in the camera's frame, and their
+    distances.
+    """
     scene = bpy.context.scene
     points = camera.shown_points([obj])
     return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
@@ -114,14 +116,16 @@ def assert_shows(obj, isovalue):
 
 
 def edit_as_the_slider_does(obj, isovalue):
-    """A slider writes the ID property and tags the object; no Python of ours runs by it."""
+    """Changes the isovalue like a slider: sets the ID property and tags the object, without
+    our Python.
+    """
     obj.leaflight["isovalue"] = isovalue
     obj.update_tag()
     bpy.context.view_layer.update()
 
 
 class Clock:
-    """In place of the module time: its seconds pass only where a check adds to them."""
+    """A replacement of the module time, whose seconds pass only when a check adds to them."""
 
     def __init__(self):
         self.now = 0.0
@@ -139,25 +143,25 @@ def tick():
 
 
 def rest():
-    """Calls it until the work ends."""
+    """Calls tick() until the work ends."""
     while tick() is not None:
-        # For the thread of the work.
+        # Give the worker thread time.
         time.sleep(0.005)
 
 
-# Work that start() has started in this check.
+# Work that start() has started in the current check.
 _started = []
 
 
 def start(job):
-    """Returns a Job at work in a thread, which ends with the check, also where that fails."""
+    """Starts a Job in a thread; returns the work, which ends with the check."""
     work = jobs.BackgroundWork(job)
     _started.append(work)
     return work
 
 
 def end_all():
-    """Cancels what was started, and waits for its end."""
+    """Cancels all work that was started, and waits for its end."""
     for work in _started:
         work.cancel()
         work.wait(None)
@@ -165,7 +169,7 @@ def end_all():
 
 
 def wait_while(work, condition):
-    """Waits for as long as a condition holds; fails when the work ends before."""
+    """Waits while a condition holds; fails if the work ends before."""
     while condition():
         work.wait(0.01)
         if not work.is_alive() and condition():
@@ -174,7 +178,7 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """Returns the sentence with which an operator reports that it was cancelled."""
+    """Returns the message of a cancelled operator."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
     text = str(caught.value).strip()
@@ -183,7 +187,7 @@ def error_of(operator, **arguments):
 
 
 def add_camera(location, rotation, orthographic=None):
-    """Makes a camera and looks through it; orthographic is the width of its view."""
+    """Adds a camera and looks through it; orthographic: width of its view."""
     data = bpy.data.cameras.new("Camera")
     if orthographic is not None:
         data.type = "ORTHO"
@@ -197,7 +201,7 @@ def add_camera(location, rotation, orthographic=None):
 
 
 def require_eevee():
-    """Returns the engine's name; skips the check where Eevee has no OpenGL."""
+    """Returns the name of Eevee; skips the check if Eevee has no OpenGL."""
     if sys.platform == "win32" and "DISPLAY" not in os.environ:
         pytest.skip("Wine has OpenGL on a screen alone: run it by xvfb-run.")
     return EEVEE
@@ -232,7 +236,8 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
 
 
 def build_probe(albedo):
-    """Returns a tiny Lambertian square at the origin that faces up, in a black world.
+    """Adds a tiny Lambertian square at the origin that faces up, in a black world, and a camera
+    just above it. Put lights beside the camera, not above.
 
     A camera hangs closely above it; lights belong beside the camera, not above.
     """
@@ -246,11 +251,12 @@ def build_probe(albedo):
 
 
 def traced_probe(description, samples=1 << 19):
-    """Radiance (3,) of the probe, the first mesh of the scene, by the core's path tracer.
+    """Returns the radiance (3,) of the probe, the first mesh, by the core's path tracer, and its
+    standard error.
 
     And its standard error.
     """
-    # A scene needs a volume: one that is black, far below the probe.
+    # A scene needs a volume, so put a black one far below the probe.
     values = np.zeros((4, 4, 4), np.float32)
     values[1:3, 1:3, 1:3] = 1.0
     matrix = np.diag([0.01, 0.01, 0.01, 1.0])
@@ -282,7 +288,7 @@ def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
 
 
 def plain_material(name, colour):
-    """Returns a new diffuse material, without nodes if this Blender still has such."""
+    """Returns a new diffuse material, without nodes if this Blender still supports that."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (*colour, 1.0)
     tree = versions.node_tree(material)
@@ -294,7 +300,7 @@ def plain_material(name, colour):
 
 
 def one_coloured_world(colour, name="World"):
-    """Returns the same of a world."""
+    """Returns a new world of one color, likewise."""
     world = bpy.data.worlds.new(name)
     world.color = colour
     tree = versions.node_tree(world)
@@ -305,7 +311,7 @@ def one_coloured_world(colour, name="World"):
 
 
 def constant_material(kind, **inputs):
-    """Returns a material of one shader node of this kind, its inputs set by name."""
+    """Returns a material of one shader node of this type, with its inputs by name."""
     material = bpy.data.materials.new("Material")
     nodes = versions.give_nodes(material).nodes
     nodes.clear()
@@ -318,12 +324,13 @@ def constant_material(kind, **inputs):
 
 
 def noise_image(width, height):
-    """Returns a float image of random colors, the same each time."""
+    """Returns a float image of random colors, always the same."""
     return _image(np.random.default_rng(0).random((height, width, 3)), True)
 
 
 def smooth_image(width, height):
-    """Returns an 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+    """Returns an 8-bit image that is smooth, also across its border. Cycles interpolates 8-bit
+    colors before it decodes them.
 
     Between pixels Cycles interpolates 8-bit colors while they are still encoded.
     """
@@ -355,14 +362,16 @@ def look_down(height, width):
 
 
 def displayed_gray(shares):
-    """Returns the linear gray, between nine colors, of shares of white as a display shows them."""
+    """Returns the linear gray, interpolated between nine samples, of displayed gray levels 0..1."""
     shown = np.linspace(0.0, 1.0, 9)
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return np.interp(shares, shown, linear)
 
 
 def texels_at(bake, points, name="radiance"):
-    """Returns where the shader blends eight active texels, and their blended values."""
+    """Returns the positions at which the shader blends eight active texels, and the blended
+    values.
+    """
     texels = np.array(bake.grid.resolution)
     nodes = np.array(bake.volume.values.shape[::-1])
     inverse = np.linalg.inv(bake.volume.index_to_world)
@@ -377,7 +386,7 @@ def texels_at(bake, points, name="radiance"):
     for corner in range(8):
         bits = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
         i, j, k = (low + bits).T
-        # Closest lookups may round to either side right at a texel.
+        # Next to a texel, closest lookups may be rounded to either side.
         inside &= active[k, j, i]
         weight = np.where(bits, share, 1 - share).prod(axis=1)
         radiance += weight[:, None] * dense[k, j, i]

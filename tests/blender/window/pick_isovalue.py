@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python pick_isovalue.py -- VOLUME: drags the isovalue in the
-histogram over the viewport, keeps it, drags it again and takes that back.
+histogram over the viewport, confirms it, drags it again and undoes that. Prints a line WINDOW and a
+JSON object of the isovalues after each step.
 
 Prints a line WINDOW and a JSON object of the isovalues after each of these.
 """
@@ -24,7 +25,7 @@ def volume():
 
 
 def event(kind, value, share, height=60):
-    """Sends an event at a share of the viewport's width, so many pixels above its bottom."""
+    """Sends an event at a share of the viewport's width, at this many pixels above its bottom."""
     x = int(hand.region().x + share * hand.region().width)
     hand.window().event_simulate(type=kind, value=value, x=x, y=int(hand.region().y + height))
 
@@ -43,7 +44,7 @@ def steps():
     hand.clear_scene()
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
     hand.view().spaces.active.show_region_ui = False
-    # A gray viewport, before which the mark's color stands out.
+    # Show a gray viewport, so that the mark's color is unique.
     volume().hide_set(False)
     found["imported"] = volume().leaflight.isovalue
     pick()

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python press_operators.py -- FOLDER JSON: presses operators as
-a user does; JSON is a list of [number of the row in rows.py, way].
+a user does; JSON is a list of [number of the row in rows.py, way]. Prints a line ROW before each,
+and after it a line PRESSED and a JSON object with failures and the longest freeze of the window.
+Exits with 3 after a failed row, so that it cannot affect the next. First prints OPERATORS, a list
+of all operators of the add-on.
 
 Prints a line ROW before each, and after it a line PRESSED and a JSON object: what failed, and how
 long the window stood still. Ends with 3 after a row that failed: the next shall not suffer for it.
@@ -34,7 +37,7 @@ def main():
     preferences.view.show_splash = False
     preferences.view.ui_scale = 1.0
     preferences.view.use_save_prompt = False
-    # Without a graphics card most of a picture's time would go into these.
+    # Switch this off, because it takes most of the time without a graphics card.
     preferences.system.viewport_aa = "OFF"
     space = hand.view().spaces.active
     space.overlay.show_overlays = space.show_gizmo = False

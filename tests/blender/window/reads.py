@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python reads.py -- FOLDER: a .blend whose files take long.
+"""blender --enable-event-simulate --python reads.py -- FOLDER: opens .blend files whose bake, or
+volume, takes long to read, and works meanwhile. A gate holds the thread that reads. Prints a line
+WINDOW and a JSON object of the state in each step while the thread is held ("held") and afterwards.
 
 Opens one whose bake, or whose volume before a bake, a thread holds while it is read, and works on
 meanwhile. Prints a line WINDOW and a JSON object: what each step saw before the thread went on
@@ -26,7 +28,7 @@ import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
 NODES = 32
-# Isovalues as saved, and as dragged while the file is read.
+# Isovalues in the saved file, and after a drag while the file is read.
 SAVED, DRAGGED = 50.0, 60.0
 
 found = {}
@@ -35,7 +37,8 @@ status = []
 
 
 class Gate:
-    """Holds functions that read a file, (path, progress, ...), until it is opened.
+    """A gate for functions that read a file, (path, progress, ...), which wait until it opens.
+    reads: for each call "thread", or "window" if it would freeze the window.
 
     reads: for each call "thread", or "window" if it would have held the window.
     """
@@ -98,7 +101,7 @@ def drive():
 
 
 def make():
-    """Saves the unlit volume, and the same with a bake that lights walls."""
+    """Saves the unlit volume, and the volume with a bake that lights walls."""
     with hand.in_view():
         bpy.ops.leaflight.import_volume(filepath=str(FOLDER / "ball.npy"))
         settings = seen.volume().leaflight
@@ -113,7 +116,7 @@ def make():
 
 
 def open_held(name):
-    """Opens a .blend whose files are held, and drags the isovalue as the slider does."""
+    """Opens a .blend whose files are held, and drags the isovalue."""
     gate.close()
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / f"{name}.blend"))
     status.clear()
@@ -129,7 +132,7 @@ def set_isovalue(isovalue):
 
 
 def release():
-    """Lets the thread go on, and yields until all is shown."""
+    """Releases the thread, and yields until everything is shown."""
     gate.open()
     yield from stepwise.until(lambda: not cache._readings)
     yield from hand.steps(8)
@@ -148,7 +151,7 @@ def shown():
 
 
 def is_lit(obj):
-    """True if the vertices have the radiance that the bake has at their places."""
+    """True if the vertices have the radiance of the bake."""
     mesh, bake = obj.data, cache._bakes.get(obj.leaflight.bake_id)
     if "radiance" not in mesh.attributes or bake is None:
         return False
@@ -163,7 +166,7 @@ def is_lit(obj):
 
 
 def refused(operator, **options):
-    """Returns the error with which an operator answers a button."""
+    """Returns the error of an operator."""
     try:
         with hand.in_view():
             operator("INVOKE_DEFAULT", **options)
@@ -173,7 +176,7 @@ def refused(operator, **options):
 
 
 def drag():
-    """The isovalue, with the sidebar open: "walls" are those that show its light."""
+    """Drags the isovalue with the sidebar open; "walls" counts those that show its light."""
     yield from open_held("lit")
     sidebar.show_all_panels()
     is_drawn = yield from sidebar.is_drawn()
@@ -193,7 +196,7 @@ def drag():
 
 
 def lit_walls():
-    """Returns the number of walls, and of those with the light of the volume's isovalue."""
+    """Returns the number of walls, and the number with the light of the volume's isovalue."""
     label, displays = walls._label(seen.volume()), walls._displays(bpy.context.scene)
     isovalue = repr(float(seen.volume().leaflight["isovalue"]))
     right = [obj for obj in displays if obj.data["leaflight_shown"] == label]
@@ -208,7 +211,7 @@ def drag_unlit():
 
 
 def press():
-    """Returns the answers of buttons, and what they leave."""
+    """Presses buttons; returns their answers and the state afterwards."""
     yield from open_held("lit")
     answers = {
         "add": refused(bpy.ops.leaflight.add_isosurface),
@@ -222,7 +225,7 @@ def press():
     held = {**shown(), "exported": export.exists(), "at work": seen.SEEN["at work"]()}
     yield from release()
     yield from stepwise.until(lambda: not seen.SEEN["at work"]())
-    # A script waits.
+    # Scripts wait for the file.
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "lit.blend"))
     with hand.in_view():
         bpy.ops.leaflight.add_isosurface()
@@ -238,7 +241,7 @@ def press():
 
 
 def go_live():
-    """Live is switched on, and a lamp is moved."""
+    """Switches Live on, and moves a lamp."""
     yield from open_held("lit")
     bpy.context.scene.leaflight_live = True
     lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
@@ -254,7 +257,7 @@ def go_live():
 
 
 def render():
-    """A picture is asked for: "pictures" have the isovalue and the light of their mesh."""
+    """Renders; "pictures" have the isovalue and the light of their mesh."""
     yield from open_held("lit")
     scene, pictures = bpy.context.scene, []
     scene.render.engine, scene.cycles.samples = "CYCLES", 1
@@ -278,7 +281,7 @@ def picture():
 
 
 def delete():
-    """The object is deleted and comes back by undo, before and after the thread goes on."""
+    """Deletes the object and undoes that, before and after the thread is released."""
     yield from open_held("lit")
     hand.bind(hand.DELETE, "object.delete", {"confirm": False})
     with hand.in_view():
@@ -301,7 +304,7 @@ def delete():
 
 
 def leave():
-    """Another file is opened: the thread ends, and its file is read no further."""
+    """Opens another file: the thread must end without reading further."""
     yield from open_held("lit")
     begun = next(iter(cache._readings.values()))
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "unlit.blend"))
@@ -311,7 +314,7 @@ def leave():
 
 
 def damage():
-    """The file turns out to be damaged, or the reader has a bug."""
+    """Simulates a damaged file, and a bug in the reader."""
     read, results = reading.open_bake, []
     for error in (reading.LeaflightError("The file is damaged."), RuntimeError("of a bug")):
         reading.open_bake = gate.holds(fails_with(error))
