@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender with the add-on, installed as a user installs it, with separate settings. Tests and the
-programs of validation/ share it. The program is the command `blender`: Debian's, or PyPI's module
-in a virtual environment (scripts/blender).
+"""A Blender with the add-on, installed as a user installs it, with separate settings.
 
-It is the program called blender on the search path: Debian's, or that of a module of PyPI's in a
-virtual environment (scripts/blender). The tests and the programs of validation/ share it.
+Tests and the programs of validation/ share it. The program is the command `blender`: Debian's, or
+PyPI's module in a virtual environment (scripts/blender).
 """
 
 import functools
@@ -146,8 +144,7 @@ class Blender:
         return process.returncode, said
 
     def check(self, results, *arguments, **variables):
-        """Runs inside/run.py, which writes the result of each check to a file. arguments: of
-        pytest; variables: of the environment.
+        """Runs inside/run.py, which writes the result of each check to a file.
 
         arguments: of pytest; variables: of the environment.
         """

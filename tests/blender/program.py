@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A program like Blender's, made of the Python module bpy of PyPI, which has no program. It
-supports the arguments that background work needs. It starts with factory settings, as the module
-does (4.2.23 crashes when it reads preferences): name add-ons with --addons.
+"""A program like Blender's, made of the Python module bpy of PyPI, which has no program.
 
-Takes those arguments of the program that background work needs, with the same effect. It starts
-with factory settings, as the module does (4.2.23 crashes when it reads preferences): name the
-add-ons with --addons.
+It supports the arguments that background work needs. It starts with factory settings, as the module
+does (4.2.23 crashes when it reads preferences): name add-ons with --addons.
 """
 
 import os

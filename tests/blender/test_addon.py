@@ -118,10 +118,9 @@ def test_the_addon_loads_no_readers_when_it_is_enabled(blender):
 
 @pytest.mark.machine
 def test_the_addon_is_enabled_at_once(blender):
-    """Compares the add-on's own 0.15 s with NumPy's import, 0.08 s, to cancel out other work. The
-    core's module, with 0.45 s for OpenVDB, is not counted.
+    """Compares the add-on's own 0.15 s with NumPy's import, 0.08 s, to cancel out other work.
 
-    It does not count the module of the core, whose OpenVDB takes 0.45 s to load.
+    The core's module, with 0.45 s for OpenVDB, is not counted.
     """
     runs = [enable(blender) for _ in range(3)]
     assert min(enabled for _, enabled, _ in runs) < 3 * min(numpy for numpy, _, _ in runs)

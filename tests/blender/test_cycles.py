@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares the bake and the core's path tracer with Cycles in the same scenes. Volumes are coarser
-than in docs/validation.md: 32 or 48 nodes per axis.
+"""Compares the bake and the core's path tracer with Cycles in the same scenes.
 
-Smaller than what docs/validation.md reports, so that the volumes are coarse: 32 or 48 nodes a side.
+Volumes are coarser than in docs/validation.md: 32 or 48 nodes per axis.
 """
 
 from dataclasses import replace

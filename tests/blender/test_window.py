@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the isovalue slider in a window: it is dragged with the mouse, and pictures are counted.
-Needs a Blender with a window and xvfb-run, which provides a screen.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 import json

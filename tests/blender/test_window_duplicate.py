@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests Shift+D in a window, on a volume with an added isosurface. Needs a Blender with a window
-and xvfb-run, which provides a screen.
+"""Tests Shift+D in a window, on a volume with an added isosurface.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

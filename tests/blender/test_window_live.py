@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests Live in a window: a lamp is dragged with the mouse, and the light follows. Needs a Blender
-with a window and xvfb-run, which provides a screen.
+"""Tests Live in a window: a lamp is dragged with the mouse, and the light follows.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests former bugs in a window, with the same clicks and keys. Needs a Blender with a window and
-xvfb-run, which provides a screen.
+"""Tests former bugs in a window, with the same clicks and keys.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 import json

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests a newcomer's steps in a window: from the factory scene to a lit isosurface in four clicks,
-and beyond. Needs a Blender with a window and xvfb-run, which provides a screen.
+and beyond.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

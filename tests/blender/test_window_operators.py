@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests every operator of the add-on in a window, as a user presses it (window/rows.py). Each is
-pressed four times: normally, cancelled halfway, with its object deleted meanwhile, and with a new
-file opened meanwhile. Background work also runs while the previous step is undone, and while its
-window is closed. The part `window` of scripts/test writes to build/test/window.md how long the
-window was frozen. It needs a Blender with a window and xvfb-run.
+"""Tests every operator of the add-on in a window, as a user presses it (window/rows.py).
 
-Each is pressed four times: on its happy path, cancelled halfway, with its object deleted meanwhile,
-and with a new file opened meanwhile. Work in the background also runs while the step before it is
-undone, and while its window is closed. The part `window` of scripts/test writes the seconds for
-which the window stood still to build/test/window.md. It needs a Blender with a window and xvfb-run.
+Each is pressed four times: normally, cancelled halfway, with its object deleted meanwhile, and with
+a new file opened meanwhile. Background work also runs while the previous step is undone, and while
+its window is closed. The part `window` of scripts/test writes to build/test/window.md how long the
+window was frozen. It needs a Blender with a window and xvfb-run.
 """
 
 import json
@@ -60,10 +56,9 @@ def files(tmp_path_factory):
 
 
 def press(blender, folder, presses):
-    """Returns {press: result} and all operators, from as many Blenders as needed. A result has the
-    failures and Blender's output. A Blender ends after a failed press.
+    """Returns {press: result} and all operators, from as many Blenders as needed.
 
-    A result has the failures and what Blender said. One ends with the row that fails.
+    A result has the failures and Blender's output. A Blender ends after a failed press.
     """
     results, operators, left = {}, [], list(presses)
     while left:

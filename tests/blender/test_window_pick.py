@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests dragging the isovalue in the histogram over the viewport. Needs a Blender with a window and
-xvfb-run, which provides a screen.
+"""Tests dragging the isovalue in the histogram over the viewport.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

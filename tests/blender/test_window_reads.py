@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests a .blend in a window, whose bake or volume takes long to read. The window keeps working,
-and shows everything once the file is read. Needs a Blender with a window and xvfb-run, which
-provides a screen.
+"""Tests a .blend in a window, whose bake or volume takes long to read.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+The window keeps working, and shows everything once the file is read. Needs a Blender with a window
+and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests that the window does not freeze when the isovalue moves into noise, which has many more
-triangles, and while walls get their light after a bake is read. Needs a Blender with a window and
-xvfb-run, which provides a screen.
+triangles, and while walls get their light after a bake is read.
 
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
+Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path

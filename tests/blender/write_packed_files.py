@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """write_packed_files.py FOLDER: writes a file of each kind that compiled libraries read, and its
-values. Uses build/tools-venv, whose libraries are not in the packages: Debian's h5py, zarr and
-Pillow, and tensorstore and pyjpegls from PyPI.
+values.
 
-Run by build/tools-venv, none of whose libraries the packages contain: Debian's h5py, zarr and
-Pillow, and tensorstore and pyjpegls from PyPI.
+Uses build/tools-venv, whose libraries are not in the packages: Debian's h5py, zarr and Pillow, and
+tensorstore and pyjpegls from PyPI.
 """
 
 import io

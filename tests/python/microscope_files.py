@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small microscope files: CZI by Zeiss' library, LIF and ND2 by hand, because no library writes
-them. The voxels are 0.5 x 0.25 x 2 micrometers large, those of ND2 0.5 x 0.5 x 2.
+them.
 
 The voxels are 0.5 x 0.25 x 2 micrometers large, those of ND2 0.5 x 0.5 x 2.
 """

@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads files twice, in memory that holds two different patterns. Values that differ were never
-written. The GNU C library fills allocated memory with MALLOC_PERTURB_, in the process that reads
-and in those that it starts. NumPy, the arrays of volumes and all libraries allocate there. NumPy
-itself reuses arrays of less than a kilobyte, so numpy.empty() is filled here.
+"""Reads files twice, in memory that holds two different patterns.
 
-The GNU C library fills what it allocates with MALLOC_PERTURB_, in the process that reads and in
-those that this one starts. NumPy, the arrays of volumes and all libraries allocate there. NumPy
-uses arrays of less than a kilobyte again by itself: numpy.empty() is filled here.
+Values that differ were never written. The GNU C library fills allocated memory with
+MALLOC_PERTURB_, in the process that reads and in those that it starts. NumPy, the arrays of volumes
+and all libraries allocate there. NumPy itself reuses arrays of less than a kilobyte, so
+numpy.empty() is filled here.
 """
 
 import hashlib

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests that imports and includes run downwards (docs/architecture.md), and that functions are
-short. A package or folder there is a room.
+short.
 
-And functions are short.
+A package or folder there is a room.
 """
 
 import ast

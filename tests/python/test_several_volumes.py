@@ -48,11 +48,10 @@ def test_volumes_shade_each_other(lapr_scene):
 
 @pytest.mark.slow
 def test_near_isosurfaces_do_not_look_each_other_up():
-    """Checks that glowing nucleons light each other as path tracing does. Texels between them
-    contain light of isosurfaces that face away; using these made neutrons 19 % too bright at 64
-    nodes.
+    """Checks that glowing nucleons light each other as path tracing does.
 
-    Gathered from texels however near, the neutrons' light was 19 % too much at 64 nodes.
+    Texels between them contain light of isosurfaces that face away; using these made neutrons 19 %
+    too bright at 64 nodes.
     """
     scene = leaflight.load_scene(SCENES / "emission.json")
     volumes = [open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Cornell box of scenes/cornell.json around the volumes, and a camera. Tolerances of checks
-were measured in this scene, so it does not change with Stage.
+"""The Cornell box of scenes/cornell.json around the volumes, and a camera.
 
-The scene that tolerances of checks were measured in, whatever Stage puts around a volume.
+Tolerances of checks were measured in this scene, so it does not change with Stage.
 """
 
 import math

@@ -31,10 +31,9 @@ def probe():
 
 @pytest.fixture
 def assert_probe_agrees(probe, tmp_path, record_property):
-    """Compares the radiance of the probe by Cycles and by the core. most: allowed difference,
-    including noise. Returns the scene description.
+    """Compares the radiance of the probe by Cycles and by the core.
 
-    most: by how much they may differ, their noise included. It returns the scene description.
+    most: allowed difference, including noise. Returns the scene description.
     """
 
     def compare(samples=256, most=0.005):

@@ -124,10 +124,9 @@ def uncut(monkeypatch):
 
 @pytest.fixture
 def interactive(monkeypatch):
-    """Simulates a window, because without one no surface is coarse. Time passes only by tick() and
-    rest().
+    """Simulates a window, because without one no surface is coarse.
 
-    Seconds pass by tick() and rest() alone.
+    Time passes only by tick() and rest().
     """
 
     class App:

@@ -37,8 +37,7 @@ def state():
 
 
 def begin(obj, passes=1, kind=bake.BakeJob):
-    """Returns a bake in progress after this many passes, as a BakeJob and its BackgroundWork. The
-    next pass waits until job.most allows it, or until the bake is cancelled.
+    """Returns a bake in progress after this many passes, as a BakeJob and its BackgroundWork.
 
     The next pass waits until job.most allows it, or until the bake is cancelled.
     """

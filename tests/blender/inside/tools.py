@@ -237,9 +237,9 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
 
 def build_probe(albedo):
     """Adds a tiny Lambertian square at the origin that faces up, in a black world, and a camera
-    just above it. Put lights beside the camera, not above.
+    just above it.
 
-    A camera hangs closely above it; lights belong beside the camera, not above.
+    Put lights beside the camera, not above.
     """
     scene = bpy.context.scene
     scene.world = one_coloured_world((0, 0, 0))
@@ -253,8 +253,6 @@ def build_probe(albedo):
 def traced_probe(description, samples=1 << 19):
     """Returns the radiance (3,) of the probe, the first mesh, by the core's path tracer, and its
     standard error.
-
-    And its standard error.
     """
     # A scene needs a volume, so put a black one far below the probe.
     values = np.zeros((4, 4, 4), np.float32)
@@ -329,10 +327,9 @@ def noise_image(width, height):
 
 
 def smooth_image(width, height):
-    """Returns an 8-bit image that is smooth, also across its border. Cycles interpolates 8-bit
-    colors before it decodes them.
+    """Returns an 8-bit image that is smooth, also across its border.
 
-    Between pixels Cycles interpolates 8-bit colors while they are still encoded.
+    Cycles interpolates 8-bit colors before it decodes them.
     """
     y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
     waves = [

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python compare.py -- FOLDER: makes a comparison by its dialog,
-then ends a comparison and an import by Esc. Prints a line WINDOW and a JSON object.
+then ends a comparison and an import by Esc.
 
 Prints a line WINDOW and a JSON object.
 """

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_isovalue.py -- VOLUME.npy WINDOW_LOW WINDOW_HIGH:
-drags the isovalue's slider back and forth with the mouse. There are three drags: with full detail
-in every step, as Leaflight shows it, and during a bake. Prints a line WINDOW and a JSON object: for
-each drag, the seconds between pictures of the viewport.
+drags the isovalue's slider back and forth with the mouse.
 
-It does so three times: with full detail in every step, as Leaflight shows it, and beside a bake.
-Prints a line WINDOW and a JSON object: per drag, the seconds between pictures of the viewport.
+There are three drags: with full detail in every step, as Leaflight shows it, and during a bake.
+Prints a line WINDOW and a JSON object: for each drag, the seconds between pictures of the viewport.
 """
 
 import os

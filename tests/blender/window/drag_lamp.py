@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
-Studio over a baked volume with the mouse, with Live on. Then stops the light by Esc and moves the
-lamp again. Writes pictures of the viewport to the folder. Prints a line WINDOW and a JSON object:
-seconds from moves to light.
+Studio over a baked volume with the mouse, with Live on.
 
-Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
-moves to light.
+Then stops the light by Esc and moves the lamp again. Writes pictures of the viewport to the folder.
+Prints a line WINDOW and a JSON object: seconds from moves to light.
 """
 
 import json

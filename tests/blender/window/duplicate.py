@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python duplicate.py -- VOLUME.npy: duplicates a volume with an
-added isosurface by Shift+D, and undoes and redoes it. Prints a line WINDOW and a JSON object of the
-state after each step.
+added isosurface by Shift+D, and undoes and redoes it.
 
-Prints a line WINDOW and a JSON object of what there is after each of these.
+Prints a line WINDOW and a JSON object of the state after each step.
 """
 
 import os

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simulated user input: keys and the mouse over the viewport, the file browser, dialogs. Each
-function is a generator for stepwise.run(). Waits are counted in steps, in which Blender handles all
-events and draws. Their duration does not matter.
+"""Simulated user input: keys and the mouse over the viewport, the file browser, dialogs.
 
-Each is a generator for stepwise.run(). Waits are counted in steps, in each of which Blender takes
-all events that there are and draws: how long these take does not matter.
+Each function is a generator for stepwise.run(). Waits are counted in steps, in which Blender
+handles all events and draws. Their duration does not matter.
 """
 
 import bpy

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python mishaps.py -- FOLDER: repeats the input that once
-triggered bugs. Prints a line WINDOW and a JSON object of the results. Writes pictures of the
-viewport to the folder.
+triggered bugs.
 
-Each step is pressed as a user presses it. Prints a line WINDOW and a JSON object: what was found.
-Pictures of the viewport go into the folder.
+Prints a line WINDOW and a JSON object of the results. Writes pictures of the viewport to the
+folder.
 """
 
 import os

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python newcomer.py -- VOLUME FOLDER: goes from the factory
-scene to a lit isosurface by counted mouse clicks, and beyond. Writes pictures of the viewport to
-the folder. Prints a line WINDOW and a JSON object of the results of each step. The file browser
-gets the path of the file.
+scene to a lit isosurface by counted mouse clicks, and beyond.
 
-Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: what was found
-after each step. A file's choice in the file browser is given by its path.
+Writes pictures of the viewport to the folder. Prints a line WINDOW and a JSON object of the results
+of each step. The file browser gets the path of the file.
 """
 
 import os

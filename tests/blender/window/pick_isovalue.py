@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python pick_isovalue.py -- VOLUME: drags the isovalue in the
-histogram over the viewport, confirms it, drags it again and undoes that. Prints a line WINDOW and a
-JSON object of the isovalues after each step.
+histogram over the viewport, confirms it, drags it again and undoes that.
 
-Prints a line WINDOW and a JSON object of the isovalues after each of these.
+Prints a line WINDOW and a JSON object of the isovalues after each step.
 """
 
 import os

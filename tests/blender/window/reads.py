@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python reads.py -- FOLDER: opens .blend files whose bake, or
-volume, takes long to read, and works meanwhile. A gate holds the thread that reads. Prints a line
-WINDOW and a JSON object of the state in each step while the thread is held ("held") and afterwards.
+volume, takes long to read, and works meanwhile.
 
-Opens one whose bake, or whose volume before a bake, a thread holds while it is read, and works on
-meanwhile. Prints a line WINDOW and a JSON object: what each step saw before the thread went on
-("held") and afterwards.
+A gate holds the thread that reads. Prints a line WINDOW and a JSON object of the state in each step
+while the thread is held ("held") and afterwards.
 """
 
 import os
@@ -38,9 +36,8 @@ status = []
 
 class Gate:
     """A gate for functions that read a file, (path, progress, ...), which wait until it opens.
-    reads: for each call "thread", or "window" if it would freeze the window.
 
-    reads: for each call "thread", or "window" if it would have held the window.
+    reads: for each call "thread", or "window" if it would freeze the window.
     """
 
     def __init__(self):

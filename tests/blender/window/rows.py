@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How test_window_operators.py presses each operator of the add-on, and which state it checks.
-Plain data for pytest and Blender: the names are those of scenes.py, seen.py and pressing.py.
 
-Plain data, for pytest and for Blender: the names are those of scenes.py, seen.py and pressing.py.
+Plain data for pytest and Blender: the names are those of scenes.py, seen.py and pressing.py.
 """
 
 from dataclasses import dataclass, field

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes for pressing operators: each is made once, saved, and opened for each row. Each scene and
-each row has a folder with a .blend and its bakes.
+"""Scenes for pressing operators: each is made once, saved, and opened for each row.
 
-Each scene and each row has one folder, with a .blend and its bakes.
+Each scene and each row has a folder with a .blend and its bakes.
 """
 
 import math

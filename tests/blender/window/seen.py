@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values that a user sees: an operator changes them, Esc does not, and undo restores them. SEEN has
-a function for each; the folder is that of the open .blend.
+"""Values that a user sees: an operator changes them, Esc does not, and undo restores them.
 
-SEEN holds a function for each; the folder is that of the .blend that is open.
+SEEN has a function for each; the folder is that of the open .blend.
 """
 
 import bpy

@@ -13,12 +13,10 @@ from leaflight_addon.operators import jobs
 
 
 def run(script, found):
-    """Runs a generator by a timer, then exits Blender, with status 1 after an exception. script:
-    yields the seconds until its next step, also across the loading of a file. found: a dict that
-    the steps fill, printed as JSON after WINDOW.
+    """Runs a generator by a timer, then exits Blender, with status 1 after an exception.
 
     script: yields the seconds until its next step, also across the loading of a file. found: a dict
-    that the steps fill, printed as JSON behind WINDOW.
+    that the steps fill, printed as JSON after WINDOW.
     """
 
     def step():
@@ -54,10 +52,10 @@ def wait(seconds):
 
 
 def pixels_of(area, found):
-    """Yields until an area's viewport and overlays are drawn. Then `found` has its pixels, float32
-    (height, width, 4), bottom row first. Screenshots are black in Blender 5.2 with OpenGL.
+    """Yields until an area's viewport and overlays are drawn.
 
-    Screenshots are black in Blender 5.2 with OpenGL.
+    Then `found` has its pixels, float32 (height, width, 4), bottom row first. Screenshots are black
+    in Blender 5.2 with OpenGL.
     """
     region = next(region for region in area.regions if region.type == "WINDOW")
 
