@@ -17,7 +17,7 @@ RESULTS = driver.ROOT / "build" / "compatibility"
 
 
 class Blender(driver.Blender):
-    """Yields a Blender; skips tests that need a window if there is none."""
+    """A Blender that skips a test which needs a window, if there is none."""
 
     def show(self, *arguments, **options):
         if reason := self.no_window():

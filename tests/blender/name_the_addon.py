@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --python name_the_addon.py --python SCRIPT: lets a script import the installed add-on as
-leaflight_addon. No extension has this module name.
+leaflight_addon, the name of its legacy package.
 """
 
 import importlib

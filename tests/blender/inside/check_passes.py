@@ -248,7 +248,7 @@ def check_a_bake_that_is_cancelled_before_its_first_pass_leaves_nothing(endless)
 
 
 def _operator(job, work):
-    """Starts an operator as Blender's events do, without a window. Returns (events, messages)."""
+    """Returns (a function that passes an event to an operator, the messages of the operator)."""
     said = []
     context = SimpleNamespace(
         workspace=SimpleNamespace(status_text_set=said.append),

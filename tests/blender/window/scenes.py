@@ -91,7 +91,7 @@ def _light_walls(_scenes):
 
 
 def _limit_time(obj):
-    """Makes all bakes coarse and quick."""
+    """Limits the time of bakes, which makes their light coarse."""
     obj.leaflight.use_time_limit, obj.leaflight.time_limit = True, 1.0
 
 
