@@ -10,13 +10,13 @@ import bpy
 
 ADDON = "leaflight_addon"
 
-# It got its underscore in later versions.
+# Later versions renamed the module, with an underscore.
 _NAMES = ("_bl_i18n_utils", "bl_i18n_utils")
 _package = next(name for name in _NAMES if importlib.util.find_spec(name))
 extract = importlib.import_module(f"{_package}.bl_extract_messages")
 utils = importlib.import_module(f"{_package}.utils")
 settings = importlib.import_module(f"{_package}.settings").I18nSettings()
-# Else it looks for them in Blender's source.
+# Without this setting it would search Blender's source.
 settings.PRESETS_DIR = str(Path(bpy.utils.system_resource("SCRIPTS")) / "presets")
 
 

@@ -178,7 +178,7 @@ def main():
 
 
 def copy_tree():
-    """Copies the tracked files as they are changed; built files stay."""
+    """Copies the tracked files with their uncommitted changes; keeps built files."""
     listed = subprocess.run(
         ["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True
     )
@@ -219,7 +219,7 @@ def caught(mutation):
 
 def first_failure(preset, names="."):
     """Returns the first failing test of a ctest preset with a matching name; None if all pass."""
-    # Some bugs leave a test without an end.
+    # A bug may make a test run forever.
     command = ["ctest", "--preset", preset, "-R", names, "--stop-on-failure", "--timeout", "600"]
     run = subprocess.run(command, cwd=WORK, capture_output=True, text=True)
     failed = re.findall(r"^\s+\d+ - (\S+) \((.+)\)$", run.stdout, re.MULTILINE)

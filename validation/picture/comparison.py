@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- VOLUME FOLDER PICTURE.png. The picture that Render Comparison writes."""
+"""Inside Blender: ... -- VOLUME FOLDER PICTURE.png. Makes the picture of Render Comparison."""
 
 import shutil
 import sys

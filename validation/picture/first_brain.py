@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- FOLDER. Pictures of the window after each of the four clicks."""
+"""Inside Blender: ... -- FOLDER. Takes pictures of the window after each of the four clicks."""
 
 import os
 import sys
@@ -14,12 +14,12 @@ import hand  # noqa: E402
 import stepwise  # noqa: E402
 
 FOLDER = sys.argv[sys.argv.index("--") + 1]
-# The tab Leaflight in the sidebar, from the right edge of the viewport and from its top.
+# Position of the tab Leaflight, from the right edge of the viewport and from its top.
 TAB = 10, 175
 
 
 def run(drive):
-    """Runs a script in a window, which yields the seconds before its next step."""
+    """Runs a script in a window, which yields the seconds to wait before its next step."""
     bpy.context.preferences.view.show_splash = False
     bpy.context.preferences.view.ui_scale = 1.0
     stepwise.run(drive(), {})
@@ -63,7 +63,7 @@ def call(operator, how="INVOKE_DEFAULT", **options):
 
 
 def open_tab():
-    """Before 4.2 only the mouse can choose a tab."""
+    """Opens the tab; before 4.2, only mouse events can choose one."""
     hand.view().spaces.active.show_region_ui = True
     yield 1.0
     region = next(region for region in hand.view().regions if region.type == "UI")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- FOLDER PICTURE.png. Gray matter over white matter, seen through and cut by
-a box. The volume is Colin27 of Debian's mricron-data.
+"""Inside Blender: ... -- FOLDER PICTURE.png. Renders translucent gray matter over white matter, cut
+by a box. The volume is Colin27 of Debian's mricron-data.
 """
 
 import sys
@@ -21,7 +21,7 @@ blender.stage(brain, preset="OPEN_FLOOR")
 for isovalue, color in ((GRAY, GRAY_COLOR), (WHITE, WHITE_COLOR)):
     stop = brain.leaflight.isosurface_stops.add()
     stop.isovalue, stop.color = isovalue, color
-# Cycles itself lights the floor, with less grain than a bake of some minutes.
+# Let Cycles light the floor, with less noise than a bake of some minutes.
 settings = {"light_walls": False, "error": 3.0, "bake_folder": str(folder)}
 blender.bake(brain, isovalues=(GRAY - 5, WHITE + 5), **settings)
 blender.show(brain, WHITE)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- VOLUME FOLDER PICTURE.png. One bake with lit walls at three isovalues.
+"""Inside Blender: ... -- VOLUME FOLDER PICTURE.png.
 
-Eevee renders it, so that every color on the walls comes from the bake.
+Renders one bake with lit walls at three isovalues. Eevee renders it, so that all colors on the
+walls come from the bake.
 """
 
 import sys
@@ -12,7 +13,7 @@ from PIL import Image
 
 VOLUME, FOLDER, PICTURE = sys.argv[-3:]
 SIZE, GAP = 360, 6
-SHARES = (0.25, 0.5, 0.75)  # of the baked isovalue range
+SHARES = (0.25, 0.5, 0.75)  # shares of the baked isovalue range
 
 bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
 obj = blender.import_volume(VOLUME)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often the error that a bake reports covers its true error: a table in docs/validation.md."""
+"""Writes a table in docs/validation.md: how often reported errors cover the true ones."""
 
 import argparse
 from pathlib import Path

@@ -53,9 +53,9 @@ def error_against_seconds(curves):
 
 
 def convergence(curves, fits):
-    """Plots error and noise against samples, with the fits of noise and floor; a panel a curve.
+    """Plots error and noise against samples, with the fits of noise and floor; one panel per curve.
 
-    fits: by the names of the curves that are shown, Fit of noise_and_floor.
+    fits: Fit of noise_and_floor by the names of the shown curves.
     """
     columns = 4
     rows = -(-len(fits) // columns)
@@ -85,15 +85,15 @@ def convergence(curves, fits):
 
 
 def break_even(rows, thesis):
-    """Isosurfaces after which one bake is worth it, against the error that both have.
+    """Plots the break-even number of isosurfaces against the error.
 
-    rows: see sections.py; thesis: (lowest, highest) of what it says.
+    rows: see sections.py; thesis: (lowest, highest) in the thesis.
     """
     figure = Figure(figsize=(6.6, 4.0))
     panel = figure.subplots()
     panel.axhspan(*thesis, color="0.9", label="thesis")
     for number, name in enumerate(dict.fromkeys(row["bake"] for row in rows)):
-        # A place on a logarithmic axis has only what is above 0.
+        # Logarithmic axes show only positive values.
         own = [row for row in rows if row["bake"] == name and row["isosurfaces"].value > 0]
         found = [row["isosurfaces"] for row in own]
         panel.errorbar(
@@ -130,6 +130,6 @@ def _logarithmic(panel, title, x):
 def _png(figure):
     file = io.BytesIO()
     figure.tight_layout()
-    # No date and no version: the same figures make the same file.
+    # Leave out date and version, so that equal figures make equal files.
     figure.savefig(file, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
     return file.getvalue()

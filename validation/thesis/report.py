@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors against seconds of each method and of Cycles, and the data sets of the thesis.
+"""Writes errors against seconds of all methods and Cycles, and the data sets of the thesis.
 
 A row is a dict of the cells by the names of the columns.
 """
@@ -27,9 +27,9 @@ from .curves import (
 from .data_sets import QUICK_DATA, DataEffort, measure_data_sets
 from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
-# From how many to how many isosurfaces the thesis breaks even.
+# Smallest and largest break-even number of isosurfaces in the thesis.
 THESIS_BREAK_EVEN = (3, 11)
-# By which share seconds vary from run to run on a shared machine (95 %).
+# Relative variation of seconds from run to run on a shared machine (95 %).
 SECONDS_VARY = 0.1
 MEBIBYTE = 2**20
 NO_BLENDER = "There is no Blender on the search path, so this section is empty."
@@ -74,8 +74,8 @@ def main():
 class Analysis:
     """Conclusions from the curves.
 
-    slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name, but
-    for leaflight.bake, whose passes follow from its error; break_even: rows, dicts.
+    slopes: Estimates of the slope of each curve's noise; errors and costs: Fits by name, without
+    leaflight.bake, whose passes follow from its error; break_even: rows, dicts.
     """
 
     slopes: dict
@@ -97,7 +97,7 @@ def analysed(curves):
 
 
 def _sampled(curves):
-    """Returns the curves along which samples grow."""
+    """Returns the curves whose number of samples varies."""
     return [curve for curve in curves.curves if curve.name != BAKE]
 
 
