@@ -33,7 +33,7 @@ def main():
                 add_class(add, cls, "Operator" if base == bpy.types.Operator else "*")
     extract.dump_py_messages(found, reports, {addon}, settings, addons_only=True)
     for path in sorted(Path(addon.__file__).parent.rglob("*.py")):
-        for text, line in why_greyed(path):
+        for text, line in why_grayed(path):
             add(text, f"{ADDON}/{path.name}:{line}")
     messages.unescape()
     messages.write("PO", sys.argv[-1])
@@ -57,7 +57,7 @@ def add_class(add, cls, context):
             add(owner.description, f"{place}.{prop.identifier}")
 
 
-def why_greyed(path):
+def why_grayed(path):
     """Yields (text, line) of each reason of an operator; Blender's extractor overlooks these."""
     for node in ast.walk(ast.parse(path.read_text())):
         if not isinstance(node, ast.Call):

@@ -21,11 +21,11 @@ void bind_settings(py::module_& module, const std::string& suffix) {
       .def(py::init<>())
       .def_readwrite("resolution", &Settings::resolution,
                      "Texels along x, y, z; all 0: as the bake chooses them.")
-      .def_readwrite("error", &Settings::error, "The RMS error of colours to reach, in percent.")
+      .def_readwrite("error", &Settings::error, "The RMS error of colors to reach, in percent.")
       .def_readwrite("seconds", &Settings::seconds, "No pass begins after so many; 0: no limit.")
       .def_readwrite("seed", &Settings::seed)
       .def_readwrite("threads", &Settings::threads, "0: all.")
-      .def_readwrite("exposure", &Settings::exposure, "Radiance times this is a displayed colour.")
+      .def_readwrite("exposure", &Settings::exposure, "Radiance times this is a displayed color.")
       .def_readwrite("both_sides", &Settings::both_sides,
                      "Bake the back too, where light can reach it.")
       .def_readwrite("walls", &Settings::walls,

@@ -23,7 +23,7 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
     watched.expect(static_cast<double>(count));
     watched.begin("Tracing photons");
     for (const auto& photon : collect_photons(tracer, lights, seed, count, watched)) {
-      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
+      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().center);
       flux.emplace_back(photon.flux_height * static_cast<Real>(scene.isovalue_range.height()));
       c.push_back(static_cast<float>(photon.c));
       direct.push_back(photon.direct);

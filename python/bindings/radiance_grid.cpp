@@ -42,10 +42,10 @@ std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool 
   std::vector<Vec<3, float>> texels(indirect.size());
   const py::gil_scoped_release unlocked;
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
-    const Vec<D> centre = from.lattice.centre(from.lattice.active[s]);
-    texels[s] = shown.scaled(indirect[s], *grid.field, centre);
+    const Vec<D> center = from.lattice.center(from.lattice.active[s]);
+    texels[s] = shown.scaled(indirect[s], *grid.field, center);
     if (!indirect_alone)
-      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
+      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
   });
   return texels;
 }

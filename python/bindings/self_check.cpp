@@ -52,7 +52,7 @@ py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& d
   const Hit<3> hit = tracer.intersect(tracer.frame().point(to_vec<3>(origin)), d, c);
   if (hit.kind == HitKind::none) return py::make_tuple(py::none(), py::none());
   const Vec3 in_frame = tracer.surface_point(hit, d, c).position;
-  const Vec3 p = in_frame * (1 / tracer.frame().scale) + tracer.frame().centre;
+  const Vec3 p = in_frame * (1 / tracer.frame().scale) + tracer.frame().center;
   return py::make_tuple(hit.kind == HitKind::isosurface ? "isosurface" : "walls",
                         py::make_tuple(p.x, p.y, p.z));
 }

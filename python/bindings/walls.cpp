@@ -170,7 +170,7 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           "the way over the amount of the point, negative behind the vertex, float32 (n, points);\n"
           "and the radiance by all sets if nothing did, of the front and of the back, float32\n"
           "(lights + 1, n, 3) by each light of the scene and by all that is no light. A side\n"
-          "reflects their sum times the mean over each vertex and its neighbours of the share of\n"
+          "reflects their sum times the mean over each vertex and its neighbors of the share of\n"
           "their sets' light that no isosurface blocks.")
       .def_property_readonly(
           "point_lights", &point_lights<D>,

@@ -616,7 +616,7 @@ class WallRadiance:
         the way over the amount of the point, negative behind the vertex, float32 (n, points);
         and the radiance by all sets if nothing did, of the front and of the back, float32
         (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
-        reflects their sum times the mean over each vertex and its neighbours of the share of
+        reflects their sum times the mean over each vertex and its neighbors of the share of
         their sets' light that no isosurface blocks.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
@@ -688,7 +688,7 @@ class WallRadiance2:
         the way over the amount of the point, negative behind the vertex, float32 (n, points);
         and the radiance by all sets if nothing did, of the front and of the back, float32
         (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
-        reflects their sum times the mean over each vertex and its neighbours of the share of
+        reflects their sum times the mean over each vertex and its neighbors of the share of
         their sets' light that no isosurface blocks.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
@@ -809,7 +809,7 @@ class BakeSettings:
     @property
     def error(self) -> float:
         """
-        The RMS error of colours to reach, in percent.
+        The RMS error of colors to reach, in percent.
         """
     @error.setter
     def error(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -817,7 +817,7 @@ class BakeSettings:
     @property
     def exposure(self) -> float:
         """
-        Radiance times this is a displayed colour.
+        Radiance times this is a displayed color.
         """
     @exposure.setter
     def exposure(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -893,7 +893,7 @@ class BakeSettings2:
     @property
     def error(self) -> float:
         """
-        The RMS error of colours to reach, in percent.
+        The RMS error of colors to reach, in percent.
         """
     @error.setter
     def error(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -901,7 +901,7 @@ class BakeSettings2:
     @property
     def exposure(self) -> float:
         """
-        Radiance times this is a displayed colour.
+        Radiance times this is a displayed color.
         """
     @exposure.setter
     def exposure(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:

@@ -72,9 +72,9 @@ inline std::vector<Vec3> isosurface_points(const Field<3>& field, double isovalu
   const IsosurfaceMesh mesh = contour(field, isovalue);
   std::vector<Vec3> points;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    Vec3 centre(0.0);
-    for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
-    points.push_back(project_to_isosurface(field, centre, isovalue));
+    Vec3 center(0.0);
+    for (const int v : mesh.triangles[t]) center += Vec3(mesh.vertices[v]) / 3;
+    points.push_back(project_to_isosurface(field, center, isovalue));
   }
   return points;
 }

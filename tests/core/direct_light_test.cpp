@@ -245,11 +245,11 @@ TEST(DirectLightOfIsosurfaces, TakesItFromFinerMaps) {
   const DirectLight<3> fine = maps_of(scene, 1), coarse = maps_of(scene, 2, &fine);
   double difference = 0;
   for (std::size_t s = 0; s < coarse.lattice().active.size(); ++s) {
-    const Vec3 at = coarse.lattice().centre(coarse.lattice().active[s]);
+    const Vec3 at = coarse.lattice().center(coarse.lattice().active[s]);
     const std::int32_t slot = nearest_active_slot(fine.lattice(), at);
     ASSERT_NE(slot, TexelLattice<3>::inactive);
     EXPECT_EQ(coarse.code(0, s, false), fine.code(0, slot, false));
-    const Vec3 there = fine.lattice().centre(fine.lattice().active[slot]);
+    const Vec3 there = fine.lattice().center(fine.lattice().active[slot]);
     difference = std::max(difference, (there - at).length());
   }
   EXPECT_LT(difference, 4);

@@ -53,8 +53,8 @@ Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {
 // Returns a field that is higher inside: isosurface c is the sphere (circle) of radius 1 - c about
 // the center.
 template <int D>
-Field<D> ball(int n, const Vec<D>& centre = Vec<D>(0.5)) {
-  return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - centre).length(); });
+Field<D> ball(int n, const Vec<D>& center = Vec<D>(0.5)) {
+  return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - center).length(); });
 }
 
 inline Field<3> torus(int n) {

@@ -34,7 +34,7 @@ struct Filtering {
     Random random(5, 2, 1);
     Found found;
     for (std::size_t s = 0; s < count; ++s) {
-      exact[s] = truth(texels.lattice.centre(texels.lattice.active[s]));
+      exact[s] = truth(texels.lattice.center(texels.lattice.active[s]));
       // Approximate a normal distribution by the sum of twelve uniform numbers.
       const auto normal = [&] {
         double sum = -6;

@@ -51,7 +51,7 @@ Scene<2> furnace(double albedo) {
 
 // Returns a box that is open at the bottom and has colored walls left and right. A lamp above
 // shines down.
-Scene<2> coloured_box() {
+Scene<2> colored_box() {
   Scene<2> scene = disc_scene(Rgb(0.75f));
   add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));
   add_wall(scene, walls[2], Rgb(0.7f));
@@ -118,7 +118,7 @@ TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
 }
 
 TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
-  const Scene<2> scene = coloured_box();
+  const Scene<2> scene = colored_box();
   const std::vector<Point> points = disc_points(test::field_of(scene), 200);
   Progress progress;
   const auto reference =

@@ -306,13 +306,13 @@ TEST(NumericsVolumes, FurnaceInNarrowRanges) {
 // A mirrored ball must have the same lit texels, with the same light except for noise.
 TEST(NumericsVolumes, StoredTheOtherWayRound) {
   Affine<3> mirror{{Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}};
-  const auto off_centre = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
-  const auto reversed = [&](int i, int j, int k) { return off_centre(12 - i, j, k); };
+  const auto off_center = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
+  const auto reversed = [&](int i, int j, int k) { return off_center(12 - i, j, k); };
   FixedSettings<3> settings = quick(EstimatorName::path);
   settings.samples = test::fewer(64);
   Progress first, second;
   const RadianceGrid<3> a =
-      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, off_centre), {0.6, 0.9}),
+      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, off_center), {0.6, 0.9}),
                               settings, first)
           .grids[0];
   const RadianceGrid<3> b =

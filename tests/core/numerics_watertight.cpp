@@ -51,8 +51,8 @@ void expect_closed(const std::string& name, Field<3> field, double c, std::int64
   test::figure(name + ": leaks", leaks);
 }
 
-TEST(NumericsWatertight, BallOffCentre) {
-  expect_closed("ball off centre", test::ball<3>(24, {0.43, 0.56, 0.47}), 0.71,
+TEST(NumericsWatertight, BallOffCenter) {
+  expect_closed("ball off center", test::ball<3>(24, {0.43, 0.56, 0.47}), 0.71,
                 test::trials(1'000'000, 100'000'000));
 }
 

@@ -248,16 +248,16 @@ TEST(Passes, AreCancelledWithinHalfASecond) {
 
 // Calls check(position, value) for the center of each texel.
 template <class Check>
-void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
+void for_each_center(const Scene<3>& scene, const Baked<3>& baked, Check check) {
   const RadianceGrid<3>& grid = baked.grids[0];
   const Field<3>& field = test::field_of(scene);
   std::size_t checked = 0;
   for (std::size_t s = 0; s < grid.lattice.active.size(); ++s) {
-    const Vec3 centre = grid.lattice.centre(grid.lattice.active[s]);
-    const CellPoint<3> at = locate(field, centre);
+    const Vec3 center = grid.lattice.center(grid.lattice.active[s]);
+    const CellPoint<3> at = locate(field, center);
     const double c = interpolate(load_corners(field, at.cell), at.local);
     if (!scene.isovalue_range.contains(c)) continue;
-    check(field.index_to_world.point(centre), c, s);
+    check(field.index_to_world.point(center), c, s);
     ++checked;
   }
   EXPECT_GT(checked, 100u);
@@ -271,7 +271,7 @@ TEST(Passes, PlanesInTheSunAreExact) {
   scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
   Progress progress;
   const Baked<3> baked = bake(scene, in_passes(), progress);
-  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double factor = 0.5 / pi * -down.z;
     const auto& radiance = baked.grids[0].radiance[s];
     EXPECT_NEAR(radiance.x, 2 * factor, 1e-5);
@@ -292,7 +292,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
-  for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 way = lamp - x;
     const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
     // The tolerance covers the width of a texel.
@@ -314,7 +314,7 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   ASSERT_TRUE(baked.grids[0].has_back());
   double ratio = 0;
   int count = 0;
-  for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
     if (c > 0.8) return;  // texels are too wide for such a small sphere
     // The inside receives I / r^2. A sphere also lights itself equally everywhere, so that it
     // reflects a / (1 - a) I / (pi r^2). The albedo a is a half.
@@ -338,7 +338,7 @@ TEST(Passes, FurnaceIsUniform) {
   const Baked<3> baked = bake(scene, settings, progress);
   double sum = 0, square = 0;
   int count = 0;
-  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double off = baked.grids[0].radiance[s].y / 2 - 1;  // emission / (1 - albedo) = 2
     sum += off;
     square += off * off;

@@ -42,7 +42,7 @@ TEST(KdTree, FindsTheNearest) {
     for (float& x : p) x = static_cast<float>(random.uniform());
   }
   const KdTree<3> tree(points);
-  std::vector<Neighbour> found;
+  std::vector<Neighbor> found;
   for (int i = 0; i < 50; ++i) {
     const KdTree<3>::Query query{random.uniform(), random.uniform(), random.uniform()};
     std::vector<double> all;
@@ -53,7 +53,7 @@ TEST(KdTree, FindsTheNearest) {
     std::sort(all.begin(), all.end());
     tree.nearest(query, 20, 1e9, found);
     std::vector<double> distances;
-    for (const Neighbour& n : found) distances.push_back(n.distance2);
+    for (const Neighbor& n : found) distances.push_back(n.distance2);
     std::sort(distances.begin(), distances.end());
     ASSERT_EQ(distances.size(), 20u);
     for (int k = 0; k < 20; ++k) ASSERT_DOUBLE_EQ(distances[k], all[k]);

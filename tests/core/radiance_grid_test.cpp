@@ -32,7 +32,7 @@ RadianceGrid<D> grid_of(const Scene<D>& scene, Light light) {
   grid.direct = std::make_shared<const DirectLight<D>>(tracer, 0, std::vector<LightPoint<D>>(),
                                                        field.dims, true, ignored);
   for (const std::uint32_t texel : grid.lattice.active) {
-    const Vec<3, float> found(static_cast<float>(light(grid.lattice.centre(texel))));
+    const Vec<3, float> found(static_cast<float>(light(grid.lattice.center(texel))));
     for (auto* values : {&grid.radiance, &grid.radiance_back, &grid.radiance_indirect,
                          &grid.radiance_back_indirect}) {
       values->push_back(found);

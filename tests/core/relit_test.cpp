@@ -125,7 +125,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
   for (const bool back : {false, true}) {
     if (back && !grid.has_back()) continue;
     for (const std::uint32_t texel : grid.lattice.active) {
-      const Vec3 position = grid.lattice.centre(texel);
+      const Vec3 position = grid.lattice.center(texel);
       const Imath::V3d expected(radiance_at(truth.grids[0], field, position, back));
       expect_equal(Imath::V3d(radiance_at(shown, field, position, back)), expected,
                    1 + expected.length());
@@ -186,7 +186,7 @@ TEST(Relit, OwnEmissionStays) {
       half(grid, &direct, Vec<3, float>(0.5f)), all(grid, &direct, Vec<3, float>(1));
   double most = 0;
   for (const std::uint32_t texel : grid.lattice.active) {
-    const Vec3 position = grid.lattice.centre(texel);
+    const Vec3 position = grid.lattice.center(texel);
     const Imath::V3d own(radiance_at(alone, field, position, false)),
         some(radiance_at(half, field, position, false)),
         whole(radiance_at(all, field, position, false));

@@ -118,7 +118,7 @@ TEST(FluxAccumulator, KnowsItsVariance) {
   EXPECT_NEAR(reported / (sum2 - sum * sum), 1, 0.01 + test::z_limit() * std::sqrt(2.0 / repeats));
 }
 
-TEST(PooledVariance, IsThatOfTheNeighboursSamples) {
+TEST(PooledVariance, IsThatOfTheNeighborsSamples) {
   const Field<3> field = test::sampled<3>(5, [](const Vec3& x) { return x.z; });
   const TexelLattice<3> lattice = make_lattice(field, {5, 5, 5}, -1, 2);
   std::vector<Average> averages(lattice.active.size());

@@ -490,7 +490,7 @@ TEST(Emission, SpheresAndSpots) {
 // Parallel light starts on a disk outside the bounds.
 template <int D>
 std::vector<double> before(const BoundingSphere<D>& bounds, const EmittedPhoton<D>& photon) {
-  const Vec<D> beside = (photon.origin - bounds.centre) / bounds.radius + photon.direction;
+  const Vec<D> beside = (photon.origin - bounds.center) / bounds.radius + photon.direction;
   EXPECT_NEAR(beside.dot(photon.direction), 0, 1e-9);
   return disc_coordinates<D>(beside, photon.direction);
 }
@@ -602,7 +602,7 @@ TEST(Emission, ChoosesByPower) {
     const double choice = random.uniform();
     const U position = pair(random);
     const auto start = lights.emit(0.5, choice, position, pair(random), random);
-    const Vec3 world = start.from.position / tracer.frame().scale + tracer.frame().centre;
+    const Vec3 world = start.from.position / tracer.frame().scale + tracer.frame().center;
     const AreaLight<3> lamp = area_light<3>();
     int light = 4;
     if ((start.from.position - bulb).length() < 1e-6) {

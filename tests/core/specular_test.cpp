@@ -75,7 +75,7 @@ TEST(Specular, ObeysSnellsLaw) {
 }
 
 // Returns an octahedron, subdivided `times` times, with its vertices on a sphere.
-Mesh<3> sphere_mesh(const std::string& name, const Vec3& centre, double radius, int times) {
+Mesh<3> sphere_mesh(const std::string& name, const Vec3& center, double radius, int times) {
   std::vector<Vec3> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<Vec3, 3>> faces;
   for (const int x : {0, 1}) {
@@ -101,7 +101,7 @@ Mesh<3> sphere_mesh(const std::string& name, const Vec3& centre, double radius, 
     typename Mesh<3>::Facet facet;
     for (int i = 0; i < 3; ++i) {
       facet[i] = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.emplace_back(centre + face[i] * radius);
+      mesh.vertices.emplace_back(center + face[i] * radius);
     }
     mesh.facets.push_back(facet);
   }

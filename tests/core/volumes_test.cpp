@@ -105,7 +105,7 @@ TEST(Isosurfaces, EmitTheirOwnLight) {
   }
 }
 
-TEST(Isosurfaces, TakeTheirColourFromTheIsovalue) {
+TEST(Isosurfaces, TakeTheirColorFromTheIsovalue) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.1f, 0.1f)}, {0.9, Rgb(0.1f, 0.1f, 0.9f)}});
   test::expect_agreement(scene, 0.72, EstimatorName::gather, 64, 500'000, 0.01, 0.06);

@@ -68,7 +68,7 @@ def test_parts_of_an_error():
     assert parts_of(radiance, np.full(n, 0.02), path, path, 1.0)["mesh_percent"] is None
 
 
-def test_colours_saturate(box_bake):
+def test_colors_saturate(box_bake):
     """Checks that an exposure at which all is white hides differences of color, but not of
     radiance.
     """

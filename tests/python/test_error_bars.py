@@ -65,9 +65,9 @@ def test_estimated_error_of_the_bake(bump_scene):
     estimated = few.statistics.estimated_rms_percent
     assert 0 < more.statistics.estimated_rms_percent < estimated / 3
     active = few.grid.mask().astype(bool)
-    colours = [
+    colors = [
         np.clip(one.grid.dense("radiance")[active] * bump_scene.exposure, 0, 1)
         for one in (few, more)
     ]
-    true = 100 * np.sqrt(np.square(colours[0] - colours[1]).mean())
+    true = 100 * np.sqrt(np.square(colors[0] - colors[1]).mean())
     assert true / 2 < estimated < 2 * true

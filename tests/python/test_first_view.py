@@ -143,9 +143,9 @@ def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
     assert (picture[..., 3] == 1).mean() > 0.6
     row = np.flatnonzero(picture[60, :, 3])
     ends = [row[0] + 1, row[-1] - 1]
-    colours = picture[60, ends, :3]
+    colors = picture[60, ends, :3]
     # Seen from the front, the left wall is red, and the right one green.
-    assert colours[0, 0] > 3 * colours[0, 1] and colours[1, 1] > 2 * colours[1, 0]
+    assert colors[0, 0] > 3 * colors[0, 1] and colors[1, 1] > 2 * colors[1, 0]
     local = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1, local=True)
     np.testing.assert_allclose(local[60, ends], picture[60, ends])
 

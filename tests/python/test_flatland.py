@@ -70,7 +70,7 @@ def test_lit_isolines_are_those_of_path_tracing(baked):
     assert np.sqrt((difference**2).mean()) < 0.12 * truth.mean()
 
 
-def test_walls_colour_their_side(baked):
+def test_walls_color_their_side(baked):
     texture = baked.texture()
     assert texture.shape == (60, 60, 3)
     red, green = texture[..., 0], texture[..., 1]

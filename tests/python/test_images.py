@@ -8,12 +8,12 @@ from leaflight import LeaflightError, _core
 from leaflight.io.images import luminance, read_pixels, read_texture
 from PIL import Image
 
-GREY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
-COLOR = np.stack([GREY, GREY // 2, 255 - GREY], axis=2)
+GRAY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
+COLOR = np.stack([GRAY, GRAY // 2, 255 - GRAY], axis=2)
 
 
 @pytest.mark.parametrize("name", ["x.png", "x.tif", "X.TIFF"])
-@pytest.mark.parametrize("pixels", [GREY, COLOR, GREY.astype(np.uint16) * 257])
+@pytest.mark.parametrize("pixels", [GRAY, COLOR, GRAY.astype(np.uint16) * 257])
 def test_stored_numbers(tmp_path, name, pixels):
     path = tmp_path / name
     if name == "x.png":
@@ -57,7 +57,7 @@ def test_integers_are_srgb(tmp_path):
 
 
 def test_luminance():
-    np.testing.assert_array_equal(luminance(GREY), GREY)
+    np.testing.assert_array_equal(luminance(GRAY), GRAY)
     weights = luminance(np.eye(3)[None] * 10000)
     np.testing.assert_allclose(weights, [[2126, 7152, 722]], rtol=1e-6)
 

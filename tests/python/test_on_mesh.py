@@ -63,8 +63,8 @@ def test_probes_lie_where_cycles_bakes_their_pixels(count):
     a, b, c = (uv[probes.facets, k] * [width, height] for k in range(3))
     u, v = probes.coordinates.T[..., None]
     assert (u > 0).all() and (v > 0).all() and (u + v < 1).all()
-    centres = np.stack([pixels % width, pixels // width], axis=1) + 0.5
-    np.testing.assert_allclose(a + u * (b - a) + v * (c - a), centres, atol=1e-3)
+    centers = np.stack([pixels % width, pixels // width], axis=1) + 0.5
+    np.testing.assert_allclose(a + u * (b - a) + v * (c - a), centers, atol=1e-3)
     on_mesh = positions(VERTICES, TRIANGLES, probes.facets, probes.coordinates)
     np.testing.assert_array_equal(probes.points, on_mesh)
     shares = np.bincount(probes.facets, probes.weights, minlength=3)

@@ -42,8 +42,8 @@ def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
     emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
     direct = photons.flux_height[photons.direct].sum(axis=0)
     assert (direct < emitted).all() and (direct > 0.05 * emitted).all()
-    colours = photons.colours()
-    assert colours.mean() == pytest.approx(0.5, rel=1e-4)
+    colors = photons.colors()
+    assert colors.mean() == pytest.approx(0.5, rel=1e-4)
 
 
 def test_command(root, tmp_path, capsys, photons):

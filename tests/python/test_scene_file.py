@@ -407,6 +407,6 @@ def test_how_to_read_a_source(tmp_path, cli, root):
     first, second = leaflight.load_bake(out).volumes
     assert second.field().range[1] == 2 * first.field().range[1]
     np.testing.assert_allclose(np.diag(second.index_to_world), [1, 1, 2, 1])
-    volumes[0]["reading"] = {"colour": 1}
+    volumes[0]["reading"] = {"color": 1}
     path.write_text(json.dumps({**scene, "volumes": volumes}))
-    assert "colour" in cli("bake", "--scene", path, *work).err
+    assert "color" in cli("bake", "--scene", path, *work).err

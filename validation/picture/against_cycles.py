@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from leaflight import _core, blender
-from leaflight.io.images import display_colours
+from leaflight.io.images import display_colors
 from leaflight.measure.flip import flip
 from PIL import Image
 
@@ -74,7 +74,7 @@ def row_of(found, folder):
         for still in ("baked", "cycles")
     )
     seen = flip(baked, cycles, found["exposure"]).map
-    shown = [display_colours(still, found["exposure"]) for still in (baked, cycles)]
+    shown = [display_colors(still, found["exposure"]) for still in (baked, cycles)]
     crops = [
         np.concatenate([enlarged(still, place) for still in shown], axis=1)
         for place in largest(seen)

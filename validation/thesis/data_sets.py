@@ -76,7 +76,7 @@ class DataRow:
     estimated: float
     error: float
     noise: float
-    colour: float
+    color: float
     vertices: float
     direct: float
 
@@ -173,7 +173,7 @@ def _row(data_set, volumes, effort):
         baked.statistics.estimated_error_percent,
         error,
         reference.noise,
-        reference.colour,
+        reference.color,
         vertices,
         vertices * reference.seconds_to(error),
     )

@@ -359,7 +359,7 @@ class _Isosurface:
         return (
             f"The error is that at {len(self._mesh.chosen)} of the isosurface's "
             f"{len(self.vertices)} vertices, against {self._effort.paths} paths at each; mean "
-            f"colour {self._reference.colour:.2f}. The "
+            f"color {self._reference.color:.2f}. The "
             f"reference's own noise is {self._reference.noise:.2f} %; nothing is subtracted."
         )
 

@@ -53,7 +53,7 @@ class Isosurfaces:
         return noise_percent(self.truth, self.standard_error, self.exposure)
 
     @property
-    def colour(self):
+    def color(self):
         """The mean color."""
         return float(np.clip(self.truth * self.exposure, 0, 1).mean())
 
@@ -75,8 +75,8 @@ class Isosurfaces:
 
     def spread(self, radiances):
         """Returns the RMS deviation, in percent, among bakes that differ only in their seed."""
-        colours = np.clip(np.float64(radiances) * self.exposure, 0, 1)
-        return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
+        colors = np.clip(np.float64(radiances) * self.exposure, 0, 1)
+        return 100.0 * float(np.sqrt(colors.var(axis=0, ddof=1).mean()))
 
 
 def isosurfaces(volumes, scene, isovalue_range, isovalues, vertices, paths, seed):

@@ -2,7 +2,7 @@
 """Pictures of textures, slices and isosurfaces as uint8 [row, column, RGB]."""
 
 import numpy as np
-from leaflight.io.images import display_colours
+from leaflight.io.images import display_colors
 
 # View direction towards isosurfaces, with y up.
 TOWARDS = (0.3, 0.45, -1.0)
@@ -13,7 +13,7 @@ GAP = 8
 
 def texture_picture(texture, exposure):
     """Returns a displayed texture of radiance [y, x, RGB], y up."""
-    return display_colours(texture[::-1], exposure)
+    return display_colors(texture[::-1], exposure)
 
 
 def slice_picture(texture, exposure, zoom):
@@ -37,10 +37,10 @@ def surface_picture(vertices, triangles, radiance, exposure):
 
     image = Image.new("RGB", (SIZE, SIZE), (BACKGROUND,) * 3)
     draw = ImageDraw.Draw(image)
-    colours = display_colours(radiance[triangles].mean(axis=1), exposure)
+    colors = display_colors(radiance[triangles].mean(axis=1), exposure)
     # Paint from far to near.
     for t in np.argsort(-seen[triangles, 2].mean(axis=1), kind="stable"):
-        draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colours[t].tolist()))
+        draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colors[t].tolist()))
     return np.asarray(image)
 
 

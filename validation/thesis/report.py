@@ -152,7 +152,7 @@ def curves_text(curves):
         f"- Each bake lights all isosurfaces of the bump box, with {effort.texels}^3 nodes. The "
         f"error is measured at {len(reference.truth)} vertices of the isosurfaces "
         f"{isovalues}, against {reference.paths:,} paths at each. The mean color is "
-        f"{reference.colour:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
+        f"{reference.color:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
         "subtracted.",
         f"- {BAKE} has default settings, but for its texels: their number a side is in the column "
         "*samples*. The others are the methods of the thesis, with as many texels as nodes. "
@@ -248,7 +248,7 @@ def data_rows(rows):
                 "estimated %": row.estimated,
                 "RMS %": row.error,
                 "of which noise %": row.noise,
-                "mean colour": row.colour,
+                "mean color": row.color,
                 "break-even": row.break_even,
                 "peak MiB": row.cost.peak / MEBIBYTE,
                 "file MiB": row.cost.file / MEBIBYTE,
@@ -311,7 +311,7 @@ DATA_FORMATS = {
     "estimated %": "{:.2f}",
     "RMS %": "{:.2f}",
     "of which noise %": "{:.2f}",
-    "mean colour": "{:.2f}",
+    "mean color": "{:.2f}",
     "break-even": "{:.1f}",
     "peak MiB": "{:.0f}",
     "file MiB": "{:.1f}",

@@ -129,7 +129,7 @@ def _fill(mesh, positions, flux, c, direct):
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     # Scale the mean flux to 1, because absolute flux is no useful color.
-    fill.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
+    fill.color(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
     attribute = mesh.attributes.new(COMMON_ISOVALUE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
     attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")

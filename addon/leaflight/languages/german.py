@@ -105,7 +105,7 @@ MESSAGES = {
     "Orientation Cube": "Orientierungswürfel",
     "Bakes: %s": "Beleuchtungen: %s",
     "Bakes: %s (unused: %s)": "Beleuchtungen: %s (unbenutzt: %s)",
-    # Why a button is greyed.
+    # Why a button is grayed.
     "Leave Edit Mode first": "Erst den Bearbeitungsmodus verlassen",
     "Leaflight is busy; Esc stops it": "Leaflight arbeitet; Esc hält es an",
     "Select or import a volume first (File > Import > Volume for Leaflight)": (

@@ -17,7 +17,7 @@ from .. import session
 from ..store import bake_files
 from ..store.reading import StillReading
 from . import display, isosurface, lamps, preview, surface_material
-from .fill import colour, fill
+from .fill import color, fill
 
 # Approximate limit of the triangles of a surface while its isovalue moves.
 MOVING_TRIANGLES = 150_000
@@ -154,7 +154,7 @@ def _color(obj, label, surface):
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", vertices)
     for name, radiance in surface.radiance(vertices.reshape(-1, 3)).items():
-        colour(mesh, name, radiance)
+        color(mesh, name, radiance)
     mesh[_SHOWN] = label
     mesh.update()
     shade(obj)

@@ -89,7 +89,7 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
 template <int D>
 Frame<D>::Frame(const Scene<D>& scene) {
   const Box<D> box = framed_box(scene);
-  centre = (box.low + box.high) * 0.5;
+  center = (box.low + box.high) * 0.5;
   scale = 1 / box.longest_side();
 }
 

@@ -54,11 +54,11 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
 // The transform from world coordinates to the frame.
 template <int D>
 struct Frame {
-  Vec<D> centre{0.0};
+  Vec<D> center{0.0};
   double scale = 1;
 
   explicit Frame(const Scene<D>& scene);
-  Vec<D> point(const Vec<D>& p) const { return (p - centre) * scale; }
+  Vec<D> point(const Vec<D>& p) const { return (p - center) * scale; }
   // Returns the transform from index coordinates of a field to the frame.
   Affine<D> index_to_frame(const Field<D>& field) const;
 };
@@ -66,7 +66,7 @@ struct Frame {
 // A sphere around everything that rays can hit, in the frame.
 template <int D>
 struct BoundingSphere {
-  Vec<D> centre{0.0};
+  Vec<D> center{0.0};
   double radius = 0;
 };
 

@@ -120,7 +120,7 @@ float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
                        const IsosurfaceTexel<D>& texel,
                        float (IsosurfaceCache<D>::*variance)(std::int32_t, bool) const) {
   const IsosurfaceRadiance<D>& isosurface = isosurfaces[texel.volume];
-  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.centre);
+  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.center);
   if (!isosurface.photons || slot == TexelLattice<D>::inactive) return 0;
   const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
   return brdf * brdf * (isosurface.photons->*variance)(slot, texel.back);
@@ -229,8 +229,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const TexelLattice<D>& lattice = *isosurface.lattice;
     std::vector<Rgb> radiance(lattice.active.size());
     for (std::size_t s = 0; s < radiance.size(); ++s) {
-      const Vec<D> centre = lattice.centre(lattice.active[s]);
-      radiance[s] = albedo_near(volume, centre) / static_cast<Real>(projected_hemisphere<D>) *
+      const Vec<D> center = lattice.center(lattice.active[s]);
+      radiance[s] = albedo_near(volume, center) / static_cast<Real>(projected_hemisphere<D>) *
                     isosurface.photons->irradiance(static_cast<std::int32_t>(s), side);
       if (!isosurface.direct[side].empty()) radiance[s] += isosurface.direct[side][s];
     }

@@ -310,7 +310,7 @@ Rgb radiance_along(const Light<D>& light, const Vec<D>& origin, const Vec<D>& di
 template <int D>
 Vec<D> parallel_origin(const BoundingSphere<D>& bounds, const Vec<D>& direction,
                        const std::array<double, 2>& u) {
-  return bounds.centre + (sample_facing_disc<D>(direction, u) - direction) * bounds.radius;
+  return bounds.center + (sample_facing_disc<D>(direction, u) - direction) * bounds.radius;
 }
 
 template <int D>

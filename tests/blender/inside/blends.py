@@ -6,7 +6,7 @@ import leaflight
 import numpy as np
 from leaflight_addon.show import surface_object
 from leaflight_addon.store import bake_files, cache
-from tools import close, colours_of, mesh_arrays
+from tools import close, colors_of, mesh_arrays
 
 
 def open_saved(blend, bake=False):
@@ -73,4 +73,4 @@ def assert_lit(obj, isovalue=None):
 
 
 def mean_radiance(obj):
-    return float(colours_of(obj).mean())
+    return float(colors_of(obj).mean())

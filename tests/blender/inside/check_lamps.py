@@ -9,7 +9,7 @@ from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
-from tools import add_light, close, colours_of, render_exr, vertices_of
+from tools import add_light, close, colors_of, render_exr, vertices_of
 
 EXACT = "Lamps have changed since the bake: their light is scaled, which is exact"
 SCALED = "Lamps have changed since the bake: direct light is exact, indirect light is scaled"
@@ -34,13 +34,13 @@ def walls():
     return found
 
 
-def colours(obj):
+def colors(obj):
     """Returns the colors of the isosurface and the colors of all walls."""
-    return colours_of(obj), np.concatenate([colours_of(wall) for wall in walls()])
+    return colors_of(obj), np.concatenate([colors_of(wall) for wall in walls()])
 
 
 def assert_scaled(obj, before, factor, tolerance=1e-4):
-    for now, then in zip(colours(obj), before):
+    for now, then in zip(colors(obj), before):
         assert then.max() > 0.05
         close(now, np.multiply(then, factor), tolerance * then.max() * max(1.0, np.max(factor)))
 
@@ -51,7 +51,7 @@ def change(obj):
 
 
 def check_what_is_shown_follows_one_lamp(uncut, lit):
-    before, vertices = colours(lit), vertices_of(lit)
+    before, vertices = colors(lit), vertices_of(lit)
     mode = drawn(bake_panel.LEAFLIGHT_PT_bake_details)
     assert EXACT not in mode and SCALED not in mode
     lamp().energy *= 3.0
@@ -68,7 +68,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     lit.leaflight.isovalue = 45.0
     points = vertices_of(lit)
     close(
-        colours_of(lit), lamps.light_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
+        colors_of(lit), lamps.light_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
     )
     lit.leaflight.isovalue = 50.0
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
@@ -86,7 +86,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
 
 
 def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
-    before = colours(lit)
+    before = colors(lit)
     lamp().energy *= 2.0
     for change_it, back in (
         (lambda: setattr(lamp(), "size", 1.5 * lamp().size), lambda s: setattr(lamp(), "size", s)),
@@ -113,15 +113,15 @@ def check_of_two_lamps_each_follows_by_itself(passes):
     side = add_light("POINT", tuple(middle - (8, 8, 0)), energy=4000.0, color=(1.0, 0.5, 0.0))
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    before = colours_of(passes)
+    before = colors_of(passes)
     side.data.energy *= 0.5
     bpy.context.view_layer.update()
     assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake_details) and change(passes) == ""
     bake = cache.bake_of(passes).relit({side.name: 0.5})
     points = vertices_of(passes)
     expected = bake.grid.lookup(cache.volume_of(passes).field(), points)
-    close(colours_of(passes), expected, 1e-4 * expected.max())
-    assert np.abs(colours_of(passes) - before).max() > 0.01 * before.max()
+    close(colors_of(passes), expected, 1e-4 * expected.max())
+    assert np.abs(colors_of(passes) - before).max() > 0.01 * before.max()
     # A channel that was black in the bake cannot be scaled.
     side.data.color = (1.0, 0.5, 1.0)
     bpy.context.view_layer.update()
@@ -129,7 +129,7 @@ def check_of_two_lamps_each_follows_by_itself(passes):
 
 
 def check_undo_files_frames_and_renders(lit, tmp_path):
-    before = colours(lit)
+    before = colors(lit)
     path = str(tmp_path / "scene.blend")
     lamp().energy *= 2.0
     bpy.context.view_layer.update()
@@ -174,7 +174,7 @@ def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
     with pytest.raises(RuntimeError, match="Lamps have changed"):
         bpy.ops.leaflight.continue_bake()
     # A new bake uses the current strengths.
-    before = colours_of(lit)
+    before = colors_of(lit)
     bpy.ops.leaflight.bake()
     assert lamps.factors_of(lit.leaflight) == ()
-    assert abs(colours_of(lit).mean() / before.mean() - 1) < 0.1
+    assert abs(colors_of(lit).mean() / before.mean() - 1) < 0.1

@@ -17,7 +17,7 @@ from tools import (
     close,
     constant_material,
     noise_image,
-    one_coloured_world,
+    one_colored_world,
     rendered_probe,
     smooth_image,
     traced_probe,
@@ -165,7 +165,7 @@ def check_an_emissive_mesh(assert_probe_agrees, kind):
 
 
 def check_a_world_of_one_color(assert_probe_agrees):
-    bpy.context.scene.world = one_coloured_world((0.3, 0.5, 0.9))
+    bpy.context.scene.world = one_colored_world((0.3, 0.5, 0.9))
     description = assert_probe_agrees(samples=64)
     close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
 
@@ -362,7 +362,7 @@ def check_dark_worlds(probe):
 
 
 def _bright():
-    return one_coloured_world((0, 0, 0.1))
+    return one_colored_world((0, 0, 0.1))
 
 
 def check_units_of_other_versions():

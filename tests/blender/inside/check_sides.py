@@ -10,7 +10,7 @@ from leaflight import blender
 from leaflight_addon.store import atlases, bake_files, cache
 from leaflight_addon.ui import volume_panel
 from passes import drawn
-from tools import close, colours_of, look_down, mesh_arrays, render_exr, texels_at
+from tools import close, colors_of, look_down, mesh_arrays, render_exr, texels_at
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def two_sided(boxed):
 def check_the_mesh_has_both(two_sided):
     vertices, _, front = mesh_arrays(two_sided)
     grid, field = cache.grid_of(two_sided), cache.volume_of(two_sided).field()
-    back = colours_of(two_sided, "radiance_back")
+    back = colors_of(two_sided, "radiance_back")
     close(front, grid.lookup(field, vertices), 1e-6)
     close(back, grid.lookup(field, vertices, back=True), 1e-6)
     assert np.abs(back - front).max() > 0.01
@@ -56,10 +56,10 @@ def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
         mesh.from_pydata(local.tolist(), [], [order])
         mesh.materials.append(material)
         for name, side in (("radiance", False), ("radiance_back", True)):
-            colours = np.ones((3, 4), np.float32)
-            colours[:, :3] = grid.lookup(field, middle[None], back=side)
+            colors = np.ones((3, 4), np.float32)
+            colors[:, :3] = grid.lookup(field, middle[None], back=side)
             attribute = mesh.attributes.new(name, "FLOAT_COLOR", "POINT")
-            attribute.data.foreach_set("color", colours.ravel())
+            attribute.data.foreach_set("color", colors.ravel())
         facet = bpy.data.objects.new("Facet", mesh)
         facet.matrix_world = two_sided.matrix_world
         bpy.context.scene.collection.objects.link(facet)

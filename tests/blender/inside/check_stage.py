@@ -15,7 +15,7 @@ from tools import (
     close,
     error_of,
     in_frame,
-    one_coloured_world,
+    one_colored_world,
     to_world,
     vertices_of,
 )
@@ -286,7 +286,7 @@ def check_others_may_stay(bumps):
 
 @pytest.mark.parametrize("preset", BUILT)
 def check_another_stage_replaces_its_own_objects_and_no_other(bumps, preset):
-    mine = one_coloured_world((0.2, 0.3, 0.4), name="Mine")
+    mine = one_colored_world((0.2, 0.3, 0.4), name="Mine")
     bpy.context.scene.world = mine
     _stage("OPEN_FLOOR")
     first = _staged()
@@ -309,7 +309,7 @@ def check_another_stage_replaces_its_own_objects_and_no_other(bumps, preset):
 
 def check_my_scene_is_left_as_it_is(bumps):
     assert "choose one" in error_of(bpy.ops.leaflight.stage, preset="MY_SCENE")
-    mine = one_coloured_world((0.2, 0.3, 0.4), name="Mine")
+    mine = one_colored_world((0.2, 0.3, 0.4), name="Mine")
     scene = bpy.context.scene
     scene.world = mine
     own = bpy.data.collections.new("Own")

@@ -55,9 +55,9 @@ def _glowing_wall():
 @pytest.mark.parametrize("kind", ["ShaderNodeBsdfGlossy", "ShaderNodeBsdfPrincipled"])
 def check_a_mirror(probe, tmp_path, kind):
     _glowing_wall()
-    colour = (0.9, 0.8, 0.6, 1)
+    color = (0.9, 0.8, 0.6, 1)
     if kind == "ShaderNodeBsdfGlossy":
-        inputs = {"Color": colour, "Roughness": 0.0}
+        inputs = {"Color": color, "Roughness": 0.0}
     else:
         # Use white, because the Principled BSDF makes other colors whiter at grazing angles.
         inputs = {"Base Color": (1, 1, 1, 1), "Metallic": 1.0, "Roughness": 0.0}

@@ -7,7 +7,7 @@ import pytest
 from leaflight_addon.show import display, preview, properties, surface_object, walls
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from tools import close, colours_of, render_exr
+from tools import close, colors_of, render_exr
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def assert_walls_show(lit, c, tolerance=1e-5):
         close(found, vertices, 1e-5)
         for name, back in (("radiance", False), ("radiance_back", True)):
             expected = bake.walls.radiance(obj["leaflight_wall"], c, back=back)
-            close(colours_of(obj, name), expected, tolerance)
+            close(colors_of(obj, name), expected, tolerance)
 
 
 def check_displays_stand_in_for_the_walls(lit):
@@ -166,7 +166,7 @@ def check_walls_are_of_the_same_pass_as_the_isosurface(lit):
     preview.put(lit, other, 0, [x for row in lit.matrix_world for x in row])
     walls.show_pass(scene)
     index = displays()[0]["leaflight_wall"]
-    close(colours_of(displays()[0]), other.walls.radiance(index, c, back=False), 1e-5)
+    close(colors_of(displays()[0]), other.walls.radiance(index, c, back=False), 1e-5)
     surface_object.forget_passes()
     walls.refresh(scene)
     assert_walls_show(lit, c)

@@ -50,7 +50,7 @@ def mesh_arrays(obj):
     mesh.loops.foreach_get("vertex_index", triangles)
     radiance = None
     if "radiance" in mesh.attributes:
-        radiance = colours_of(obj)
+        radiance = colors_of(obj)
     return vertices, triangles.reshape(-1, 3), radiance
 
 
@@ -61,11 +61,11 @@ def vertices_of(obj):
     return vertices.reshape(-1, 3)
 
 
-def colours_of(obj, name="radiance"):
+def colors_of(obj, name="radiance"):
     """Returns linear RGB (n, 3) of a color attribute of the mesh of an object."""
-    colours = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("color", colours)
-    return colours.reshape(-1, 4)[:, :3]
+    colors = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.attributes[name].data.foreach_get("color", colors)
+    return colors.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
@@ -242,7 +242,7 @@ def build_probe(albedo):
     Put lights beside the camera, not above.
     """
     scene = bpy.context.scene
-    scene.world = one_coloured_world((0, 0, 0))
+    scene.world = one_colored_world((0, 0, 0))
     bpy.ops.mesh.primitive_plane_add(size=0.002)
     probe = bpy.context.object
     probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*albedo, 1.0)))
@@ -285,26 +285,26 @@ def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
     return obj
 
 
-def plain_material(name, colour):
+def plain_material(name, color):
     """Returns a new diffuse material, without nodes if this Blender still supports that."""
     material = bpy.data.materials.new(name)
-    material.diffuse_color = (*colour, 1.0)
+    material.diffuse_color = (*color, 1.0)
     tree = versions.node_tree(material)
     for node in tree.nodes if tree else ():
         if node.type == "BSDF_PRINCIPLED":
-            node.inputs["Base Color"].default_value = (*colour, 1.0)
+            node.inputs["Base Color"].default_value = (*color, 1.0)
             node.inputs["Specular IOR Level"].default_value = 0.0
     return material
 
 
-def one_coloured_world(colour, name="World"):
+def one_colored_world(color, name="World"):
     """Returns a new world of one color, likewise."""
     world = bpy.data.worlds.new(name)
-    world.color = colour
+    world.color = color
     tree = versions.node_tree(world)
     for node in tree.nodes if tree else ():
         if node.type == "BACKGROUND":
-            node.inputs["Color"].default_value = (*colour, 1.0)
+            node.inputs["Color"].default_value = (*color, 1.0)
     return world
 
 
@@ -338,11 +338,11 @@ def smooth_image(width, height):
     return _image(0.5 + 0.4 * np.stack(waves, axis=-1), False)
 
 
-def _image(colours, is_float):
-    height, width, _ = colours.shape
+def _image(colors, is_float):
+    height, width, _ = colors.shape
     image = bpy.data.images.new("Picture", width, height, float_buffer=is_float)
     pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = colours
+    pixels[..., :3] = colors
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     return image
@@ -350,8 +350,8 @@ def _image(colours, is_float):
 
 def camera_rays_down(width, size):
     """Returns world x and y of the pixels of an orthographic camera above, top row first."""
-    centre = (np.arange(size) + 0.5) / size - 0.5
-    return np.meshgrid(width * centre, -width * centre)
+    center = (np.arange(size) + 0.5) / size - 0.5
+    return np.meshgrid(width * center, -width * center)
 
 
 def look_down(height, width):

@@ -39,8 +39,8 @@ double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattic
   double sum = 0, area = 0;
   const std::size_t step = 1 + lattice.active.size() / most_texels;
   for (std::size_t s = 0; s < lattice.active.size(); s += step) {
-    const Vec<D> centre = lattice.centre(lattice.active[s]);
-    const Vec<D> gradient = shading_gradient(field, locate(field, centre));
+    const Vec<D> center = lattice.center(lattice.active[s]);
+    const Vec<D> gradient = shading_gradient(field, locate(field, center));
     const double difference = (gradient * lattice.voxels_per_texel).length();
     sum += difference * difference;
     area += difference;
@@ -171,7 +171,7 @@ void DirectLight<D>::take(const DirectLight& earlier, const std::vector<int>& nu
       maps.lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
           const std::int32_t slot =
-              nearest_active_slot(earlier.lattice(), maps.lattice.centre(maps.lattice.active[s]));
+              nearest_active_slot(earlier.lattice(), maps.lattice.center(maps.lattice.active[s]));
           if (slot == TexelLattice<D>::inactive) continue;
           for (std::size_t i = 0; i < count; ++i) {
             if (numbers[i] >= 0)
@@ -251,7 +251,7 @@ void DirectLight<D>::bound(Block& of, std::size_t first, std::size_t end) const 
     }
     box.extend(source.position);
   }
-  of.centre = Vec<D, float>((box.low + box.high) * 0.5);
+  of.center = Vec<D, float>((box.low + box.high) * 0.5);
   of.radius = static_cast<float>((box.high - box.low).length() * 0.5);
 }
 

@@ -101,12 +101,12 @@ class DirectLight {
     std::array<Row, 3> amount{};
     std::vector<int> cones;  // points with a cone
     // A ball in the frame that contains the points; infinite for lights at infinity.
-    Vec<D, float> centre{0.0f};
+    Vec<D, float> center{0.0f};
     float radius = 0;
 
     // True if all points lie below the horizon of a receiver.
     bool is_behind(const Receiver& seen) const {
-      const Vec<D, float> way = centre - seen.position;
+      const Vec<D, float> way = center - seen.position;
       return way.dot(seen.normal) + radius < -rounding * way.length();
     }
   };

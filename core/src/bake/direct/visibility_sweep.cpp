@@ -169,7 +169,7 @@ class AxisSweep {
         if (source_.infinite) {
           const Vec<D> entry = to_frame_.point(one);
           const double back =
-              2 * tracer_.bounds().radius + (entry - tracer_.bounds().centre).length();
+              2 * tracer_.bounds().radius + (entry - tracer_.bounds().center).length();
           origin = entry - way * back;
           t = -back / length;
         } else {

@@ -72,7 +72,7 @@ void VisibilityThrough<D>::run(const LightSource<D>& source, std::vector<std::ui
       source.infinite ? -to_other_.vector(source.direction) : to_other_.point(source.position);
   const double length = source.infinite ? std::numeric_limits<double>::infinity() : 1;
   for (const std::uint32_t node : nodes_.active) {
-    const Vec<D> from = to_other_.point(to_frame_.point(nodes_.centre(node)));
+    const Vec<D> from = to_other_.point(to_frame_.point(nodes_.center(node)));
     const auto at = entry(field_, from, source.infinite ? light : light - from, length);
     if (!at) continue;
     // The sweep ignores the first voxel on the way.

@@ -247,7 +247,7 @@ WallRadiance<D> LineBake<D>::walls() {
       }
       for (std::size_t s = 0; s < indirect_sides_[side].size(); ++s) {
         all[s] += indirect_sides_[side][s] *
-                  albedo_near(volume_.volume(), lattice.centre(lattice.active[s]));
+                  albedo_near(volume_.volume(), lattice.center(lattice.active[s]));
       }
     }
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
@@ -292,7 +292,7 @@ std::vector<Rgb> LineBake<D>::direct_at(const TexelLattice<D>& lattice, bool bac
   const Field<D>& field = volume_.volume().field;
   parallel_range(found.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      found[s] = direct_->radiance(field, lattice.centre(lattice.active[s]), back);
+      found[s] = direct_->radiance(field, lattice.center(lattice.active[s]), back);
     }
   });
   return found;
@@ -362,12 +362,12 @@ void LineBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& of = volume_.volume();
   const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
   for (std::size_t s = 0; s < indirect.size(); ++s) {
-    const Vec<D> centre = texels_.lattice.centre(texels_.lattice.active[s]);
-    const Rgb albedo = albedo_near(of, centre);
+    const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
+    const Rgb albedo = albedo_near(of, center);
     indirect[s].mean *= albedo;
     const auto scale = static_cast<float>(average(albedo));
     indirect[s].variance *= scale * scale;
-    indirect[s].mean += emission_near(of, isovalue_range, centre);
+    indirect[s].mean += emission_near(of, isovalue_range, center);
   }
 }
 
@@ -378,15 +378,15 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, settings_.seed)) {
     const TexelWeights<D> near = linear_weights(texels_.lattice, point.position);
-    double colour = 0, deviation = 0;
+    double color = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
       const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
-      colour += w * average(d.mean + m.mean);
+      color += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
     // Errors of colors brighter than white are invisible.
-    const bool is_white = colour * settings_.exposure > 1;
+    const bool is_white = color * settings_.exposure > 1;
     errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);
   }
 }

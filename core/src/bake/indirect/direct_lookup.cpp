@@ -54,7 +54,7 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
   }
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> position = lattice.centre(lattice.active[s]);
+      const Vec<D> position = lattice.center(lattice.active[s]);
       const Vec<D> gradient =
           to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
       const double steep = gradient.length();

@@ -24,14 +24,14 @@ constexpr float quarter_distance = 0.75f;
 
 // The neighbors of texels, `reach` texels away along some axes.
 template <int D>
-class Neighbours {
+class Neighbors {
  public:
-  Neighbours(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
+  Neighbors(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
     Index<D> low, high;
     low.fill(-1);
     high.fill(2);
     for_each_index<D>(low, high, [&](const Index<D>& step) {
-      Neighbour one{step, 0, 1};
+      Neighbor one{step, 0, 1};
       for (int a = D; a-- > 0;) {
         one.offset = one.offset * texels.lattice.resolution[a] + step[a] * reach;
         if (step[a] != 0) one.weight *= beside;
@@ -50,7 +50,7 @@ class Neighbours {
     for (int a = 0; a < D; ++a) {
       within = within && texel[a] >= reach_ && texel[a] + reach_ < lattice.resolution[a];
     }
-    for (const Neighbour& one : all_) {
+    for (const Neighbor& one : all_) {
       if (!within && outside(texel, one.step)) continue;
       const std::int32_t s = texels_.slots[number + one.offset];
       if (s != TexelLattice<D>::inactive) visit(static_cast<std::size_t>(s), one.weight);
@@ -58,7 +58,7 @@ class Neighbours {
   }
 
  private:
-  struct Neighbour {
+  struct Neighbor {
     Index<D> step;
     std::ptrdiff_t offset;
     float weight;
@@ -73,7 +73,7 @@ class Neighbours {
 
   const IndexedLattice<D>& texels_;
   int reach_;
-  std::vector<Neighbour> all_;
+  std::vector<Neighbor> all_;
 };
 
 // Calls body(slot) for all texels, in parallel.
@@ -117,12 +117,12 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 }
 
 template <int D>
-Offset offset_of(const Neighbours<D>& neighbours, const std::vector<TexelSurface<D>>& surfaces,
+Offset offset_of(const Neighbors<D>& neighbors, const std::vector<TexelSurface<D>>& surfaces,
                  const std::vector<Texel>& texels, bool across, std::size_t slot) {
   const Texel& own = texels[slot];
   Offset sum;
   float weights = own.halves.weight;
-  neighbours.of(slot, [&](std::size_t s, float place) {
+  neighbors.of(slot, [&](std::size_t s, float place) {
     const Texel& one = texels[s];
     const float weight = place * likeness(surfaces[slot], surfaces[s], across) * one.halves.weight;
     weights += weight;
@@ -150,10 +150,10 @@ Weighed weighed(float first, float second, float weight) {
   return {weight * first, weight * second, weight, 1};
 }
 template <int D>
-Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& of,
+Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& of,
                    std::size_t slot) {
   Weighed sums = of[slot];
-  neighbours.of(slot, [&](std::size_t s, float place) {
+  neighbors.of(slot, [&](std::size_t s, float place) {
     sums.first += place * of[s].first;
     sums.second += place * of[s].second;
     sums.weight += place * of[s].weight;
@@ -164,7 +164,7 @@ Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& 
 
 // Moves texels towards the mean of their neighbors. Updates the variances of `averages`.
 template <int D>
-void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
+void shrink(const Neighbors<D>& neighbors, const std::vector<Offset>& offsets,
             std::vector<Texel>& texels, std::vector<Average>& averages, Progress& progress) {
   const std::size_t count = texels.size();
   // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
@@ -176,7 +176,7 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
   });
   std::vector<float> of_light(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const Weighed about = sums_about(neighbours, changes, s);
+    const Weighed about = sums_about(neighbors, changes, s);
     HalfDifference& own = texels[s].halves;
     // The noise of a texel decreases with its samples; the light does not.
     const float by_noise = about.second / about.places;
@@ -191,7 +191,7 @@ void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = averages[s].variance;
-    const Weighed about = sums_about(neighbours, noise, s);
+    const Weighed about = sums_about(neighbors, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
     variance += of_light[s];
   });
@@ -209,11 +209,11 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
     release(light.halves);
     std::vector<Offset> offsets(lit.size());
     for (const Step& step : steps) {
-      const Neighbours<D> neighbours(texels, step.reach);
+      const Neighbors<D> neighbors(texels, step.reach);
       for_each_texel(lit.size(), progress, [&](std::size_t s) {
-        offsets[s] = offset_of(neighbours, surfaces, lit, step.across, s);
+        offsets[s] = offset_of(neighbors, surfaces, lit, step.across, s);
       });
-      shrink(neighbours, offsets, lit, light.averages, progress);
+      shrink(neighbors, offsets, lit, light.averages, progress);
     }
     for (std::size_t s = 0; s < lit.size(); ++s) light.averages[s].mean = lit[s].light;
   }

@@ -133,7 +133,7 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
   std::vector<Average> result(to.active.size());
   parallel_range(result.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const TexelWeights<D> near = linear_weights(from, to.centre(to.active[s]));
+      const TexelWeights<D> near = linear_weights(from, to.center(to.active[s]));
       float error = 0;
       for (int i = 0; i < near.count; ++i) {
         const Average& there = averages[near.slot[i]];

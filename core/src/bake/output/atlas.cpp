@@ -20,8 +20,8 @@ Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, fl
     low[a] = std::max(0, texel[a] - 1);
     high[a] = std::min(lattice.resolution[a], texel[a] + 2);
   }
-  for_each_index<3>(low, high, [&](const Index<3>& neighbour) {
-    const std::int32_t slot = lattice.slot[lattice.linear(neighbour)];
+  for_each_index<3>(low, high, [&](const Index<3>& neighbor) {
+    const std::int32_t slot = lattice.slot[lattice.linear(neighbor)];
     if (slot == TexelLattice<3>::inactive) return;
     sum += values[slot];
     ++count;

@@ -17,7 +17,7 @@ std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLa
   std::vector<AreaPoint<D>> points;
   for (std::size_t s = 0; s < lattice.active.size(); s += step) {
     Random random = random_for(seed, Purpose::noise, s);
-    Vec<D> position = lattice.centre(lattice.active[s]);
+    Vec<D> position = lattice.center(lattice.active[s]);
     for (int a = 0; a < D; ++a) {
       position[a] += (random.uniform() - 0.5) * lattice.voxels_per_texel[a];
     }

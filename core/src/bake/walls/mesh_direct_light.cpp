@@ -16,15 +16,15 @@ constexpr std::size_t ways_per_piece = 256;
 constexpr double points_of_lines_per_way = 48;
 
 // Assigns to each vertex the set of light points that its neighbors and their neighbors use least.
-std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
+std::vector<std::uint8_t> sets_of(const MeshNeighbors& neighbors, std::size_t vertices) {
   constexpr std::uint8_t none = light_point_sets;
   constexpr int near = 64;  // weight of a neighbor against all of theirs
   std::vector<std::uint8_t> sets(vertices, none);
   for (std::size_t v = 0; v < vertices; ++v) {
     std::array<int, light_point_sets + 1> uses{};
-    for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
+    for (const std::uint32_t* u = neighbors.begin(v); u != neighbors.end(v); ++u) {
       uses[sets[*u]] += near;
-      for (const std::uint32_t* w = neighbours.begin(*u); w != neighbours.end(*u); ++w) {
+      for (const std::uint32_t* w = neighbors.begin(*u); w != neighbors.end(*u); ++w) {
         ++uses[sets[*w]];
       }
     }
@@ -37,7 +37,7 @@ std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t 
 // Returns, by the number of a light point modulo `share`, the vertex that traces the shadow ray to
 // it. This is the nearest of the neighbors and their neighbors whose turn it is, or else the vertex
 // itself.
-std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbours,
+std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbors& neighbors,
                                                   const std::vector<std::uint8_t>& sets,
                                                   std::size_t vertex, std::size_t share) {
   std::array<std::uint32_t, light_point_sets> found;
@@ -48,10 +48,10 @@ std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbou
     std::uint32_t& turn = found[(light_point_sets * share - sets[u]) % share];
     if (turn == none) turn = u, --missing;
   };
-  const std::uint32_t *begin = neighbours.begin(vertex), *end = neighbours.end(vertex);
+  const std::uint32_t *begin = neighbors.begin(vertex), *end = neighbors.end(vertex);
   std::for_each(begin, end, offer);
   for (const std::uint32_t* u = begin; missing > 0 && u != end; ++u) {
-    std::for_each(neighbours.begin(*u), neighbours.end(*u), offer);
+    std::for_each(neighbors.begin(*u), neighbors.end(*u), offer);
   }
   std::replace(found.begin(), found.end(), none, static_cast<std::uint32_t>(vertex));
   return found;
@@ -137,8 +137,8 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
                                                                   std::size_t share,
                                                                   const Known& known) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
-  MeshWays of{known.ways ? known.ways->neighbours : MeshNeighbours(vertices, mesh.facets),
-              known.ways ? known.ways->sets : sets_of(of.neighbours, vertices),
+  MeshWays of{known.ways ? known.ways->neighbors : MeshNeighbors(vertices, mesh.facets),
+              known.ways ? known.ways->sets : sets_of(of.neighbors, vertices),
               {},
               {},
               {}};
@@ -153,7 +153,7 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
           if (known.ways) take(known, v, of);
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
           const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
-          const auto turn = turns(of.neighbours, of.sets, v, share);
+          const auto turn = turns(of.neighbors, of.sets, v, share);
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;
@@ -175,16 +175,16 @@ typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTra
           }
         }
       });
-  if (share > 1) take_from_neighbours(of, share, known);
+  if (share > 1) take_from_neighbors(of, share, known);
   return of;
 }
 
 template <int D>
-void MeshDirectLight<D>::take_from_neighbours(MeshWays& ways, std::size_t share,
+void MeshDirectLight<D>::take_from_neighbors(MeshWays& ways, std::size_t share,
                                               const Known& known) const {
   const std::size_t points = sets_[0].size();
   for (std::size_t v = 0; v < ways.sets.size(); ++v) {
-    const auto turn = turns(ways.neighbours, ways.sets, v, share);
+    const auto turn = turns(ways.neighbors, ways.sets, v, share);
     for (std::size_t i = 0; i < points; ++i) {
       const std::size_t own = v * points + i, other = turn[i % share] * points + i;
       if (known.has(place_of(sets_[ways.sets[v]][i]))) continue;
@@ -258,7 +258,7 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
   }
   std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
   for (std::size_t v = 0; v < vertices; ++v) {
-    const std::uint32_t *begin = of.neighbours.begin(v), *end = of.neighbours.end(v);
+    const std::uint32_t *begin = of.neighbors.begin(v), *end = of.neighbors.end(v);
     Vec<3, float> sum(0);
     for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
     radiance[v] *= sum / static_cast<float>(end - begin);

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bake/walls/mesh_neighbours.h"
+#include "bake/walls/mesh_neighbors.h"
 #include "bake/walls/subdivided_mesh.h"
 #include "math/progress.h"
 #include "transport/light_points.h"
@@ -49,7 +49,7 @@ class MeshDirectLight {
     float share;
   };
   struct MeshWays {
-    MeshNeighbours neighbours;
+    MeshNeighbors neighbors;
     std::vector<std::uint8_t> sets;  // one per vertex
     std::vector<Way> ways;           // [vertex * points + point]
     std::vector<float> least;        // as in BlockingIsovalues; empty if nothing has openings
@@ -79,7 +79,7 @@ class MeshDirectLight {
   }
   MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
                    std::size_t share, const Known& known) const;
-  void take_from_neighbours(MeshWays& ways, std::size_t share, const Known& known) const;
+  void take_from_neighbors(MeshWays& ways, std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // one per light, and 1
