@@ -33,8 +33,8 @@ def read(name, placed=True, **layout):
     """Returns a recipe that reads the file of that name, or the .tif within a zip.
 
     placed: False ignores the file's transform: the first voxel is at the origin, and axes are the
-    world's. All measurements of these volumes have used this placement. layout: arguments of
-    read_volume()
+    world's. All measurements of these volumes have used this placement.
+    layout: arguments of read_volume()
     """
 
     def volumes(folder, _):

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "math/random.h"
+#include "base/random.h"
 #include "surface/marching_cubes.h"
 #include "trace/embree_query.h"
 #include "trace/isosurface_ray.h"

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/affine.h"
+#include "base/bounds.h"
+#include "base/error.h"
 #include "field/texel_lattice.h"
 #include "field/voxels.h"
-#include "math/affine.h"
-#include "math/bounds.h"
-#include "math/error.h"
 
 namespace leaflight::python {
 

@@ -69,11 +69,11 @@ void bind_self_check(py::module_& module) {
         }
         return result;
       },
-      "[(name, version of the headers, version that is loaded), ...], versions (major, minor).");
-  module.def("trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"),
-             py::arg("c"),
-             "(\"isosurface\", \"walls\" or None, (x, y, z) or None): what a ray hits, and "
-             "where.");
+      "Returns [(name, version of the headers, loaded version), ...]; versions are (major,\n"
+      "minor).");
+  module.def(
+      "trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"), py::arg("c"),
+      "Returns the first hit of a ray: (\"isosurface\", \"walls\" or None, (x, y, z) or None).");
 }
 
 }  // namespace leaflight::python

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/output/atlas.h"
-#include "math/error.h"
+#include "base/error.h"
 #include "scenes.h"
 
 namespace leaflight {

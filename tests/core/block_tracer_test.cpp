@@ -6,15 +6,15 @@
 
 #include <sstream>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {
 namespace {
 
+using test::all_light;
 using test::expect_same_light;
 using test::in_passes;
-using test::of_all_light;
 using test::previous_light;
 using test::small_scene;
 using test::stopped_after;
@@ -59,7 +59,7 @@ class TwoTracers {
 
 TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   settings.error /= 4;
   Progress progress;
   TwoTracers others(scene, settings);

@@ -78,11 +78,11 @@ void expect_bounds_hold(const Field<D>& field, double c) {
       }
       const std::size_t b = linear_number<D>(brick, bounds.dims[level]);
       if (level > 0 && !std::isnan(h)) {
-        const auto& of = bounds.bricks[level - 1][b];
+        const auto& children = bounds.bricks[level - 1][b];
         if (h >= c) {
-          ASSERT_GE(of.high[child], limits.may_be_above);
+          ASSERT_GE(children.high[child], limits.may_be_above);
         } else {
-          ASSERT_LT(of.low[child], limits.may_be_below);
+          ASSERT_LT(children.low[child], limits.may_be_below);
         }
       }
       const auto& slab = bounds.slabs[level][b];

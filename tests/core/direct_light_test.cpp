@@ -70,9 +70,10 @@ test::Agreement against_rays(const Scene<D>& scene, bool back) {
     double truth = 0;
     for (const LightPoint<D>& light : split.points) {
       const LightSource<D>& source = light.source;
-      const Vec<D> way = source.infinite ? source.direction : point.position - source.position;
-      const double distance = source.infinite ? 1 : way.length();
-      const Vec<D> unit = way / way.length();
+      const Vec<D> direction =
+          source.infinite ? source.direction : point.position - source.position;
+      const double distance = source.infinite ? 1 : direction.length();
+      const Vec<D> unit = direction / direction.length();
       const double cosine = -unit.dot(point.shading_normal);
       if (!(cosine > 0 && unit.dot(point.geometric_normal) < 0)) continue;
       const bool hidden = source.infinite ? tracer.occluded(point, -unit)
@@ -249,8 +250,8 @@ TEST(DirectLightOfIsosurfaces, TakesItFromFinerMaps) {
     const std::int32_t slot = nearest_active_slot(fine.lattice(), at);
     ASSERT_NE(slot, TexelLattice<3>::inactive);
     EXPECT_EQ(coarse.code(0, s, false), fine.code(0, slot, false));
-    const Vec3 there = fine.lattice().center(fine.lattice().active[slot]);
-    difference = std::max(difference, (there - at).length());
+    const Vec3 center = fine.lattice().center(fine.lattice().active[slot]);
+    difference = std::max(difference, (center - at).length());
   }
   EXPECT_LT(difference, 4);
 }
@@ -272,15 +273,15 @@ void expect_whole(const Kind& light) {
   const SceneTracer<3> tracer(scene);
   const SplitLight<3> split = split_light(tracer);
   for (const Vec3& at : {Vec3(0.1, -0.2, 0.1), Vec3(-0.3, 0.2, -0.4), Vec3(0, 0, 0.3)}) {
-    double of_points = 0, truth = 0;
+    double from_points = 0, truth = 0;
     const auto add = [&](const LightSource<3>& source, double share, double& sum) {
-      const Vec3 way = source.infinite ? source.direction : at - source.position;
-      const double distance = source.infinite ? 1 : way.length();
-      sum += share * average(source.amount) * source.strength(way.normalized(), distance);
+      const Vec3 direction = source.infinite ? source.direction : at - source.position;
+      const double distance = source.infinite ? 1 : direction.length();
+      sum += share * average(source.amount) * source.strength(direction.normalized(), distance);
     };
     for (const LightPoint<3>& point : split.points) {
       EXPECT_EQ(point.light, 0);
-      add(point.source, 1, of_points);
+      add(point.source, 1, from_points);
     }
     Random random(3, 1, 4);
     constexpr int samples = 40'000;
@@ -288,7 +289,7 @@ void expect_whole(const Kind& light) {
       add(source_of(tracer.lights()[0], {random.uniform(), random.uniform()}), 1.0 / samples,
           truth);
     }
-    EXPECT_NEAR(of_points / truth, 1, 0.03) << light.name;
+    EXPECT_NEAR(from_points / truth, 1, 0.03) << light.name;
   }
 }
 

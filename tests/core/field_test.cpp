@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
 #include "field/texel_lattice.h"
 #include "fields.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

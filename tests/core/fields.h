@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/random.h"
 #include "field/field.h"
-#include "math/random.h"
 
 namespace leaflight::test {
 

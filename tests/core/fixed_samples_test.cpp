@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "cancelling.h"
-#include "math/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {

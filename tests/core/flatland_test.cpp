@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "agreement.h"
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 #include "statistics.h"
 #include "surface/project.h"
 #include "transport/reference.h"

@@ -8,14 +8,14 @@
 #include <fstream>
 
 #include "bake/driver/bake.h"
+#include "base/error.h"
+#include "base/platform.h"
 #include "io/bake_file.h"
 #include "io/exr.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
 #include "io/vdb_volume.h"
-#include "math/error.h"
-#include "math/platform.h"
 #include "scenes.h"
 
 namespace leaflight {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
 #include "transport/photon_tracer.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 #include "meshes.h"
 #include "surface/split_edges.h"
 

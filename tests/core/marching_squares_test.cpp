@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <set>
 
+#include "base/error.h"
+#include "base/low_discrepancy.h"
+#include "base/ranked_set.h"
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/error.h"
-#include "math/low_discrepancy.h"
-#include "math/ranked_set.h"
-#include "math/sampling.h"
 #include "statistics.h"
 
 namespace leaflight {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "agreement.h"
+#include "base/low_discrepancy.h"
 #include "exact.h"
-#include "math/low_discrepancy.h"
 #include "scenes.h"
 #include "transport/light_sampler.h"
 
@@ -173,17 +173,17 @@ TEST(MeshDirectLight, TakesWhatHasNotMovedFromEarlierWays) {
   scene.lights = lights(0.3);
   std::swap(scene.lights[0], scene.lights[1]);
   const MeshDirectLight<3> alone = direct(1, nullptr), after = direct(1, &before);
-  ASSERT_EQ(after.ways(0).ways.size(), 2 * after.ways(0).sets.size());
-  for (std::size_t i = 0; i < after.ways(0).ways.size(); ++i) {
-    EXPECT_EQ(after.ways(0).ways[i].greatest, alone.ways(0).ways[i].greatest);
-    EXPECT_EQ(after.ways(0).ways[i].share, alone.ways(0).ways[i].share);
+  ASSERT_EQ(after.rays(0).rays.size(), 2 * after.rays(0).sets.size());
+  for (std::size_t i = 0; i < after.rays(0).rays.size(); ++i) {
+    EXPECT_EQ(after.rays(0).rays[i].greatest, alone.rays(0).rays[i].greatest);
+    EXPECT_EQ(after.rays(0).rays[i].share, alone.rays(0).rays[i].share);
   }
   EXPECT_EQ(after.radiance(0, 0.7, false), alone.radiance(0, 0.7, false));
   // The moved point has traced only some shadow rays; the other point must keep all of them.
   const MeshDirectLight<3> some = direct(light_point_sets, &before);
-  for (std::size_t v = 0; v < some.ways(0).sets.size(); ++v) {
-    EXPECT_EQ(some.ways(0).ways[2 * v].greatest, alone.ways(0).ways[2 * v].greatest);
-    EXPECT_EQ(some.ways(0).ways[2 * v + 1].share, alone.ways(0).ways[2 * v + 1].share);
+  for (std::size_t v = 0; v < some.rays(0).sets.size(); ++v) {
+    EXPECT_EQ(some.rays(0).rays[2 * v].greatest, alone.rays(0).rays[2 * v].greatest);
+    EXPECT_EQ(some.rays(0).rays[2 * v + 1].share, alone.rays(0).rays[2 * v + 1].share);
   }
 }
 

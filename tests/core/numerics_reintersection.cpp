@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/sampling.h"
 #include "figures.h"
-#include "math/sampling.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {
@@ -99,7 +99,7 @@ TEST(NumericsReintersection, WallIsNotMetAgain) {
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const SurfacePoint<3> from = tracer.facet_point(0, 0, u, v, i % 2, 20);
         const Hit<3> hit = tracer.intersect(from, departure(from.geometric_normal, random));
-        again += hit.kind == HitKind::walls;
+        again += hit.kind == HitKind::mesh;
       }
       EXPECT_EQ(again, 0) << name_of(place) << ", width " << width;
       test::figure("wall, " + name_of(place) + ": rays", rays);

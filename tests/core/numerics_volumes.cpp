@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "base/sampling.h"
 #include "figures.h"
-#include "math/error.h"
-#include "math/sampling.h"
 
 namespace leaflight {
 namespace {

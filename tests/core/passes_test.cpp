@@ -4,17 +4,17 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "base/sampling.h"
 #include "cancelling.h"
-#include "math/error.h"
-#include "math/sampling.h"
 #include "whole_passes.h"
 
 namespace leaflight {
 namespace {
 
+using test::all_light;
 using test::expect_same_light;
 using test::in_passes;
-using test::of_all_light;
 using test::previous_light;
 using test::same_bits;
 using test::small_scene;
@@ -22,7 +22,7 @@ using test::stopped_after;
 
 TEST(Passes, AreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 5}) {
     settings.threads = threads;
@@ -38,12 +38,12 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   settings.resolution = {9, 9, 9};
   settings.error = 0.02;  // takes several passes
   std::vector<RadianceGrid<3>> passes;
-  Progress whole;
+  Progress progress;
   const auto look = [&](Baked<3>&& baked) {
     EXPECT_EQ(baked.statistics.passes, static_cast<int>(passes.size()) + 1);
     passes.push_back(std::move(baked.grids[0]));
   };
-  const Baked<3> all = bake<3>(scene, settings, whole, {look});
+  const Baked<3> all = bake<3>(scene, settings, progress, {look});
   passes.push_back(all.grids[0]);
   EXPECT_FALSE(all.statistics.stopped);
   ASSERT_GE(passes.size(), 2u);
@@ -60,7 +60,7 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
 
 TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   Progress progress;
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
@@ -76,20 +76,20 @@ TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
 // The mean difference of two grids over both sides, relative to the mean of the second, and the
 // relative difference of the means.
 struct Difference {
-  double of_texels = 0, of_means = 0;
+  double per_texel = 0, in_mean = 0;
 
   Difference(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
     add(a.radiance, b.radiance);
     add(a.radiance_back, b.radiance_back);
-    of_texels /= all;
-    of_means /= all;
+    per_texel /= all;
+    in_mean /= all;
   }
 
  private:
   void add(const std::vector<Vec<3, float>>& a, const std::vector<Vec<3, float>>& b) {
     for (std::size_t s = 0; s < a.size(); ++s) {
-      of_texels += std::abs(a[s].y - b[s].y);
-      of_means += a[s].y - b[s].y;
+      per_texel += std::abs(a[s].y - b[s].y);
+      in_mean += a[s].y - b[s].y;
       all += b[s].y;
     }
   }
@@ -124,9 +124,9 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
       const Baked<3> continued = stopped_after(1, scene, settings, &previous);
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
-      now += one.of_texels / seeds;
-      then += other.of_texels / seeds;
-      means += (one.of_means - other.of_means) / seeds;
+      now += one.per_texel / seeds;
+      then += other.per_texel / seeds;
+      means += (one.in_mean - other.in_mean) / seeds;
       noise += continued.statistics.noise_percent / uninterrupted.statistics.noise_percent / seeds;
     }
     EXPECT_LT(now, 1.1 * then) << name;
@@ -146,7 +146,7 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
       previous_light(stopped_after(1, glowing, settings));
   const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
   // Inside the ball, most light is reflected more than once.
-  EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).of_means, 0,
+  EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).in_mean, 0,
               test::sanitized ? 0.05 : 0.02);
 }
 
@@ -293,8 +293,8 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   for_each_center(scene, baked, [&](const Vec3& x, double, std::size_t s) {
-    const Vec3 way = lamp - x;
-    const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
+    const Vec3 to_lamp = lamp - x;
+    const double expected = 0.8 / pi * 3 * to_lamp.z / std::pow(to_lamp.length(), 3);
     // The tolerance covers the width of a texel.
     EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
   });

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/error.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/sampling.h"
 #include "surface/project.h"
 #include "thesis/thesis_estimator.h"
 #include "transport/isosurface_cache.h"

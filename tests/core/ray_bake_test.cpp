@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {
@@ -41,7 +41,7 @@ Scene<3> beside_a_mirror() {
   return scene;
 }
 
-Scene<3> of_glass() {
+Scene<3> glass_scene() {
   Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   scene.volumes[0].scattering = Scattering::glass;
   return scene;
@@ -87,7 +87,7 @@ TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
-  for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(of_glass())}) {
+  for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(glass_scene())}) {
     BakeSettings<3> settings = by_rays(20);
     settings.walls = true;
     settings.resolution = {9, 9, 9};

@@ -17,7 +17,7 @@ template <int D>
 void expect_reversible() {
   Random random(1);
   SurfacePoint<D> point;
-  point.on = WallHit{};
+  point.on = MeshHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(0.9f, 0.5f, 0.2f);
   Vec<D> normal(0.0);
@@ -29,19 +29,19 @@ void expect_reversible() {
     Vec<D> direction(0.0);
     direction[0] = 2 * random.uniform() - 1;
     direction[D - 1] = -std::sqrt(1 - direction[0] * direction[0]);
-    const SpecularBounce<D> there = specular_bounce<D>(point, direction, random.uniform());
-    const bool refracted = there.direction[D - 1] < 0;
-    const SurfacePoint<D>& from = refracted ? there.from : point;
+    const SpecularBounce<D> forward = specular_bounce<D>(point, direction, random.uniform());
+    const bool refracted = forward.direction[D - 1] < 0;
+    const SurfacePoint<D>& from = refracted ? forward.from : point;
     // The smallest u reflects and the largest refracts, if both are possible.
     const SpecularBounce<D> back =
-        specular_bounce<D>(from, -there.direction, refracted ? 1 - 1e-12 : 0);
+        specular_bounce<D>(from, -forward.direction, refracted ? 1 - 1e-12 : 0);
     ASSERT_LT((back.direction + direction).length(), 1e-6);
-    ASSERT_NEAR(back.radiance_scale * there.radiance_scale, 1, 1e-6);
-    ASSERT_NEAR(back.weight.x, there.weight.x, 1e-6);
+    ASSERT_NEAR(back.radiance_scale * forward.radiance_scale, 1, 1e-6);
+    ASSERT_NEAR(back.weight.x, forward.weight.x, 1e-6);
     if (!refracted) continue;
     ++through;
-    EXPECT_NEAR(there.radiance_scale, std::pow(point.ior, 1 - D), 1e-6);
-    const double cosine = -direction[D - 1], other = -there.direction[D - 1];
+    EXPECT_NEAR(forward.radiance_scale, std::pow(point.ior, 1 - D), 1e-6);
+    const double cosine = -direction[D - 1], other = -forward.direction[D - 1];
     EXPECT_NEAR(fresnel_reflectance(cosine, point.ior), fresnel_reflectance(other, 1 / point.ior),
                 1e-9);
   }
@@ -116,9 +116,9 @@ void expect_same(const Flux& a, const Flux& b, double most_error) {
 // Two plates must exchange the same flux in both directions, over all paths (Helmholtz).
 TEST(Reciprocity, OfTwoPlates) {
   constexpr int points = test::fewer(6000);
-  const Flux there = received(plates(0, flat_isosurfaces()), 1, points);
+  const Flux flux = received(plates(0, flat_isosurfaces()), 1, points);
   const Flux back = received(plates(1, flat_isosurfaces()), 0, points);
-  expect_same(there, back, 0.02);
+  expect_same(flux, back, 0.02);
 }
 
 // Photons follow paths in reverse. Shading normals that differ from the normals of the surface
@@ -141,7 +141,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     for (int b = 0; b < batches; ++b) {
       trace_photons(tracer, lights, PhotonPaths::all, 100 + b, 0, count, count,
                     [&](const PhotonHit<3>& hit) {
-                      if (hit.point.kind() == HitKind::walls && hit.point.facet().mesh == plate) {
+                      if (hit.point.kind() == HitKind::mesh && hit.point.facet().mesh == plate) {
                         sums[b] += Imath::V3d(hit.flux_height);
                       }
                     });

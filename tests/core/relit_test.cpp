@@ -69,16 +69,16 @@ TEST(Relit, DirectLightAddsUpOverLights) {
   const DirectLight<3> all = direct_light(scene);
   const DirectLight<3> dark = all.scaled({Rgb(0), Rgb(0)}), first = all.scaled({Rgb(1), Rgb(0)}),
                        second = all.scaled({Rgb(0), Rgb(1)});
-  double of_first = 0, of_second = 0, of_glow = 0;
+  double first_change = 0, second_change = 0, glow_light = 0;
   for_some_positions(field, [&](const Vec3& position, bool back) {
     const Imath::V3d glow(dark.radiance(field, position, back)),
         one(first.radiance(field, position, back)), other(second.radiance(field, position, back));
-    of_first = std::max(of_first, (one - glow).length());
-    of_second = std::max(of_second, (other - glow).length());
-    of_glow = std::max(of_glow, glow.length());
+    first_change = std::max(first_change, (one - glow).length());
+    second_change = std::max(second_change, (other - glow).length());
+    glow_light = std::max(glow_light, glow.length());
     expect_equal(one + other - glow, Imath::V3d(all.radiance(field, position, back)), 1);
   });
-  for (const double most : {of_first, of_second, of_glow}) EXPECT_GT(most, 0.001);
+  for (const double most : {first_change, second_change, glow_light}) EXPECT_GT(most, 0.001);
 }
 
 TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
@@ -89,12 +89,12 @@ TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
       direct(room(Rgb(1), Rgb(1), Rgb(1))).scaled({first_factor, second_factor});
   const MeshDirectLight<3> truth = direct(room(first_factor, second_factor, Rgb(1)));
   for (const bool back : {false, true}) {
-    const auto own = found.radiance(0, 0.75, back), other = truth.radiance(0, 0.75, back);
-    ASSERT_EQ(own.size(), other.size());
+    const auto relit = found.radiance(0, 0.75, back), other = truth.radiance(0, 0.75, back);
+    ASSERT_EQ(relit.size(), other.size());
     float most = 0;
-    for (std::size_t v = 0; v < own.size(); ++v) {
+    for (std::size_t v = 0; v < relit.size(); ++v) {
       most = std::max(most, other[v].length());
-      expect_equal(Imath::V3d(own[v]), Imath::V3d(other[v]), 1);
+      expect_equal(Imath::V3d(relit[v]), Imath::V3d(other[v]), 1);
     }
     if (!back) {
       EXPECT_GT(most, 0.1);
@@ -108,18 +108,18 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
     Scene<3> scene = test::small_scene();
     auto& lamp = std::get<AreaLight<3>>(scene.lights[0]);
     lamp.radiance *= brighter;
-    BakeSettings<3> settings = test::of_all_light(17);
+    BakeSettings<3> settings = test::all_light(17);
     settings.exposure = 1 / brighter;
     Progress progress;
     return bake(scene, settings, progress);
   };
   const Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);
-  const Baked<3> own = baked(1), truth = baked(4);
+  const Baked<3> relit = baked(1), truth = baked(4);
   const std::vector<Rgb> factors{Rgb(4)};
   const Rgb indirect = indirect_shares(SceneTracer<3>(scene)).factor(factors);
   EXPECT_EQ(indirect, Rgb(4));
-  const RadianceGrid<3>& grid = own.grids[0];
+  const RadianceGrid<3>& grid = relit.grids[0];
   const DirectLight<3> direct = grid.direct->scaled(factors);
   const ShownGrid<3> shown(grid, &direct, Vec<3, float>(indirect));
   for (const bool back : {false, true}) {
@@ -132,7 +132,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
     }
   }
   if (test::sanitized) return;
-  const auto walls = relit(own.walls, scene.meshes, factors, Vec<3, float>(indirect));
+  const auto walls = relit(relit.walls, scene.meshes, factors, Vec<3, float>(indirect));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const auto found = radiance_at(walls, static_cast<int>(m), 0.75, false),
                expected = radiance_at(truth.walls, static_cast<int>(m), 0.75, false);
@@ -178,7 +178,7 @@ TEST(Relit, OwnEmissionStays) {
   const Rgb glow(0.5f, 0.25f, 1);
   scene.volumes[0].emission = ColorRamp(glow);
   Progress progress;
-  const Baked<3> baked = bake(scene, test::of_all_light(17), progress);
+  const Baked<3> baked = bake(scene, test::all_light(17), progress);
   const RadianceGrid<3>& grid = baked.grids[0];
   const std::vector<Rgb> factors{Rgb(0)};
   const DirectLight<3> direct = grid.direct->scaled(factors);
@@ -187,12 +187,12 @@ TEST(Relit, OwnEmissionStays) {
   double most = 0;
   for (const std::uint32_t texel : grid.lattice.active) {
     const Vec3 position = grid.lattice.center(texel);
-    const Imath::V3d own(radiance_at(alone, field, position, false)),
+    const Imath::V3d emission(radiance_at(alone, field, position, false)),
         some(radiance_at(half, field, position, false)),
         whole(radiance_at(all, field, position, false));
-    expect_equal(own, Imath::V3d(glow), 1);
-    expect_equal(some, (own + whole) * 0.5, 1);
-    most = std::max(most, (whole - own).length());
+    expect_equal(emission, Imath::V3d(glow), 1);
+    expect_equal(some, (emission + whole) * 0.5, 1);
+    most = std::max(most, (whole - emission).length());
   }
   EXPECT_GT(most, 0.01);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests reported variances against the true variances over many random keys.
-#include "math/sample_average.h"
+#include "base/sample_average.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "agreement.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/texels/texel_moments.h"
-#include "math/low_discrepancy.h"
+#include "base/low_discrepancy.h"
 #include "statistics.h"
 #include "transport/flux_accumulator.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.h"
 #include "field/bump_box.h"
 #include "fields.h"
-#include "math/error.h"
 #include "thesis/adaptive_isovalues.h"
 
 namespace leaflight {

@@ -633,8 +633,8 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   const SurfacePoint<3> point = tracer.isosurface_point(0, at, 0.5, false);
   std::vector<double> alone;  // contribution of each light alone
   for (const Vec3& place : places) {
-    const Vec3 way = tracer.frame().point(place) - point.position;
-    alone.push_back(way.normalized().dot(point.shading_normal) / way.length2() / pi);
+    const Vec3 to_point = tracer.frame().point(place) - point.position;
+    alone.push_back(to_point.normalized().dot(point.shading_normal) / to_point.length2() / pi);
   }
   alone.push_back(0.2 / pi);
   Random random(11);

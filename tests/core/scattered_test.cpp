@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/error.h"
 #include "fields.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

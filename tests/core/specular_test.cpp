@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "transport/photon_tracer.h"
 
@@ -48,7 +48,7 @@ TEST(Specular, GlassIsDenserFromOutsideThanFromInside) {
 template <int D>
 void expect_snell() {
   SurfacePoint<D> point;
-  point.on = WallHit{};
+  point.on = MeshHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(1);
   Vec<D> normal(0.0);

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "agreement.h"
+#include "base/parallel.h"
 #include "io/exr.h"
-#include "math/parallel.h"
 #include "statistics.h"
 #include "transport/indirect_estimator.h"
 #include "transport/light_sampler.h"
@@ -128,9 +128,9 @@ std::string write_slice(const TexelLattice<D>& lattice, const std::vector<Imath:
 
 // Largest bias of an estimator: a share of the texel's radiance and a share of the mean.
 struct Bias {
-  double relative = 0, of_the_mean = 0;
+  double relative = 0, share_of_mean = 0;
 
-  bool none() const { return relative == 0 && of_the_mean == 0; }
+  bool none() const { return relative == 0 && share_of_mean == 0; }
 };
 
 template <int D>
@@ -172,7 +172,7 @@ class TexelZ {
     for (std::size_t s = 0; s < baked.size(); ++s) {
       if (!(truth_[s].freedom > 0)) continue;
       for (int k = 0; k < 3; ++k) {
-        const double bound = bias.relative * truth_[s].mean[k] + bias.of_the_mean * mean_;
+        const double bound = bias.relative * truth_[s].mean[k] + bias.share_of_mean * mean_;
         z[s][k] = z_of(baked[s].mean[k] - truth_[s].mean[k], bound, baked[s].variance[k],
                        baked[s].freedom, truth_[s].variance[k], truth_[s].freedom);
         difference[k] += baked[s].mean[k] - truth_[s].mean[k];

@@ -34,7 +34,7 @@ TEST(TimeLimit, PredictsAFirstPassFromItsPreview) {
   EXPECT_EQ(first_pass_seconds({1, 2, 0}, 8), first_pass_seconds({1, 2, 0}, 64));
 }
 
-constexpr int voxels = 33, wider = 17, of_preview = 9;
+constexpr int voxels = 33, wider = 17, preview = 9;
 
 Scene<3> scene() {
   Scene<3> scene = test::cornell(test::ball<3>(voxels), {0.4, 0.9});
@@ -91,7 +91,7 @@ TEST(TimeLimit, IsKeptByWiderTexels) {
     const Baked<3> baked = limited.bake();
     const int along = texels_along(baked);
     if (passes < 0.5) {
-      EXPECT_EQ(along, of_preview);
+      EXPECT_EQ(along, preview);
     } else if (passes > 1) {
       EXPECT_EQ(along, voxels);
     }
@@ -129,7 +129,7 @@ TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
   // Lose the time before the first block.
   limited.checkpoints.save = [&](const Checkpoints::Write&) { limited.lost = 0.75 * limit; };
   const Baked<3> baked = limited.bake();
-  EXPECT_EQ(texels_along(baked), of_preview);
+  EXPECT_EQ(texels_along(baked), preview);
   EXPECT_LE(limited.progress.work() + limited.lost, 1.1 * limit);
   EXPECT_TRUE(baked.statistics.stopped);
 }
@@ -154,7 +154,7 @@ TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
 
 TEST(TimeLimit, GoesOnFromACheckpointWithTheSameTexels) {
   const double pass = work_of_a_pass();
-  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.3, wider}}) {
+  for (const auto& [passes, along] : {std::pair(0.15, preview), {0.3, wider}}) {
     Limited first(passes * pass);
     std::string state;
     const auto time_is_left = first.time_is_left_once_texels_are_chosen();

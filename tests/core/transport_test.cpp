@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
 #include "surface/marching_cubes.h"

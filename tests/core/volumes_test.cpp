@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/error.h"
+#include "base/error.h"
 #include "scenes.h"
 
 namespace leaflight {

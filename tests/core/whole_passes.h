@@ -35,7 +35,7 @@ inline bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
 }
 
 // Returns settings that bake both sides and the walls.
-inline BakeSettings<3> of_all_light(int texels) {
+inline BakeSettings<3> all_light(int texels) {
   BakeSettings<3> settings = in_passes();
   settings.both_sides = true;
   settings.walls = !sanitized;

@@ -87,7 +87,7 @@ def test_exposed_points_are_those_seen_from_outside():
     field = leaflight.Volume(values, np.diag([1.0, 1.0, 1.0, 1.0]), "shell", "shell").field()
     vertices, _, _ = leaflight._core.contour(field, 0.5)
     on_isosurface = leaflight._core.project_to_isosurface(field, vertices, 0.5)
-    exposed = leaflight._core.exposed(field, on_isosurface, 0.5) > 0
+    exposed = leaflight._core.seen_from_outside(field, on_isosurface, 0.5) > 0
     outer = np.linalg.norm(on_isosurface - 16.0, axis=1) > 0.6 * 16
     assert 0.3 < outer.mean() < 0.8
     assert (exposed == outer).mean() > 0.999
@@ -106,7 +106,7 @@ def test_the_border_is_lit(bump_scene, n):
     assert on_border.sum() > 10 and dark[on_border].mean() < 0.02
     moved = on_isosurface + [0.0, 0.0, 1e-9]
     assert ((baked.reference(moved, 47.0, spp=64)[0] == 0).all(axis=1) == dark).all()
-    exposed = leaflight._core.exposed(volume.field(), on_isosurface, 47.0, 32, 0) > 0
+    exposed = leaflight._core.seen_from_outside(volume.field(), on_isosurface, 47.0, 32, 0) > 0
     assert exposed[on_border].mean() > 0.5
 
 

@@ -74,7 +74,7 @@ def from_file(name):
 
 
 def brain(nodes):
-    """Returns Colin27, about as many nodes a side, in the Cornell box."""
+    """Returns Colin27, with about this many nodes per axis, in the Cornell box."""
     downsample = max(step for step in (1, 2, 4, 8) if 200 / step >= min(nodes, 200))
     return leaflight.read_volume(COLIN27, downsample=downsample), leaflight.cornell_box()
 
@@ -126,10 +126,12 @@ CASES = (
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     names = [case.name for case in CASES]
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(names)} (all)")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"scenes among {', '.join(names)} (all)"
+    )
     parser.add_argument("--error", type=float, default=1.5, help="percent (1.5)")
     parser.add_argument("--time", type=float, default=20.0, help="seconds (20)")
-    parser.add_argument("--nodes", type=int, default=32, help="of a volume, a side (32)")
+    parser.add_argument("--nodes", type=int, default=32, help="nodes of a volume per axis (32)")
     parser.add_argument(
         "--killed", nargs=2, metavar=("CHECKPOINT", "RESULT"), help=argparse.SUPPRESS
     )

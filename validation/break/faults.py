@@ -341,7 +341,12 @@ FAULTS: dict[str, tuple[Callable, float]] = {
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tries", type=int, default=100, help="of each kill; less of others (100)")
+    parser.add_argument(
+        "--tries",
+        type=int,
+        default=100,
+        help="trials per kind of kill, fewer of others (100)",
+    )
     parser.add_argument("--only", action="append", choices=FAULTS, help="(all)")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="(the time)")
     options = parser.parse_args()

@@ -95,8 +95,8 @@ MUTATIONS = (
     Mutation(
         "glass seen from inside as from outside",
         "src/trace/scene_tracer.cpp",
-        "s.ior = back ? 1 / of.ior : of.ior;",
-        "s.ior = of.ior;",
+        "s.ior = back ? 1 / scene_volume.ior : scene_volume.ior;",
+        "s.ior = scene_volume.ior;",
         "Specular.GlassIsDenserFromOutsideThanFromInside",
     ),
     Mutation(
@@ -158,8 +158,8 @@ MUTATIONS = (
     Mutation(
         "walls without shadows of isosurfaces",
         "src/bake/walls/mesh_direct_light.cpp",
-        "if (way.greatest < own || passes) lit += light;",
-        "if (way.greatest < own || std::isfinite(way.greatest) || passes) lit += light;",
+        "if (ray.greatest < isovalue || passes) lit += light;",
+        "if (ray.greatest < isovalue || std::isfinite(ray.greatest) || passes) lit += light;",
         "MeshDirectLight.KnowsShadowsOfAllVolumes",
     ),
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake and the core's path tracer against Cycles, feature by feature: docs/validation.md.
+"""Compares the bake and the core's path tracer with Cycles, feature by feature: docs/validation.md.
 
     validation/run check_cycles [NAME ...] [--points N] [--spp N] [--detail N]
 

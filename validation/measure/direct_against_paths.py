@@ -28,7 +28,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, help="folder of real data sets")
     parser.add_argument("--cases", nargs="+", default=[""], help="parts of names (all)")
-    parser.add_argument("--points", type=int, default=1200, help="of an isosurface (1200)")
+    parser.add_argument("--points", type=int, default=1200, help="points per isosurface (1200)")
     parser.add_argument("--spp", type=int, default=512, help="paths a point (512)")
     options = parser.parse_args()
     print("| bake | isovalue | all: RMS %, mean % | direct: RMS %, mean % | rest: RMS % |")

@@ -27,7 +27,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("volume", help="a file, or a generated volume")
     parser.add_argument("isovalues", nargs="+", type=float, metavar="ISOVALUE")
-    parser.add_argument("--points", type=int, default=1500, help="of an isosurface (1500)")
+    parser.add_argument("--points", type=int, default=1500, help="points per isosurface (1500)")
     parser.add_argument("--spp", type=int, default=1024, help="paths a point (1024)")
     options = parser.parse_args()
     volumes, scene, isovalue_range = placed([open_volume(options.volume)], None, None)

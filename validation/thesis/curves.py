@@ -37,17 +37,17 @@ CYCLES = "Cycles, one isosurface"
 # Name of the curve with the default estimator of thesis.bake.
 GATHER = "gather"
 # Unit of the samples of a curve, by its group; other groups have rays per texel.
-UNITS = {"bake": "texels a side", "Cycles": "paths a corner"}
+UNITS = {"bake": "texels per axis", "Cycles": "paths per corner"}
 
 
 @dataclass(frozen=True)
 class CurveEffort:
     """The effort of the curves.
 
-    texels: nodes a side, and texels a side of the thesis's methods
-    resolutions: texels a side along the curve of leaflight.bake
-    rays: rays a texel along the curves of the thesis's methods
-    slow_rays: rays a texel along the curves of slow estimators
+    texels: nodes per axis, and texels per axis of the thesis's methods
+    resolutions: texels per axis along the curve of leaflight.bake
+    rays: rays per texel along the curves of the thesis's methods
+    slow_rays: rays per texel along the curves of slow estimators
     cycles: samples a corner of Cycles
     vertices: vertices of the reference in all
     paths: paths of the reference at each vertex
@@ -136,7 +136,7 @@ class Curve:
     @property
     def unit(self):
         """Unit of the samples of the curve's points."""
-        return UNITS.get(self.group, "rays a texel")
+        return UNITS.get(self.group, "rays per texel")
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,13 +15,13 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--nodes", type=int, default=32, help="of the volumes, along each axis")
+    parser.add_argument("--nodes", type=int, default=32, help="nodes of the volumes per axis")
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--photons", type=int, default=200_000)
     parser.add_argument("--estimators", nargs="+", default=["gather", "volumetric", "path"])
     parser.add_argument("--volume", help="a file, or a generated volume, to bake instead")
-    parser.add_argument("--dims", nargs="+", type=int, help="of a raw file, or the nodes a side")
-    parser.add_argument("--type", help="of a raw file")
+    parser.add_argument("--dims", nargs="+", type=int, help="dims of a raw file, or nodes per axis")
+    parser.add_argument("--type", help="type of the values in a raw file")
     parser.add_argument("--isovalues", nargs=2, type=float, help="its isovalue range")
     options = parser.parse_args()
     n = options.nodes

@@ -154,8 +154,8 @@ def curves_text(curves):
         f"{isovalues}, against {reference.paths:,} paths at each. The mean color is "
         f"{reference.color:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
         "subtracted.",
-        f"- {BAKE} has default settings, but for its texels: their number a side is in the column "
-        "*samples*. The others are the methods of the thesis, with as many texels as nodes. "
+        f"- {BAKE} has default settings, but for its texels: their number per axis is in the "
+        "column *samples*. The others are the methods of the thesis, with as many texels as nodes. "
         "Along each curve of theirs the rays of a texel double, and so do the photons, with "
         f"{PHOTONS:,} for each ray. Scattered samples have {RAYS} rays each, and the same number "
         "of rays in all. Their filter is Shepard's of 3 texels.",

@@ -37,8 +37,8 @@ _SLOW_PICTURE, _LONGEST_WAIT = 0.2, 1.0
 
 # LiveJob in progress and its BackgroundWork, or None.
 _job = _work = None
-# Time of the end of the last poll, and the longest time that Blender took until the next poll, to
-# draw rough light.
+# Time at the end of the last poll. Longest time between two polls, which Blender spent on drawing
+# rough light.
 _looked_at, _picture = 0.0, 0.0
 # True if the scene may have changed since the last poll.
 _has_changed = False

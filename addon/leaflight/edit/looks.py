@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators for named looks of isosurfaces and for the stops of their color ramps."""
+"""Operators for presets of isosurfaces, and for the stops of their color ramps."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ from ..stage import stage
 
 @dataclass(frozen=True)
 class Preset:
-    """A named look of isosurfaces.
+    """A preset of isosurfaces.
 
     name, text: Label and description.
     settings: Values of Object.leaflight.

@@ -77,7 +77,9 @@ class _SizeJob(jobs.Job):
 
 
 def _size_of(obj, coarser):
-    """Returns the estimated bytes of a page, None before the estimate. Raises its error."""
+    """Returns the estimated bytes of a page, None before the estimate. Raises the error of the
+    estimate.
+    """
     key = obj.leaflight.bake_id, coarser
     if key not in _sizes:
         job = _SizeJob(obj, coarser)

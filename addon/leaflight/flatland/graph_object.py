@@ -126,7 +126,7 @@ def _heights(field, settings, values):
 
 
 def _graph(field, settings, bake):
-    """Returns (vertices, quads, radiance or None) of the graph, with at most _MOST_NODES a side."""
+    """Returns (vertices, quads, radiance or None) of the graph; at most _MOST_NODES per axis."""
     rows, columns = field.values.shape
     step = -(-max(rows, columns) // _MOST_NODES)
     i, j = np.arange(0, columns, step), np.arange(0, rows, step)

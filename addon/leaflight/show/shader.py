@@ -189,8 +189,7 @@ def _trilinear(graph, image, places, weight):
     color = [graph.texel(image, place) for place in places]
     for axis in range(3):
         color = [
-            graph.mix(color[2 * n], color[2 * n + 1], weight[axis])
-            for n in range(len(color) // 2)
+            graph.mix(color[2 * n], color[2 * n + 1], weight[axis]) for n in range(len(color) // 2)
         ]
     return color[0]
 

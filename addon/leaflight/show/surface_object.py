@@ -143,7 +143,7 @@ def _serves(mesh, shown, wanted, coarse):
         return False
     if is_coarse(mesh) != coarse:
         return False
-    # The light of a moved scene is temporary, so the vertices of any light are good enough.
+    # The light of a moved scene is temporary, so a mesh that was split for other light will do.
     return bool(wanted.moved) or shown.light == wanted.light
 
 

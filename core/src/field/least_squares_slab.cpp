@@ -77,8 +77,8 @@ template <int D>
 typename CellBounds<D>::Slab least_squares_slab(const Voxels& values, const Index<D>& dims,
                                                 const Index<D>& low, const Index<D>& high,
                                                 double margin) {
-  return std::visit(
-      [&](const auto* of_type) { return slab_of<D>(of_type, dims, low, high, margin); }, values);
+  return std::visit([&](const auto* typed) { return slab_of<D>(typed, dims, low, high, margin); },
+                    values);
 }
 
 template CellBounds<2>::Slab least_squares_slab<2>(const Voxels&, const Index<2>&, const Index<2>&,

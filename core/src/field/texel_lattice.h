@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/ranked_set.h"
 #include "field/field.h"
-#include "math/ranked_set.h"
 
 namespace leaflight {
 

@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {
@@ -157,8 +157,7 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
     throw Error("The number of isovalues is " + std::to_string(count) + "; choose at least 1.");
   }
   // Resolve the distances between the isosurfaces; wide searches are cheap on a coarse grid.
-  const Neighborhoods<D> neighborhoods(field,
-                                         std::clamp(16 * (count + 1), 32, D == 3 ? 64 : 256));
+  const Neighborhoods<D> neighborhoods(field, std::clamp(16 * (count + 1), 32, D == 3 ? 64 : 256));
   // Compute balls for whole multiples of the grid's spacing, and interpolate their spans. Otherwise
   // the isovalues would be as uneven as the grid.
   std::map<int, std::vector<Span>> balls;
@@ -168,9 +167,9 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
     return balls[radius] = neighborhoods.within(radius * neighborhoods.smallest_distance());
   };
   const auto isovalues_within = [&](double radius) {
-    const int whole = static_cast<int>(radius);
-    const auto part = static_cast<float>(radius - whole);
-    const std::vector<Span>&back = ball(whole), &front = ball(whole + 1);
+    const int steps = static_cast<int>(radius);
+    const auto part = static_cast<float>(radius - steps);
+    const std::vector<Span>&back = ball(steps), &front = ball(steps + 1);
     std::vector<Span> intervals;
     for (std::size_t i = 0; i < back.size(); ++i) {
       const float h = neighborhoods.values()[i];

@@ -6,8 +6,8 @@
 #include "bake/texels/point_sampler.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/texels/texel_samples.h"
-#include "math/parallel.h"
-#include "math/sample_average.h"
+#include "base/parallel.h"
+#include "base/sample_average.h"
 
 namespace leaflight {
 

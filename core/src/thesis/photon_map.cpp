@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "math/error.h"
-#include "math/parallel.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {

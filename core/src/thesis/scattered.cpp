@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "math/error.h"
-#include "math/parallel.h"
-#include "math/sample_average.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/sample_average.h"
 #include "thesis/kd_tree.h"
 
 namespace leaflight {

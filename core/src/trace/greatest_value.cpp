@@ -158,7 +158,7 @@ class Walk {
   const Vec<D>& direction_;
   bool moves_[D];
   double inverse_[D];
-  double greatest_, steps_;  // in values; in steps of the bounds
+  double greatest_, steps_;  // the greatest value, and the same in steps of the bounds
 };
 
 }  // namespace

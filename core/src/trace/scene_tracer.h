@@ -4,18 +4,18 @@
 #include <variant>
 
 #include "trace/isosurface_ray.h"
-#include "trace/walls.h"
+#include "trace/mesh_bvh.h"
 
 namespace leaflight {
 
-enum class HitKind { none, isosurface, walls };
+enum class HitKind { none, isosurface, mesh };
 
 template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
   int volume = 0;  // number of the volume whose isosurface it hits
   IsosurfaceHit<D> isosurface;
-  WallHit walls;
+  MeshHit on_mesh;
 };
 
 // A position on an isosurface.
@@ -31,7 +31,7 @@ struct IsosurfacePlace {
 template <int D>
 struct SurfacePoint {
   // The alternatives are in the order of HitKind.
-  std::variant<std::monostate, IsosurfacePlace<D>, WallHit> on;
+  std::variant<std::monostate, IsosurfacePlace<D>, MeshHit> on;
   Scattering scattering = Scattering::diffuse;
   double c = 0;                  // common isovalue
   Vec<D> position{0.0};          // frame
@@ -43,7 +43,7 @@ struct SurfacePoint {
 
   HitKind kind() const { return static_cast<HitKind>(on.index()); }
   const IsosurfacePlace<D>& isosurface() const { return std::get<IsosurfacePlace<D>>(on); }
-  const WallHit& facet() const { return std::get<WallHit>(on); }
+  const MeshHit& facet() const { return std::get<MeshHit>(on); }
 };
 
 // Moves a position along the normal, out of the plane of its triangle (pbrt 3, ch. 3.9). The
@@ -96,7 +96,7 @@ class SceneTracer {
   // Returns the box around volumes and meshes.
   const Box<D>& box() const { return box_; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
-  const Walls<D>& walls() const { return walls_; }
+  const MeshBvh<D>& mesh_bvh() const { return mesh_bvh_; }
 
   // Returns the point of a volume's isosurface at a cell point, seen from the given side. The
   // common isovalue there must be c. Its kind is none if |grad h| = 0.
@@ -134,9 +134,9 @@ class SceneTracer {
                                   const Vec<D>& direction) const;
   Vec<D> ray_origin(const SurfacePoint<D>& from) const;
   Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
-  bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
+  bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction,
                double t_max) const;
-  BlockingIsovalues blocking(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
+  BlockingIsovalues blocking(const Vec<D>& origin, const Vec<D>& direction, double t_max) const;
 
   const Scene<D>& scene_;
   Frame<D> frame_;
@@ -145,7 +145,7 @@ class SceneTracer {
   std::vector<Light<D>> lights_;
   Box<D> box_;
   BoundingSphere<D> bounds_;
-  Walls<D> walls_;
+  MeshBvh<D> mesh_bvh_;
   bool has_openings_;
 };
 

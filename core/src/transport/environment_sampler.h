@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "math/discrete_distribution.h"
+#include "base/discrete_distribution.h"
 #include "transport/lamp_sampling.h"
 
 namespace leaflight {

@@ -22,7 +22,7 @@ MOST_STOPS = 4.0
 
 
 def tone_mapped(linear: ArrayLike) -> Array:
-    """Returns exposed colors (..., 3) as they are shown, linear, below 1."""
+    """Returns the displayed values of exposed colors (..., 3), linear and below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
     rest = 1.0 - START

@@ -25,7 +25,7 @@ class VtkPeer:
         """Raises LeaflightError if this Python has no VTK."""
         if find_spec("vtkmodules") is None:
             raise LeaflightError(
-                "bench scrub holds contours against VTK, which this Python does not have: install "
+                "bench scrub compares contours with VTK, which this Python does not have: install "
                 "the Debian package python3-vtk9, or vtk with pip."
             )
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")

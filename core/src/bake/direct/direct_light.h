@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "bake/direct/visibility_through.h"
-#include "math/box.h"
+#include "bake/direct/all_shadows.h"
+#include "base/box.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
@@ -106,8 +106,8 @@ class DirectLight {
 
     // True if all points lie below the horizon of a receiver.
     bool is_behind(const Receiver& seen) const {
-      const Vec<D, float> way = center - seen.position;
-      return way.dot(seen.normal) + radius < -rounding * way.length();
+      const Vec<D, float> to_center = center - seen.position;
+      return to_center.dot(seen.normal) + radius < -rounding * to_center.length();
     }
   };
   // For each point of a block, the greatest code on the way and the weight of a mesh's shadow.
@@ -115,15 +115,15 @@ class DirectLight {
     Row greatest{}, dark{};
 
     // True if any point lights an isosurface of code `own`.
-    bool any_lit(float own) const {
+    bool any_lit(float code) const {
       bool any = false;
-      for (int k = 0; k < block; ++k) any |= greatest[k] < own;
+      for (int k = 0; k < block; ++k) any |= greatest[k] < code;
       return any;
     }
   };
   struct Maps;
   // Computes the codes of the points with these numbers.
-  void find(const VisibilityThroughAll<D>& way, const std::vector<std::size_t>& numbers, bool back,
+  void find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers, bool back,
             Maps& maps, Progress& progress) const;
   // Copies codes from an earlier DirectLight. `numbers`: each point's number there, or -1.
   void take(const DirectLight& earlier, const std::vector<int>& numbers, bool back, Maps& maps,
@@ -132,12 +132,12 @@ class DirectLight {
   void summarize(bool back, Maps& maps, Progress& progress) const;
   void fill_blocks();
   // Computes the bounding ball of points [first, end).
-  void bound(Block& of, std::size_t first, std::size_t end) const;
-  bool is_dark(const TexelWeights<D>& near, bool back, float own) const;
+  void bound(Block& points, std::size_t first, std::size_t end) const;
+  bool is_dark(const TexelWeights<D>& near, bool back, float code) const;
   Shadows shadows(std::size_t number, const TexelWeights<D>& near, bool back) const;
   // Computes the irradiance at a receiver of code `own` from each point of a block, divided by the
   // point's amount. Ignores cones.
-  static Row arriving(const Block& of, const Receiver& at, const Shadows& shadows, float own);
+  static Row arriving(const Block& points, const Receiver& at, const Shadows& shadows, float code);
 
   IsovalueRange isovalue_range_, code_range_;  // in values of the field
   ColorRamp albedo_, emission_;

@@ -8,9 +8,9 @@
 #include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
-#include "math/error.h"
-#include "math/release.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/release.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -60,13 +60,13 @@ template <int D>
 void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
-  learn_lookups();
+  compute_direct_lookup();
   const auto ended = [&] { return go_on && !go_on(); };
   bool stopped = false;
   // After an interrupted add(), these are already computed.
   if (indirect_sides_[0].empty()) {
-    learn_back_direct();
-    learn_indirect();
+    compute_back_direct();
+    compute_indirect_sides();
     if (this->blocks() == 0) {
       gather_bounces();
       stopped = ended();
@@ -151,7 +151,7 @@ void LineBake<D>::serialize_lookups(Archive& archive) {
   bool walls = photons_.walls != nullptr;
   archive(walls);
   if (archive.restores()) {
-    learn_lookups();
+    compute_direct_lookup();
     if (walls && !photons_.walls) {
       photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 0, true);
     }
@@ -224,7 +224,7 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
     }
     pool_variances(texels.lattice, light[side].averages, progress_);
   }
-  learn_surfaces();
+  compute_surfaces();
   filter_along_isosurfaces(texels, surfaces_, light, progress_);
   return light;
 }
@@ -236,7 +236,7 @@ WallRadiance<D> LineBake<D>::walls() {
   std::unique_ptr<IndirectEstimator<D>> estimator;
   if (indirect_) {
     const TexelLattice<D>& lattice = indirect_->texels().lattice;
-    learn_indirect();
+    compute_indirect_sides();
     isosurfaces[0].lattice = &lattice;
     isosurfaces[0].photons = photons_.isosurfaces[0].get();
     for (int side = 0; side < 2; ++side) {
@@ -309,22 +309,22 @@ std::vector<Average> LineBake<D>::direct_averages(bool back) {
 }
 
 template <int D>
-void LineBake<D>::learn_lookups() {
+void LineBake<D>::compute_direct_lookup() {
   if (direct_lookup_.sources() == 0) {
     direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels().lattice, *direct_, progress_);
   }
-  learn_surfaces();
+  compute_surfaces();
 }
 
 template <int D>
-void LineBake<D>::learn_surfaces() {
+void LineBake<D>::compute_surfaces() {
   if (surfaces_.empty())
     surfaces_ = texel_surfaces(volume_, indirect_->texels().lattice, progress_);
 }
 
 // Computes the indirect light that lines look up. Photons light the back if no lines gather for it.
 template <int D>
-void LineBake<D>::learn_indirect() {
+void LineBake<D>::compute_indirect_sides() {
   for (int side = 0; side < 2; ++side) {
     const bool gathers = side == 0 || plan_.back;
     if (!gathers || (!previous_ && indirect_->blocks() == 0)) {
@@ -339,7 +339,7 @@ void LineBake<D>::learn_indirect() {
 }
 
 template <int D>
-void LineBake<D>::learn_back_direct() {
+void LineBake<D>::compute_back_direct() {
   if (!plan_.back) return;
   back_direct_ = direct_at(indirect_->texels().lattice, true);
 }
@@ -359,15 +359,15 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
 // Converts light of white isosurfaces to light of the scene's isosurfaces.
 template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
-  const Volume<D>& of = volume_.volume();
+  const Volume<D>& volume = volume_.volume();
   const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
   for (std::size_t s = 0; s < indirect.size(); ++s) {
     const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
-    const Rgb albedo = albedo_near(of, center);
+    const Rgb albedo = albedo_near(volume, center);
     indirect[s].mean *= albedo;
     const auto scale = static_cast<float>(average(albedo));
     indirect[s].variance *= scale * scale;
-    indirect[s].mean += emission_near(of, isovalue_range, center);
+    indirect[s].mean += emission_near(volume, isovalue_range, center);
   }
 }
 

@@ -47,7 +47,7 @@ class LineBake final : public Integrator<D> {
   int blocks() const override {
     return indirect_ ? indirect_->blocks() + (previous_ ? previous_->blocks() : 0) : 0;
   }
-  // Returns the work of a block in points of lines.
+  // Returns the work of a block, in the unit of the progress: points of lines.
   double cost() const override { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
@@ -64,11 +64,11 @@ class LineBake final : public Integrator<D> {
   void serialize_indirect(Archive& archive);
   std::vector<Average> direct_averages(bool back);
   std::vector<Rgb> indirect_of_photons(bool back) const;
-  void learn_indirect();
+  void compute_indirect_sides();
   void gather_bounces();
-  void learn_back_direct();
-  void learn_lookups();
-  void learn_surfaces();
+  void compute_back_direct();
+  void compute_direct_lookup();
+  void compute_surfaces();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);

@@ -48,9 +48,9 @@ struct LitScene {
   const std::vector<SubdividedMesh<D>>& subdivided();
   // Computes the visibility maps of the points of `split`. `texels`: the resolution of each volume.
   // `spacing`: see VisibilitySweep.
-  void learn_direct(const std::vector<Index<D>>& texels, double spacing);
+  void compute_visibility_maps(const std::vector<Index<D>>& texels, double spacing);
   // Computes the direct light of the walls once for each detail.
-  void learn_direct_of_walls();
+  void compute_wall_direct_light();
   // Returns the remaining work for the walls in the unit of the progress. Paths light walls in
   // their blocks.
   double cost_of_walls();
@@ -58,7 +58,7 @@ struct LitScene {
  private:
   std::vector<EmptySpace<D>> empty_;  // below the isovalue range; one per volume
   std::vector<SubdividedMesh<D>> subdivided_;
-  std::size_t learned_share_ = 0;  // share of the walls' direct light; 0: none yet
+  std::size_t computed_share_ = 0;  // share of the walls' direct light; 0: none yet
 };
 
 }  // namespace leaflight

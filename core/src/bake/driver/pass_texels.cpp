@@ -83,6 +83,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     known.emplace_back(resolution, count);
     return count;
   };
+  // Start with texels of indirect light that are as wide as voxels, or wider for large volumes.
   const bool given = settings.resolution != Index<D>{};
   const std::size_t voxels = counted(field.dims);
   PassResolutions<D> found;
@@ -104,6 +105,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     if (width == 1)
       found.indirect = finest<D>(field.dims, voxels, most_finer_indirect_texels, counted);
   }
+  // Choose the lines and the texels of photons by the number of crossed voxels.
   found.spacing = voxels > most_dense_voxels ? 2 : 1;
   found.photons = coarser_resolution<D>(field.dims, width_for(voxels, most_photon_voxels, D));
   return found;
@@ -146,10 +148,10 @@ BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& set
 
 template <int D>
 BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolution) {
-  const Index<D> of_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
-  const Index<D> of_texels = coarser_resolution<D>(resolution, preview_width);
+  const Index<D> by_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
+  const Index<D> by_texels = coarser_resolution<D>(resolution, preview_width);
   Index<D> coarser;
-  for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
+  for (int a = 0; a < D; ++a) coarser[a] = std::min(by_voxels[a], by_texels[a]);
   BakeTexels<D> texels;
   texels.photons = lattice_of(volume, coarser);
   texels.shown = texels.indirect = IndexedLattice<D>(texels.photons);

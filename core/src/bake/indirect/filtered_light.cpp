@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "math/parallel.h"
-#include "math/release.h"
+#include "base/parallel.h"
+#include "base/release.h"
 
 namespace leaflight {
 namespace {
@@ -42,7 +42,7 @@ class Neighbors {
 
   // Calls visit(slot, weight) for each active neighbor of a texel.
   template <class Visit>
-  void of(std::size_t slot, Visit visit) const {
+  void for_each(std::size_t slot, Visit visit) const {
     const TexelLattice<D>& lattice = texels_.lattice;
     const std::uint32_t number = lattice.active[slot];
     const Index<D> texel = lattice.texel(number);
@@ -119,15 +119,15 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 template <int D>
 Offset offset_of(const Neighbors<D>& neighbors, const std::vector<TexelSurface<D>>& surfaces,
                  const std::vector<Texel>& texels, bool across, std::size_t slot) {
-  const Texel& own = texels[slot];
+  const Texel& center = texels[slot];
   Offset sum;
-  float weights = own.halves.weight;
-  neighbors.of(slot, [&](std::size_t s, float place) {
+  float weights = center.halves.weight;
+  neighbors.for_each(slot, [&](std::size_t s, float place) {
     const Texel& one = texels[s];
     const float weight = place * likeness(surfaces[slot], surfaces[s], across) * one.halves.weight;
     weights += weight;
-    sum.light += Imath::V3f(one.light - own.light) * weight;
-    sum.halves += (one.halves.first_less_second - own.halves.first_less_second) * weight;
+    sum.light += Imath::V3f(one.light - center.light) * weight;
+    sum.halves += (one.halves.first_less_second - center.halves.first_less_second) * weight;
   });
   const float weight = weights > 0 ? weights : 1;
   return {sum.light / weight, sum.halves / weight};
@@ -150,14 +150,14 @@ Weighed weighed(float first, float second, float weight) {
   return {weight * first, weight * second, weight, 1};
 }
 template <int D>
-Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& of,
+Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& values,
                    std::size_t slot) {
-  Weighed sums = of[slot];
-  neighbors.of(slot, [&](std::size_t s, float place) {
-    sums.first += place * of[s].first;
-    sums.second += place * of[s].second;
-    sums.weight += place * of[s].weight;
-    sums.places += place * of[s].places;
+  Weighed sums = values[slot];
+  neighbors.for_each(slot, [&](std::size_t s, float place) {
+    sums.first += place * values[s].first;
+    sums.second += place * values[s].second;
+    sums.weight += place * values[s].weight;
+    sums.places += place * values[s].places;
   });
   return sums;
 }
@@ -170,30 +170,31 @@ void shrink(const Neighbors<D>& neighbors, const std::vector<Offset>& offsets,
   // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const HalfDifference& own = texels[s].halves;
-    changes[s] =
-        weighed(square(offsets[s].light), noise_of(offsets[s].halves, own.first_share), own.weight);
+    const HalfDifference& halves = texels[s].halves;
+    changes[s] = weighed(square(offsets[s].light), noise_of(offsets[s].halves, halves.first_share),
+                         halves.weight);
   });
-  std::vector<float> of_light(count);
+  std::vector<float> bias(count);
   for_each_texel(count, progress, [&](std::size_t s) {
     const Weighed about = sums_about(neighbors, changes, s);
-    HalfDifference& own = texels[s].halves;
+    HalfDifference& halves = texels[s].halves;
     // The noise of a texel decreases with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
-    const float of_own = std::max(0.0f, by_light) * own.weight;
-    const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
-    of_light[s] = share * share * (1 - share) * square(offsets[s].light);
-    const float before = noise_of(own.first_less_second, own.first_share);
-    own.first_less_second += offsets[s].halves * share;
-    noise[s] = weighed(before, noise_of(own.first_less_second, own.first_share), own.weight);
+    const float signal = std::max(0.0f, by_light) * halves.weight;
+    const float share = by_noise > 0 ? by_noise / (by_noise + signal) : 0;
+    bias[s] = share * share * (1 - share) * square(offsets[s].light);
+    const float before = noise_of(halves.first_less_second, halves.first_share);
+    halves.first_less_second += offsets[s].halves * share;
+    noise[s] =
+        weighed(before, noise_of(halves.first_less_second, halves.first_share), halves.weight);
     texels[s].light += Rgb(offsets[s].light * share);
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = averages[s].variance;
     const Weighed about = sums_about(neighbors, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
-    variance += of_light[s];
+    variance += bias[s];
   });
 }
 
@@ -205,17 +206,17 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
   for (NoisyLight& light : sides) {
     if (light.averages.empty()) continue;
-    std::vector<Texel> lit = texels_of(light);
+    std::vector<Texel> filtered = texels_of(light);
     release(light.halves);
-    std::vector<Offset> offsets(lit.size());
+    std::vector<Offset> offsets(filtered.size());
     for (const Step& step : steps) {
       const Neighbors<D> neighbors(texels, step.reach);
-      for_each_texel(lit.size(), progress, [&](std::size_t s) {
-        offsets[s] = offset_of(neighbors, surfaces, lit, step.across, s);
+      for_each_texel(filtered.size(), progress, [&](std::size_t s) {
+        offsets[s] = offset_of(neighbors, surfaces, filtered, step.across, s);
       });
-      shrink(neighbors, offsets, lit, light.averages, progress);
+      shrink(neighbors, offsets, filtered, light.averages, progress);
     }
-    for (std::size_t s = 0; s < lit.size(); ++s) light.averages[s].mean = lit[s].light;
+    for (std::size_t s = 0; s < filtered.size(); ++s) light.averages[s].mean = filtered[s].light;
   }
 }
 

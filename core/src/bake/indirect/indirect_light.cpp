@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/low_discrepancy.h"
-#include "math/sampling.h"
+#include "base/low_discrepancy.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -136,11 +136,11 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
       const TexelWeights<D> near = linear_weights(from, to.center(to.active[s]));
       float error = 0;
       for (int i = 0; i < near.count; ++i) {
-        const Average& there = averages[near.slot[i]];
-        result[s].mean += there.mean * near.weight[i];
+        const Average& texel = averages[near.slot[i]];
+        result[s].mean += texel.mean * near.weight[i];
         // Texels on the same lines have correlated errors.
-        error += near.weight[i] * std::sqrt(there.variance);
-        result[s].samples = std::max(result[s].samples, there.samples);
+        error += near.weight[i] * std::sqrt(texel.variance);
+        result[s].samples = std::max(result[s].samples, texel.samples);
       }
       result[s].variance = error * error;
     }

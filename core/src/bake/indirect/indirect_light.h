@@ -37,7 +37,7 @@ class IndirectLight {
   // Serializes the state between two blocks.
   void serialize(Archive& archive);
   int blocks() const { return blocks_; }
-  // Returns the work of a block in points of lines.
+  // Returns the work of a block, in the unit of the progress: points of lines.
   double cost() const { return cost(texels_.lattice, spacing_); }
   static double cost(const TexelLattice<D>& texels, int spacing);
   // Starts again with other directions.

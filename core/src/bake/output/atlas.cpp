@@ -11,8 +11,8 @@ namespace {
 // Returns the value of a texel, or the mean of its active neighbors, or black.
 Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values,
                      const Index<3>& texel) {
-  const std::int32_t own = lattice.slot[lattice.linear(texel)];
-  if (own != TexelLattice<3>::inactive) return values[own];
+  const std::int32_t center = lattice.slot[lattice.linear(texel)];
+  if (center != TexelLattice<3>::inactive) return values[center];
   Vec<3, float> sum(0);
   int count = 0;
   Index<3> low, high;

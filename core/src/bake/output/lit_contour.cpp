@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "surface/split_edges.h"
 
 namespace leaflight {

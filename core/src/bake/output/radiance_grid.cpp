@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/release.h"
+#include "base/release.h"
 
 namespace leaflight {
 

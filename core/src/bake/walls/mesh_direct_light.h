@@ -5,7 +5,7 @@
 
 #include "bake/walls/mesh_neighbors.h"
 #include "bake/walls/subdivided_mesh.h"
-#include "math/progress.h"
+#include "base/progress.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
@@ -42,53 +42,53 @@ class MeshDirectLight {
   std::size_t lights() const { return scales_.size(); }
 
   // A traced shadow ray from a vertex to a point of its set.
-  struct Way {
+  struct TracedRay {
     float greatest;  // common isovalue; infinite if a mesh blocks the ray
     // Unshadowed irradiance divided by the point's amount: positive on the mesh's front, negative
     // on its back.
     float share;
   };
-  struct MeshWays {
+  struct MeshRays {
     MeshNeighbors neighbors;
     std::vector<std::uint8_t> sets;  // one per vertex
-    std::vector<Way> ways;           // [vertex * points + point]
+    std::vector<TracedRay> rays;     // [vertex * points + point]
     std::vector<float> least;        // as in BlockingIsovalues; empty if nothing has openings
     // Unshadowed radiance by side, averaged over all sets; its index is light * vertices + vertex.
     // The last light is that of emissive meshes and the environment.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
-  const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
+  const MeshRays& rays(int mesh) const { return (*meshes_)[mesh]; }
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
   // An earlier mesh whose shadow rays are reused for unchanged lights.
   struct Known {
-    const MeshWays* ways = nullptr;
+    const MeshRays* rays = nullptr;
     std::size_t points = 0;                 // of each earlier set
     std::vector<std::vector<int>> numbers;  // by set: the earlier numbers of its points, or -1
     std::vector<int> lights;                // by place_of(): the earlier number of the light, or -1
 
-    bool has(std::size_t light) const { return ways && lights[light] >= 0; }
+    bool has(std::size_t light) const { return rays && lights[light] >= 0; }
   };
   Known known_of(const MeshDirectLight& earlier) const;
   // Copies the reusable shadow rays of a vertex.
-  void take(const Known& known, std::size_t vertex, MeshWays& to) const;
+  void take(const Known& known, std::size_t vertex, MeshRays& to) const;
   // Returns the place of a point's light; the last is that of emissive meshes and environments.
   std::size_t place_of(const LightPoint<D>& point) const {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
-  MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
-                   std::size_t share, const Known& known) const;
-  void take_from_neighbors(MeshWays& ways, std::size_t share, const Known& known) const;
+  MeshRays trace_mesh(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
+                      std::size_t share, const Known& known) const;
+  void take_from_neighbors(MeshRays& traced, std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // one per light, and 1
-  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // empty for mirrors and glass
+  std::shared_ptr<const std::vector<MeshRays>> meshes_;  // empty for mirrors and glass
 };
 
 // Returns the work of tracing the shadow rays, in points of lines.
 template <int D>
-double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
-                    std::size_t share = 1);
+double work_of_shadow_rays(const SceneTracer<D>& tracer,
+                           const std::vector<SubdividedMesh<D>>& meshes, std::size_t share = 1);
 
 }  // namespace leaflight

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bake/walls/mesh_neighbors.h"
-#include "math/parallel.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
