@@ -48,7 +48,7 @@ ADDON = (
 )
 FACES = ("__init__.py", "__main__.py", "blender.py")
 CORE = (
-    "math",
+    "base",
     "field",
     "surface",
     "scene",
