@@ -21,7 +21,7 @@ from waiting import HANG
 
 # Two bytes that differ in each bit.
 PATTERNS = (0x55, 0xAA)
-# Name that stands for a file: a small and a large array that are never filled.
+# Name in place of a file, for a small and a large array that are never filled.
 UNWRITTEN = "unwritten"
 
 

@@ -2,7 +2,7 @@
 """Measures the thesis's data sets and some real ones: one bake against directly rendered
 isosurfaces.
 
-This is thesis Fig. 5.14. Of its four data sets, only Colin27 is public. particles.py generates
+This is thesis Fig. 5.14. Only Colin27 of its four data sets is public. particles.py generates
 others of the same kind. Scans are added if there are any.
 """
 

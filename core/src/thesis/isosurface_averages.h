@@ -17,7 +17,7 @@ struct IsosurfaceSamples {
   int volume;
   bool back;
   int count;
-  double rays_per_sample;  // expected
+  double rays_per_sample;  // expected number of rays
   std::uint64_t seed;
 };
 

@@ -298,7 +298,7 @@ def plain_material(name, color):
 
 
 def one_colored_world(color, name="World"):
-    """Returns a new world of one color, likewise."""
+    """Returns a new world of one color, without nodes if this Blender still supports that."""
     world = bpy.data.worlds.new(name)
     world.color = color
     tree = versions.node_tree(world)

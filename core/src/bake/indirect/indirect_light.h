@@ -27,7 +27,7 @@ class IndirectLight {
                  int directions = directions_per_block);
   // Adds a block whose sums `fill` computes.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
-  // Adds block next_block() from the block_bytes() of a BlockTracer.
+  // Adds the block of number next_block(), which a BlockTracer has returned as block_bytes().
   void add_block_of_others(const std::string& bytes, Progress& progress);
   int next_block() const { return drawn_; }
   // Traces a block for another bake.
