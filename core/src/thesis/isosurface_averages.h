@@ -24,8 +24,8 @@ struct IsosurfaceSamples {
 inline constexpr std::size_t texels_per_piece = 64;
 
 // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight |grad
-// c| dV = dA dc makes it a mean over the area of the isosurfaces, as seen by lookups. Steep places
-// are surfaces, flat ones noise.
+// c| dV = dA dc makes it a mean over the area of the isosurfaces, which lookups see. Otherwise
+// noise in flat parts of the field would count as much as surfaces, which are steep.
 template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const IsosurfaceSamples& samples, Progress& progress,

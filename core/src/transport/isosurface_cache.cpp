@@ -101,7 +101,7 @@ void box_sum(std::vector<float>& grid, const Index<D>& dims, int axis, int radiu
   });
 }
 
-// Computes box sums of a quantity at active texels, for active texels.
+// Computes, for each active texel, the sum of a quantity over the active texels in a box around it.
 template <int D, class Value>
 std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& progress,
                           Value value) {
