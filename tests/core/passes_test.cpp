@@ -38,12 +38,12 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   settings.resolution = {9, 9, 9};
   settings.error = 0.02;  // takes several passes
   std::vector<RadianceGrid<3>> passes;
-  Progress progress;
+  Progress first_progress;
   const auto look = [&](Baked<3>&& baked) {
     EXPECT_EQ(baked.statistics.passes, static_cast<int>(passes.size()) + 1);
     passes.push_back(std::move(baked.grids[0]));
   };
-  const Baked<3> all = bake<3>(scene, settings, progress, {look});
+  const Baked<3> all = bake<3>(scene, settings, first_progress, {look});
   passes.push_back(all.grids[0]);
   EXPECT_FALSE(all.statistics.stopped);
   ASSERT_GE(passes.size(), 2u);

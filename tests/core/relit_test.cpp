@@ -115,11 +115,11 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
   };
   const Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);
-  const Baked<3> relit = baked(1), truth = baked(4);
+  const Baked<3> original = baked(1), truth = baked(4);
   const std::vector<Rgb> factors{Rgb(4)};
   const Rgb indirect = indirect_shares(SceneTracer<3>(scene)).factor(factors);
   EXPECT_EQ(indirect, Rgb(4));
-  const RadianceGrid<3>& grid = relit.grids[0];
+  const RadianceGrid<3>& grid = original.grids[0];
   const DirectLight<3> direct = grid.direct->scaled(factors);
   const ShownGrid<3> shown(grid, &direct, Vec<3, float>(indirect));
   for (const bool back : {false, true}) {
@@ -132,7 +132,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
     }
   }
   if (test::sanitized) return;
-  const auto walls = relit(relit.walls, scene.meshes, factors, Vec<3, float>(indirect));
+  const auto walls = relit(original.walls, scene.meshes, factors, Vec<3, float>(indirect));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const auto found = radiance_at(walls, static_cast<int>(m), 0.75, false),
                expected = radiance_at(truth.walls, static_cast<int>(m), 0.75, false);
