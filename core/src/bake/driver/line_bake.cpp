@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bake/indirect/later_bounces.h"
+#include "bake/indirect/sharpened_light.h"
 #include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
@@ -104,8 +105,7 @@ void LineBake<D>::gather_bounces() {
         false};
     indirect_->add_block(i == 0 ? gathered() : reflected, progress_, bounce_directions[i]);
     for (int side = 0; side < sides; ++side) {
-      bounce[side] =
-          filled_means(indirect_->texels().lattice, indirect_->averages(side != 0), progress_);
+      bounce[side] = looked_up(indirect_->averages(side != 0));
       const bool is_last = i + 1 == bounces;
       const Rgb share = is_last ? Rgb(1) + later_bounces(before[side], bounce[side]) : Rgb(1);
       for (std::size_t s = 0; s < bounce[side].size(); ++s) {
@@ -334,8 +334,15 @@ void LineBake<D>::compute_indirect_sides() {
     }
     NoisyLight light{indirect_->averages(side != 0), {}};
     if (previous_) previous_->blend(light, indirect_->blocks(), side != 0);
-    indirect_sides_[side] = filled_means(indirect_->texels().lattice, light.averages, progress_);
+    indirect_sides_[side] = looked_up(light.averages);
   }
+}
+
+// Returns the light of texels for hits, which read it by random linear interpolation.
+template <int D>
+std::vector<Rgb> LineBake<D>::looked_up(const std::vector<Average>& averages) {
+  const IndexedLattice<D>& texels = indirect_->texels();
+  return sharpened(texels, filled_means(texels.lattice, averages, progress_), progress_);
 }
 
 template <int D>

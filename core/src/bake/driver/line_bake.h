@@ -71,6 +71,7 @@ class LineBake final : public Integrator<D> {
   void compute_surfaces();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
+  std::vector<Rgb> looked_up(const std::vector<Average>& averages);
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
   void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
 

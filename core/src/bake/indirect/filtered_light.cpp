@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "bake/texels/texel_neighbors.h"
 #include "base/parallel.h"
 #include "base/release.h"
 
@@ -17,64 +18,8 @@ struct Step {
   bool across;
 };
 constexpr std::array<Step, 3> steps{{{1, false}, {2, false}, {1, true}}};
-// Weight of a neighbor one step away along one axis, relative to the texel itself.
-constexpr float beside = 0.6f;
 // Distance in texels at which the weight of another isosurface is a quarter.
 constexpr float quarter_distance = 0.75f;
-
-// The neighbors of texels, `reach` texels away along some axes.
-template <int D>
-class Neighbors {
- public:
-  Neighbors(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
-    Index<D> low, high;
-    low.fill(-1);
-    high.fill(2);
-    for_each_index<D>(low, high, [&](const Index<D>& step) {
-      Neighbor one{step, 0, 1};
-      for (int a = D; a-- > 0;) {
-        one.offset = one.offset * texels.lattice.resolution[a] + step[a] * reach;
-        if (step[a] != 0) one.weight *= beside;
-      }
-      if (one.weight < 1) all_.push_back(one);
-    });
-  }
-
-  // Calls visit(slot, weight) for each active neighbor of a texel.
-  template <class Visit>
-  void for_each(std::size_t slot, Visit visit) const {
-    const TexelLattice<D>& lattice = texels_.lattice;
-    const std::uint32_t number = lattice.active[slot];
-    const Index<D> texel = lattice.texel(number);
-    bool within = true;
-    for (int a = 0; a < D; ++a) {
-      within = within && texel[a] >= reach_ && texel[a] + reach_ < lattice.resolution[a];
-    }
-    for (const Neighbor& one : all_) {
-      if (!within && outside(texel, one.step)) continue;
-      const std::int32_t s = texels_.slots[number + one.offset];
-      if (s != TexelLattice<D>::inactive) visit(static_cast<std::size_t>(s), one.weight);
-    }
-  }
-
- private:
-  struct Neighbor {
-    Index<D> step;
-    std::ptrdiff_t offset;
-    float weight;
-  };
-  bool outside(const Index<D>& texel, const Index<D>& step) const {
-    for (int a = 0; a < D; ++a) {
-      const int n = texel[a] + step[a] * reach_;
-      if (n < 0 || n >= texels_.lattice.resolution[a]) return true;
-    }
-    return false;
-  }
-
-  const IndexedLattice<D>& texels_;
-  int reach_;
-  std::vector<Neighbor> all_;
-};
 
 // Calls body(slot) for all texels, in parallel.
 template <class Body>
@@ -117,7 +62,7 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 }
 
 template <int D>
-Offset offset_of(const Neighbors<D>& neighbors, const std::vector<TexelSurface<D>>& surfaces,
+Offset offset_of(const TexelNeighbors<D>& neighbors, const std::vector<TexelSurface<D>>& surfaces,
                  const std::vector<Texel>& texels, bool across, std::size_t slot) {
   const Texel& center = texels[slot];
   Offset sum;
@@ -150,7 +95,7 @@ Weighed weighed(float first, float second, float weight) {
   return {weight * first, weight * second, weight, 1};
 }
 template <int D>
-Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& values,
+Weighed sums_about(const TexelNeighbors<D>& neighbors, const std::vector<Weighed>& values,
                    std::size_t slot) {
   Weighed sums = values[slot];
   neighbors.for_each(slot, [&](std::size_t s, float place) {
@@ -164,7 +109,7 @@ Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& va
 
 // Moves texels towards the mean of their neighbors. Updates the variances of `averages`.
 template <int D>
-void shrink(const Neighbors<D>& neighbors, const std::vector<Offset>& offsets,
+void shrink(const TexelNeighbors<D>& neighbors, const std::vector<Offset>& offsets,
             std::vector<Texel>& texels, std::vector<Average>& averages, Progress& progress) {
   const std::size_t count = texels.size();
   // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
@@ -210,7 +155,7 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
     release(light.halves);
     std::vector<Offset> offsets(filtered.size());
     for (const Step& step : steps) {
-      const Neighbors<D> neighbors(texels, step.reach);
+      const TexelNeighbors<D> neighbors(texels, step.reach);
       for_each_texel(filtered.size(), progress, [&](std::size_t s) {
         offsets[s] = offset_of(neighbors, surfaces, filtered, step.across, s);
       });
