@@ -56,7 +56,6 @@ _BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
 
 
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
     bl_description = "Refine this bake to the target error or the time limit. Esc stops"
     conditions = (
@@ -77,7 +76,6 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
 
 
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.finer_texels"
     bl_label = "Finer Texels"
     bl_description = "Bake again with twice the texels along each axis (eight times the memory)"
     conditions = _BAKE
@@ -98,7 +96,6 @@ def suited(obj):
 
 
 class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.resume_bake"
     bl_label = "Resume"
     bl_description = "Resume the bake that was interrupted when Blender or the computer stopped"
     conditions = (
@@ -128,7 +125,6 @@ def is_interrupted(obj):
 
 
 class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.bake_frames"
     bl_label = "Bake All Frames"
     bl_description = "Bake each frame of the volume in the scene at its time. Esc stops"
     conditions = (

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import bpy
 import leaflight
-from bpy.props import BoolProperty
+from ..props import BoolProperty
 from leaflight import LeaflightError
 from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
@@ -302,7 +302,6 @@ def _go_on():
 
 
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
     bl_description = "Stop updating the light until an object moves again"
     bl_options = set()
@@ -331,9 +330,7 @@ PROPERTIES = (
         bpy.types.Scene,
         "leaflight_live",
         BoolProperty(
-            name="Live",
-            description=("Update the light while lamps, walls and volumes move"),
-            update=_switched,
+            "Live", "Update the light while lamps, walls and volumes move", update=_switched
         ),
     ),
 )

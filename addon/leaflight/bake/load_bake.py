@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
-from bpy.props import BoolProperty, StringProperty
+from ..props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
@@ -24,17 +24,12 @@ from . import lighting
 
 
 class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
-    bl_idname = "leaflight.load_bake"
     bl_label = "Load Bake"
     bl_description = "Light the selected volume by a bake file, or import the baked volumes"
     conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
-    walls: BoolProperty(
-        name="Scene",
-        description="Import the objects and lights of the baked scene, too",
-        default=True,
-    )
+    walls: BoolProperty("Scene", "Import the objects and lights of the baked scene, too", True)
 
     def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
@@ -73,7 +68,6 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
 
 
 class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
-    bl_idname = "leaflight.relocate_bake"
     bl_label = "Relocate Bake"
     bl_description = "Choose the new location of the file of this volume's bake"
     conditions = (
@@ -204,7 +198,6 @@ _MOST_ROWS = 12
 
 
 class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.remove_unused_bakes"
     bl_label = "Remove Unused Bakes"
     bl_description = "Delete bake files of this .blend that light no volume. Cannot be undone"
     bl_options = set()

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from bpy.props import FloatProperty, IntProperty, StringProperty
+from ..props import FloatProperty, IntProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
@@ -158,7 +158,6 @@ class ComparisonJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
-    bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
     bl_description = "Compare renders of the bake, Cycles and local shading. Esc cancels"
     bl_options = set()
@@ -169,30 +168,26 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     )
 
     samples: IntProperty(
-        name="Cycles Samples",
-        description="Samples per pixel of the path-traced still",
-        default=256,
-        min=2,
-        soft_max=4096,
+        "Cycles Samples", "Samples per pixel of the path-traced still", 256, min=2, soft_max=4096
     )
     baked_samples: IntProperty(
-        name="Baked Samples",
-        description="Samples per pixel of the baked still; only its walls need many",
-        default=64,
+        "Baked Samples",
+        "Samples per pixel of the baked still; only its walls need many",
+        64,
         min=2,
         soft_max=4096,
     )
     share: FloatProperty(
-        name="Resolution",
-        description="Resolution of the stills, as a share of the scene's",
-        default=100.0,
+        "Resolution",
+        "Resolution of the stills, as a share of the scene's",
+        100.0,
         min=1.0,
         max=100.0,
         subtype="PERCENTAGE",
     )
     folder: StringProperty(
-        name="Folder",
-        description="Folder of the pictures and figures; empty is beside the bake",
+        "Folder",
+        "Folder of the pictures and figures; empty is beside the bake",
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )

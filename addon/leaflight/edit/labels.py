@@ -219,7 +219,6 @@ def _cube_object(volume, name, data, grays):
 
 
 class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_scale_bar"
     bl_label = "Scale Bar"
     bl_description = "Add a scale bar in front of the volume"
 
@@ -235,7 +234,6 @@ class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_letters"
     bl_label = "Orientation"
     bl_description = "Add letters of the patient's directions: R, L, A, P, S, I"
 
@@ -244,7 +242,6 @@ class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_orientation_cube"
     bl_label = "Orientation Cube"
     bl_description = "Add a cube with the patient's directions to the camera view"
 

@@ -4,7 +4,7 @@
 from dataclasses import dataclass, field
 
 import bpy
-from bpy.props import EnumProperty
+from ..props import EnumProperty
 from leaflight import LeaflightError
 from leaflight.looks import LOOKS as OF_ONE_COLOR
 
@@ -85,11 +85,10 @@ def _items(presets):
 
 
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.isosurface_preset"
     bl_label = "Look"
     bl_description = "Set color, gloss and backdrop of the isosurfaces"
 
-    preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
+    preset: EnumProperty("Look", items=_items(LOOKS) + _items(MAPS))
 
     def run(self, context):
         volume = active_volume(context)
@@ -107,7 +106,6 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_stop"
     bl_label = "Add Color Stop"
     bl_description = "Add a stop at the shown isovalue with its color"
 
@@ -124,7 +122,6 @@ class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.remove_stop"
     bl_label = "Remove Color Stop"
     bl_description = "Remove the selected stop; without stops one albedo applies to all isovalues"
 

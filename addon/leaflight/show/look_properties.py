@@ -4,7 +4,7 @@
 import bpy
 
 from . import data_faces, display, surface_object
-from .overridable import (
+from ..props import (
     BoolProperty,
     BoolVectorProperty,
     ColorProperty,
@@ -50,25 +50,23 @@ def _has_box(_look, obj):
 
 class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
-        name="Opacity",
-        description="Opacity of the isosurface. Its light is that of an opaque one",
-        default=1.0,
+        "Opacity",
+        "Opacity of the isosurface. Its light is that of an opaque one",
+        1.0,
         update=_changed,
     )
     use_color: BoolProperty(
-        name="Own Color",
-        description="Use another color than the albedo of the volume",
-        update=_changed,
+        "Own Color", "Use another color than the albedo of the volume", update=_changed
     )
     color: ColorProperty(
-        name="Color",
-        description="Albedo of this isosurface. Incident light stays that of the bake",
+        "Color",
+        "Albedo of this isosurface. Incident light stays that of the bake",
         update=_color_chosen,
     )
     dust: FloatProperty(
-        name="Hide Dust",
-        description="Hide separate parts that are shorter than this many voxels",
-        default=0.0,
+        "Hide Dust",
+        "Hide separate parts that are shorter than this many voxels",
+        0.0,
         min=0.0,
         soft_max=50.0,
         precision=1,
@@ -76,78 +74,71 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
         options=set(),
     )
     gloss: ShareProperty(
-        name="Gloss",
-        description="Weight of a clear coat that reflects the scene's lamps",
+        "Gloss",
+        "Weight of a clear coat that reflects the scene's lamps",
         update=_changed,
         options=set(),
     )
     roughness: ShareProperty(
-        name="Roughness",
-        description="Roughness of the coat, which widens its highlights",
-        default=0.3,
+        "Roughness",
+        "Roughness of the coat, which widens its highlights",
+        0.3,
         min=0.02,
         update=_changed,
         options=set(),
     )
-    is_cut: BoolProperty(
-        name="Cut",
-        description="Cut this isosurface by the clip box",
-        default=True,
-        update=_changed,
-    )
+    is_cut: BoolProperty("Cut", "Cut this isosurface by the clip box", True, update=_changed)
     box: PointerProperty(
-        name="Clip Box",
-        description="Object or Empty whose box cuts the isosurfaces. Their light is unchanged",
-        type=bpy.types.Object,
+        bpy.types.Object,
+        "Clip Box",
+        "Object or Empty whose box cuts the isosurfaces. Their light is unchanged",
         poll=_has_box,
         update=_all_changed,
     )
     keep: EnumProperty(
-        name="Keep",
-        description="Part of the isosurfaces to keep",
-        items=[
+        "Keep",
+        "Part of the isosurfaces to keep",
+        [
             ("OUTSIDE", "Outside", "Parts outside the box"),
             ("INSIDE", "Inside", "Parts inside the box"),
         ],
         update=_all_changed,
     )
     cut_colors: EnumProperty(
-        name="Cut",
-        description="Appearance of the faces where the clip box cuts",
-        items=data_faces.CUT_COLORS,
+        "Cut",
+        "Appearance of the faces where the clip box cuts",
+        data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,
     )
     slice_axes: BoolVectorProperty(
-        name="Slices",
-        description="Show the data on a plane across this axis, which is not baked",
-        size=3,
+        "Slices",
+        "Show the data on a plane across this axis, which is not baked",
+        3,
         update=_slices_changed,
     )
     slice_places: FloatVectorProperty(
-        name="Place",
-        description="Position of the plane, from one end of the volume to the other",
-        size=3,
+        "Place",
+        "Position of the plane, from one end of the volume to the other",
+        3,
         default=(0.5, 0.5, 0.5),
         min=0.0,
         max=1.0,
         update=_slices_changed,
     )
     slice_colors: EnumProperty(
-        name="Colors",
-        description="Colors of the values on the planes",
-        items=data_faces.COLORS,
+        "Colors",
+        "Colors of the values on the planes",
+        data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
     )
     slices_inside: BoolProperty(
-        name="Inside Only",
-        description="Show data only within the isosurface, instead of from Lowest on",
+        "Inside Only",
+        "Show data only within the isosurface, instead of from Lowest on",
         update=_slices_changed,
     )
 
 
 CLASSES = (LeaflightIsosurfaceDisplay,)
-PROPERTIES = (
-    (bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightIsosurfaceDisplay)),
-)
+PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(LeaflightIsosurfaceDisplay)),)

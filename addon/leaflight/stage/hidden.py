@@ -46,7 +46,6 @@ def names(objects):
 
 
 class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.show_hidden"
     bl_label = "Show Hidden"
     bl_description = "Show the objects that Stage has hidden. They are baked again"
     conditions = (

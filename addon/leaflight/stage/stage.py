@@ -6,7 +6,7 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from ..props import BoolProperty, EnumProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
@@ -24,21 +24,15 @@ _STAGED = "leaflight_stage"
 
 
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.stage"
     bl_label = "Stage"
     bl_description = "Add walls, lights and a camera around the volumes, instead of others"
 
-    preset: EnumProperty(
-        name="Stage", description="Objects to add around the volumes", items=presets.ITEMS
-    )
+    preset: EnumProperty("Stage", "Objects to add around the volumes", presets.ITEMS)
     collection: StringProperty(
-        name="Collection",
-        description="Collection of your objects and lights around the volumes",
+        "Collection", "Collection of your objects and lights around the volumes"
     )
     hide_others: BoolProperty(
-        name="Hide Others",
-        description="Hide all other objects, so that they are not baked",
-        default=True,
+        "Hide Others", "Hide all other objects, so that they are not baked", True
     )
 
     def invoke(self, context, event):
@@ -105,7 +99,6 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
     bl_description = "Move the camera so that the isosurfaces fill its frame"
 

@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from ..props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from leaflight import limit_memory
 
 # Name of the add-on's module in Blender.
@@ -16,34 +16,28 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
     own_cache_folder: BoolProperty(
-        name="Own Cache Folder",
-        description="Store bakes of unsaved files outside Blender's user folder",
+        "Own Cache Folder", "Store bakes of unsaved files outside Blender's user folder"
     )
     cache_folder: StringProperty(
-        name="Cache Folder",
-        description="Folder of bakes of unsaved files",
-        subtype="DIR_PATH",
+        "Cache Folder", "Folder of bakes of unsaved files", subtype="DIR_PATH"
     )
-    limit_threads: BoolProperty(
-        name="Limit Threads",
-        description="Limit the number of threads of a bake",
-    )
+    limit_threads: BoolProperty("Limit Threads", "Limit the number of threads of a bake")
     threads: IntProperty(
-        name="Threads",
-        description="Number of threads of a bake. The result does not depend on it",
-        default=max(1, (os.cpu_count() or 2) // 2),
+        "Threads",
+        "Number of threads of a bake. The result does not depend on it",
+        max(1, (os.cpu_count() or 2) // 2),
         min=1,
         soft_max=64,
     )
     limit_memory: BoolProperty(
-        name="Limit Memory",
-        description="Limit memory: larger volumes use files, and texels become coarser",
+        "Limit Memory",
+        "Limit memory: larger volumes use files, and texels become coarser",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
-        name="Memory (GB)",
-        description="Memory limit of volumes and bakes in gigabytes",
-        default=8.0,
+        "Memory (GB)",
+        "Memory limit of volumes and bakes in gigabytes",
+        8.0,
         min=0.5,
         soft_max=512.0,
         precision=1,
