@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The programs of validation/: each runs, with little work. scripts/test has parts for those that
-take longer: every_scene, faults, fuzz, mutations, races, tables, against_cycles.
+take longer: every_scene, faults, fuzz, mutations, races, tables, report, against_cycles.
 """
 
 import importlib
