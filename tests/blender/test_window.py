@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: the slider of the isovalue is dragged with the mouse, and pictures are counted.
-
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
-"""
+"""A real window: the slider of the isovalue is dragged with the mouse, and pictures are counted."""
 
 import json
-from pathlib import Path
 
 import leaflight
 import numpy as np
 import pytest
 from volume_recipes import COLIN27
 
-SCRIPT = Path(__file__).resolve().parent / "window" / "drag_isovalue.py"
 
 # How many pictures there are in a drag is a matter of the machine, too.
 pytestmark = [pytest.mark.slow, pytest.mark.machine]
@@ -32,7 +27,7 @@ def volume(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drags(blender, volume):
-    found = blender.in_window(SCRIPT, *volume)
+    found = blender.in_window("drag_isovalue.py", *volume)
     assert "baking" in found, found
     print(json.dumps(found))
     return found

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: from Blender's factory scene to a lit isosurface in four clicks, and what follows.
-
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
-"""
+"""A real window: from the factory scene to a lit isosurface in four clicks, and what follows."""
 
 from pathlib import Path
 
@@ -13,9 +10,8 @@ import pytest
 from leaflight.volume.particles import neuron
 from PIL import Image
 
-SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
 # The viewport of Blender 3.4 after the bake, a tenth as wide, of the brain.
-REFERENCE = SCRIPT.with_suffix(".png")
+REFERENCE = Path(__file__).resolve().parent / "window" / "newcomer.png"
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
 # Levels of 255: white, and a level too dark to look lit.
@@ -45,7 +41,7 @@ def pictures(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(blender, volume, pictures):
-    return blender.in_window(SCRIPT, volume, pictures, size=(1600, 900))
+    return blender.in_window("newcomer.py", volume, pictures, size=(1600, 900))
 
 
 def test_four_clicks_and_one_file(found):

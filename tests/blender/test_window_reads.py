@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A real window: a .blend is opened whose bake, or volume, takes long to read. The window works on,
 and all that had to wait is shown once the file is read.
-
-Runs where there is a Blender with a window and xvfb-run, which gives it a screen.
 """
 
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "reads.py"
 
 pytestmark = pytest.mark.slow
 
@@ -20,7 +14,7 @@ LIT = {"isovalue": DRAGGED, "lit": True, "problems": []}
 
 @pytest.fixture(scope="module")
 def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("reads"), size=(900, 640))
+    return blender.in_window("reads.py", tmp_path_factory.mktemp("reads"), size=(900, 640))
 
 
 def _part(row, keys):

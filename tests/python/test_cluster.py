@@ -7,7 +7,6 @@ import socket
 import threading
 
 import leaflight
-import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, load_bake
 from leaflight.bake.bake import task_of, worker_memory
@@ -18,6 +17,7 @@ from cone import cone  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
 from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
+from same_bytes import assert_same_light  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
 # In several passes.
@@ -40,22 +40,11 @@ def workers():
         yield started
 
 
-def check_same(bake, other):
-    assert bake.id == other.id
-    for name in ("radiance", "radiance_indirect", "radiance_error", "radiance_back"):
-        ours, theirs = (one.grid.dense(name) for one in (bake, other))
-        np.testing.assert_array_equal(ours, theirs, err_msg=name)
-    for mesh in range(bake.walls.count):
-        for back in (False, True):
-            ours, theirs = (one.walls.radiance(mesh, 47.0, back) for one in (bake, other))
-            np.testing.assert_array_equal(ours, theirs)
-
-
 @pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_any_number_of_workers(volume, alone, count):
     with Workers(count) as workers:
         assert workers.processes() == count
-        check_same(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
+        assert_same_light(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
         assert workers.traced >= 4 and workers.lost == 0
 
 
@@ -73,7 +62,7 @@ def test_workers_that_die(volume, alone, workers):
         killed.append(alive[0])
         os.kill(killed[-1], signal.SIGKILL)
 
-    check_same(leaflight.bake(volume, workers=workers, on_pass=kill, **SETTINGS), alone)
+    assert_same_light(leaflight.bake(volume, workers=workers, on_pass=kill, **SETTINGS), alone)
     assert killed and workers.traced > 0
 
 
@@ -85,7 +74,7 @@ def test_nobody_is_left(volume, alone):
     def close(_bake):
         workers.close()
 
-    check_same(leaflight.bake(volume, workers=workers, on_pass=close, **SETTINGS), alone)
+    assert_same_light(leaflight.bake(volume, workers=workers, on_pass=close, **SETTINGS), alone)
     assert workers.traced > 0 and workers.lost > 0
 
 
@@ -96,7 +85,7 @@ def test_going_on_with_a_bake(volume, workers):
         volume, progress=progress, on_pass=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
     alone = leaflight.refine(part, error=0.2)
-    check_same(leaflight.refine(part, error=0.2, workers=workers), alone)
+    assert_same_light(leaflight.refine(part, error=0.2, workers=workers), alone)
     assert workers.traced > 0
 
 
@@ -174,9 +163,7 @@ def test_the_command_line(cli, tmp_path):
         assert len(cluster.workers) == 2, "they are not ours to end"
     bakes = [load_bake(out) for out in outs]
     for bake in bakes[1:]:
-        assert bake.id == bakes[0].id
-        ours, theirs = (one.grid.dense("radiance") for one in (bake, bakes[0]))
-        np.testing.assert_array_equal(ours, theirs)
+        assert_same_light(bake, bakes[0])
 
 
 @pytest.mark.slow
