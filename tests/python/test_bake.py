@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake: the same for any number of threads, the same when read back, gone when cancelled."""
 
+import ast
+import inspect
 import json
 import threading
 import time
@@ -10,9 +12,9 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
-from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.settings import UnusedSetting
+from leaflight import _core, Cancelled, LeaflightError, load_bake, Progress
 from leaflight.bake.provenance import provenance_from_json, read_bake_id, values_sha256
+from leaflight.bake.settings import UnusedSetting
 from same_bytes import assert_same_bake
 from waiting import HANG, wait_for
 
@@ -292,3 +294,28 @@ def test_save_leaves_no_file_when_it_cannot(tmp_path, box_bake):
         with pytest.raises(LeaflightError):
             box_bake.save(path)
     assert list(tmp_path.iterdir()) == []
+
+
+(_CLASS,) = (
+    node
+    for node in ast.parse(inspect.getsource(leaflight.Bake)).body
+    if isinstance(node, ast.ClassDef)
+)
+(_BLOCK,) = (node for node in _CLASS.body if isinstance(node, ast.If))
+DECLARED = {node.name: node.args for node in _BLOCK.body if isinstance(node, ast.FunctionDef)}
+
+
+def test_all_are_declared():
+    assert set(DECLARED) == {"moved", "export_page", "show", "still"}
+
+
+@pytest.mark.parametrize("name", DECLARED)
+def test_declarations_are_those_of_the_functions(name):
+    declared, real = DECLARED[name], inspect.signature(getattr(leaflight.Bake, name)).parameters
+    names = [one.arg for one in (*declared.args, *declared.kwonlyargs)]
+    names += [declared.kwarg.arg] if declared.kwarg else []
+    assert names[1:] == list(real)[1:]
+    defaults = [*declared.defaults, *filter(None, declared.kw_defaults)]
+    assert [ast.literal_eval(one) for one in defaults] == [
+        one.default for one in real.values() if one.default is not one.empty
+    ]

@@ -3,8 +3,6 @@
 
 import gc
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -15,6 +13,7 @@ from leaflight import LeaflightError, Volume, _core, bump_box
 from leaflight.bake.bake import task_of
 from leaflight.volume.memory import LEAST_LIMIT, limit_memory
 from leaflight.volume.voxels import new_voxels
+from waiting import run_python
 
 MEBIBYTE = 1 << 20
 
@@ -63,12 +62,7 @@ def unlimited():
 
 def bake_in_subprocess(path, out, limit=0, **settings):
     arguments = json.dumps([str(path), str(out), limit, settings])
-    ended = subprocess.run(
-        [sys.executable, "-c", _BAKE, arguments],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
+    ended = run_python("-c", _BAKE, arguments)
     assert ended.returncode == 0, ended.stderr
     return json.loads(ended.stdout)
 

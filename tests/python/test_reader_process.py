@@ -2,7 +2,6 @@
 """The process that reads: what it imports, and how errors and values come back from it."""
 
 import json
-import subprocess
 import sys
 
 import numpy as np
@@ -12,6 +11,7 @@ from leaflight.io import reader_process
 from leaflight.io.reader_process import ReaderProcess
 from leaflight.io.readers import page_process
 from leaflight.volume.setting_error import SettingError
+from waiting import run_python
 
 MODULE = """
 import os
@@ -148,12 +148,7 @@ print(json.dumps(sorted(sys.modules)))
 
 
 def test_compiled_readers_are_imported_nowhere_else():
-    shown = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path[:] = {sys.path}\n{ALL_READERS}"],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    loaded = set(json.loads(shown))
+    script = f"import sys; sys.path[:] = {sys.path}\n{ALL_READERS}"
+    loaded = set(json.loads(run_python("-c", script, check=True).stdout))
     assert "leaflight.io.readers.hdf5" in loaded
     assert not loaded & {"h5py", "zarr", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"}

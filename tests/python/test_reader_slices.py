@@ -5,9 +5,9 @@ import struct
 import zlib
 
 import numpy as np
-import pydicom
 import pytest
 import tifffile
+from dicom_files import write_series
 from leaflight import LeaflightError, read_volume
 from leaflight.io.readers import format_of, probe
 from PIL import Image
@@ -280,23 +280,8 @@ def test_a_folder_of_two_kinds_is_refused(tmp_path):
 
 def test_dicom_slices_and_a_preview(tmp_path):
     """The volume is the one of the DICOM slices."""
-    data = pydicom.dataset.FileDataset(None, {}, preamble=bytes(128))
-    data.file_meta = pydicom.dataset.FileMetaDataset()
-    data.file_meta.MediaStorageSOPClassUID = pydicom.uid.CTImageStorage
-    data.file_meta.MediaStorageSOPInstanceUID = pydicom.uid.generate_uid()
-    data.file_meta.TransferSyntaxUID = pydicom.uid.ExplicitVRLittleEndian
-    data.is_little_endian, data.is_implicit_VR = True, False
-    data.Rows, data.Columns = GRAY.shape[1:]
-    data.BitsAllocated = data.BitsStored = 8
-    data.HighBit, data.PixelRepresentation, data.SamplesPerPixel = 7, 0, 1
-    data.PhotometricInterpretation = "MONOCHROME2"
-    data.SeriesInstanceUID = pydicom.uid.generate_uid()
-    data.ImageOrientationPatient, data.PixelSpacing = [1, 0, 0, 0, 1, 0], [1, 1]
-    for k, plane in enumerate(GRAY):
-        data.ImagePositionPatient, data.InstanceNumber = [0, 0, k], k
-        data.PixelData = plane.tobytes()
-        data.save_as(tmp_path / f"IM{k}.dcm", write_like_original=False)
+    write_series(tmp_path, GRAY)
     save(tmp_path / "preview.tif", GRAY[0, :2, :3])
     volume = read_volume(tmp_path)
-    assert sorted(volume.values.ravel()) == sorted(GRAY.ravel())
+    np.testing.assert_array_equal(volume.values, GRAY)
     assert volume.notes == ("Files of other kinds in the folder are left out: preview.tif.",)

@@ -43,13 +43,6 @@ def test_nifti_2_and_scaled_values(tmp_path, values):
     assert volume.values.dtype == np.float32
 
 
-def test_nifti_frame(tmp_path, values):
-    path = tmp_path / "series.nii.gz"
-    frames = np.stack([values.T, values.T + 1, values.T + 2], axis=-1)
-    nibabel.save(nibabel.Nifti1Image(frames, AFFINE), path)
-    np.testing.assert_array_equal(read_volume(path, frame=2).values, values + 2)
-
-
 def test_nifti_single_frame_is_3d(tmp_path, values):
     path = tmp_path / "series.nii"
     nibabel.save(nibabel.Nifti1Image(values.T[..., None], AFFINE), path)
@@ -108,43 +101,11 @@ def test_a_compression_that_cannot_be_decoded(tmp_path, values, monkeypatch):
         read_pixels(path)
 
 
-def test_tiff_voxel_size_of_imagej(tmp_path, values):
-    path = tmp_path / "stack.tif"
-    metadata = {"axes": "ZYX", "spacing": 3.0, "unit": "um"}
-    tifffile.imwrite(path, values, imagej=True, resolution=(2.0, 4.0), metadata=metadata)
-    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 3.0])
-
-
-def test_tiff_voxel_size_of_ome(tmp_path, values):
-    path = tmp_path / "stack.ome.tif"
-    metadata = {
-        "axes": "ZYX",
-        "PhysicalSizeX": 0.5,
-        "PhysicalSizeY": 250.0,
-        "PhysicalSizeYUnit": "nm",
-        "PhysicalSizeZ": 2.0,
-    }
-    tifffile.imwrite(path, values, ome=True, metadata=metadata)
-    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 2.0])
-
-
 def test_tiff_channel_is_a_frame(tmp_path, values):
     path = tmp_path / "stack.tif"
     channels = np.stack([values, values + 1], axis=1)
     tifffile.imwrite(path, channels, imagej=True, metadata={"axes": "ZCYX"})
     np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
-
-
-def test_folder_of_slices_in_natural_order(tmp_path, values):
-    folder = tmp_path / "slices"
-    folder.mkdir()
-    for k, plane in enumerate(values):
-        tifffile.imwrite(folder / f"slice{7 + 2 * k}.tiff", plane.astype(np.uint8))
-    (folder / "notes.txt").write_text("not a slice")
-    volume = read_volume(folder, spacing=2)
-    assert volume.values.dtype == np.uint8
-    np.testing.assert_array_equal(volume.values, values)
-    np.testing.assert_array_equal(diagonal(volume), [2, 2, 2])
 
 
 NRRD_HEADER = """NRRD0004

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import threading
 from contextlib import contextmanager
-from pathlib import Path
 
 import leaflight
 import numpy as np
@@ -20,7 +19,7 @@ from leaflight.export.export import SUFFIXES, export
 from leaflight.io.images import write_png
 from leaflight.io.output import replaced, replaced_together
 from leaflight.io.ply import write_ply
-from waiting import HANG
+from waiting import HANG, package_folder, run_python
 
 NOISE = np.random.default_rng(3).random((64, 64, 3), np.float32)
 BEFORE = b"what was there before"
@@ -153,7 +152,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     script += " sys.stdin.read()"
     child = subprocess.Popen(
         [sys.executable, "-c", script, str(tmp_path / "a.txt")],
-        env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
+        env={**os.environ, "PYTHONPATH": str(package_folder())},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
     )
@@ -240,12 +239,8 @@ program()
 def test_ctrl_c_beside_saving(tmp_path, when):
     path = tmp_path / "x.vdb"
     arguments = ["bake", "bump_box", "--dims", "8", "--error", "50"]
-    done = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, *arguments, "--out", path, when],
-        env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
-        capture_output=True,
-        text=True,
-        timeout=HANG,
+    done = run_python(
+        *("-c", INTERRUPTED, *arguments, "--out", path, when),
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert done.returncode == (130 if when == "before" else 0)
