@@ -69,13 +69,6 @@ def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed, uncut):
     close(radiance, surface.radiance, 1e-3 * radiance.max())
 
 
-def check_the_file_is_a_bake_of_the_python_package(baked):
-    loaded = leaflight.load_bake(bpy.path.abspath(baked.leaflight.bake_path))
-    points = cache.bake_of(baked).surface(baked.leaflight.isovalue).vertices
-    ours = cache.bake_of(baked).radiance(points)
-    close(loaded.radiance(points), ours, 2e-3 * ours.max())
-
-
 def check_outside_its_window_the_surface_is_plain(baked):
     settings = baked.leaflight
     settings.low, settings.high = 40.0, 60.0

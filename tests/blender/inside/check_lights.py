@@ -195,19 +195,11 @@ def check_an_hdri(assert_probe_agrees, picture, turned):
     assert np.array_equal(description.environment.world_to_image, np.eye(3)) != turned
 
 
-def _portal(lamp):
-    lamp.data.cycles.is_portal = True
-
-
 def _shadowless(lamp):
     if hasattr(lamp.data.cycles, "cast_shadow"):
         lamp.data.cycles.cast_shadow = False
     else:
         lamp.data.use_shadow = False
-
-
-def _narrow(lamp):
-    lamp.data.spread = math.radians(90)
 
 
 def _square(lamp):
@@ -222,19 +214,15 @@ def _ies(lamp):
     tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs[0], emission.inputs["Strength"])
 
 
-def _negative(lamp):
-    lamp.data.energy = -1
-
-
 @pytest.mark.parametrize(
     "spoil, reason",
     [
-        (_portal, "portal"),
+        (lambda lamp: setattr(lamp.data.cycles, "is_portal", True), "portal"),
         (_shadowless, "shadows"),
-        (_narrow, "90 degrees"),
+        (lambda lamp: setattr(lamp.data, "spread", math.radians(90)), "90 degrees"),
         (_square, "square"),
         (_ies, "IES"),
-        (_negative, "negative"),
+        (lambda lamp: setattr(lamp.data, "energy", -1), "negative"),
     ],
 )
 def check_a_light_that_cannot_be_baked_is_named(spoil, reason):
@@ -317,10 +305,6 @@ def _sky(tree, texture):
     tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs[0], background.inputs["Color"])
 
 
-def _ball(tree, texture):
-    texture.projection = "MIRROR_BALL"
-
-
 def _moved(tree, texture):
     mapping = tree.nodes.new("ShaderNodeMapping")
     mapping.inputs["Location"].default_value = (0, 0, 1)
@@ -332,18 +316,14 @@ def _by_normal(tree, texture):
     tree.links.new(coordinates.outputs["Window"], texture.inputs["Vector"])
 
 
-def _without_image(tree, texture):
-    texture.image = None
-
-
 @pytest.mark.parametrize(
     "spoil, reason",
     [
         (_sky, "Sky"),
-        (_ball, "Mirror Ball"),
+        (lambda _, texture: setattr(texture, "projection", "MIRROR_BALL"), "Mirror Ball"),
         (_moved, "Mapping"),
         (_by_normal, "Texture Coordinate"),
-        (_without_image, "without an image"),
+        (lambda _, texture: setattr(texture, "image", None), "without an image"),
     ],
 )
 def check_a_world_that_cannot_be_baked_is_named(probe, spoil, reason):
@@ -358,11 +338,7 @@ def check_dark_worlds(probe):
     image = bpy.data.images.new("Black", 8, 4, float_buffer=True)
     _environment_texture(image)
     assert world.is_dark(bpy.context.scene.world)
-    assert not world.is_dark(_bright())
-
-
-def _bright():
-    return one_coloured_world((0, 0, 0.1))
+    assert not world.is_dark(one_coloured_world((0, 0, 0.1)))
 
 
 def check_units_of_other_versions():

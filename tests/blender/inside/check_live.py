@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from leaflight_addon.bake import live
 from leaflight_addon.show import display, preview
-from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
-from tools import assert_shows, close, colours_of, to_world, vertices_of
+from tools import assert_shows, change, close, colours_of, to_world, vertices_of
 
 CHANGED = "The scene has changed since the bake: bake again"
 
@@ -100,11 +99,6 @@ def finish(held):
     while live._tick() is not None:
         time.sleep(0.005)
     held.may_pass = False
-
-
-def change(obj):
-    staleness.forget()
-    return staleness.change_since_bake(bpy.context, obj)
 
 
 def baked_anew(obj):

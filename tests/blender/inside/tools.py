@@ -15,7 +15,7 @@ from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import whole_detail
-from leaflight_addon.stage import camera
+from leaflight_addon.stage import camera, staleness
 from leaflight_addon.store import cache
 from mathutils import Vector
 
@@ -111,6 +111,12 @@ def assert_shows(obj, isovalue):
         assert radiance is None
     else:
         close(radiance, expected_radiance, 1e-4 * expected_radiance.max())
+
+
+def change(obj):
+    """Returns why the bake of an object no longer fits the scene, looked up anew."""
+    staleness.forget()
+    return staleness.change_since_bake(bpy.context, obj)
 
 
 def edit_as_the_slider_does(obj, isovalue):
