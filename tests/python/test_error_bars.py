@@ -5,7 +5,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.volume.particles import neuron, nucleons
-from thesis.coverage import QUANTILE, coverage
+from thesis.error_bars import QUANTILE, coverage
 
 SEEDS = 3
 # For a count of independent texels; the chance of a false alarm is that of 4 standard errors.
