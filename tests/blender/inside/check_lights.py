@@ -37,8 +37,7 @@ def assert_probe_agrees(probe, tmp_path, record_property):
     """
 
     def compare(samples=256, most=0.005):
-        bpy.context.view_layer.update()
-        description, warnings = export(bpy.data.objects.new("Isosurface", None))
+        description, warnings = export()
         assert warnings == []
         expected, error = traced_probe(description)
         assert expected.min() > 1e-3
@@ -53,7 +52,9 @@ def assert_probe_agrees(probe, tmp_path, record_property):
     return compare
 
 
-def export(isosurface):
+def export():
+    bpy.context.view_layer.update()
+    isosurface = bpy.data.objects.new("Isosurface", None)
     description, _, warnings = scene_export.export_scene(bpy.context, isosurface)
     return description, warnings
 
@@ -229,15 +230,13 @@ def check_a_light_that_cannot_be_baked_is_named(spoil, reason):
     lamp = add_light("AREA", (0, 0, 1))
     lamp.name = "My Lamp"
     spoil(lamp)
-    bpy.context.view_layer.update()
     sentence = sentence_of_export()
     assert '"My Lamp"' in sentence and reason in sentence
 
 
 def sentence_of_export():
-    bpy.context.view_layer.update()
     with pytest.raises(LeaflightError) as caught:
-        export(bpy.data.objects.new("Isosurface", None))
+        export()
     sentence = str(caught.value)
     assert "\n" not in sentence and sentence.endswith(".") and ":" in sentence
     return sentence
@@ -247,8 +246,7 @@ def check_a_wide_point_light_nearby_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 1.0), energy=10.0)
     for radius, warned in ((0.05, False), (0.2, True)):
         lamp.data.shadow_soft_size = radius
-        bpy.context.view_layer.update()
-        _, warnings = export(bpy.data.objects.new("Isosurface", None))
+        _, warnings = export()
         assert len(warnings) == warned and all("4 %" in sentence for sentence in warnings)
 
 
@@ -266,11 +264,10 @@ def check_light_linking_is_warned_of(probe):
         return
     for name in ("receiver_collection", "blocker_collection"):
         setattr(lamp.light_linking, name, bpy.data.collections.new("Few"))
-        bpy.context.view_layer.update()
-        (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+        (warning,) = export()[1]
         assert f'"{lamp.name}"' in warning and "light linking" in warning
         setattr(lamp.light_linking, name, None)
-    assert not export(bpy.data.objects.new("Isosurface", None))[1]
+    assert not export()[1]
 
 
 def check_another_working_space_is_refused(probe):
@@ -285,18 +282,16 @@ def check_versions_that_were_never_compared_are_warned_of(probe, monkeypatch):
     add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     bpy.context.view_layer.update()
     monkeypatch.setattr(blender_versions, "CHECKED", ((3, 6),))
-    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+    (warning,) = export()[1]
     assert "Render Comparison" in warning
 
 
 def check_a_light_that_some_rays_do_not_see_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     lamp.visible_camera = False
-    bpy.context.view_layer.update()
-    assert not export(bpy.data.objects.new("Isosurface", None))[1]
+    assert not export()[1]
     lamp.visible_glossy = False
-    bpy.context.view_layer.update()
-    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+    (warning,) = export()[1]
     assert f'"{lamp.name}"' in warning
 
 

@@ -7,6 +7,7 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from blends import reopened
 from leaflight_addon.bake import live
 from leaflight_addon.show import display, preview
 from leaflight_addon.store import cache
@@ -251,10 +252,7 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     before, bake_id = colours_of(lit), lit.leaflight.bake_id
     move_lamp()
     to_passes()
-    path = str(tmp_path / "scene.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    obj = bpy.context.object
+    obj = reopened(tmp_path / "scene.blend")
     # The bake belongs to the earlier place, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED

@@ -202,8 +202,9 @@ def check_what_is_no_bake_is_refused(bumps, tmp_path):
     sentence = error_of(bpy.ops.leaflight.load_bake, filepath=str(tmp_path / "x.vdb"))
     assert "x.vdb" in sentence and "\n" not in sentence
     assert bumps.leaflight.bake_id == ""
-    with pytest.raises(RuntimeError, match="Bake this volume first"):
-        bpy.ops.leaflight.relocate_bake(filepath=str(tmp_path / "x.vdb"))
+    assert "Bake this volume first" in error_of(
+        bpy.ops.leaflight.relocate_bake, filepath=str(tmp_path / "x.vdb")
+    )
 
 
 def check_a_bake_of_an_earlier_version_says_so(saved):

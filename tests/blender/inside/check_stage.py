@@ -258,8 +258,7 @@ def check_others_are_hidden_and_shown_again(bumps):
     bpy.context.view_layer.update()
     assert {cube.name, sun.name} <= {obj.name for obj, _ in _rendered()}
     assert not cube.hide_get() and unseen.hide_render
-    with pytest.raises(RuntimeError, match="not hidden any object"):
-        bpy.ops.leaflight.show_hidden()
+    assert "not hidden any object" in error_of(bpy.ops.leaflight.show_hidden)
 
 
 def _rendered():

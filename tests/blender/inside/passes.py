@@ -2,15 +2,17 @@
 """Helpers of the checks of bakes in passes."""
 
 import math
-import os
 import time
 from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import leaflight
 import pytest
 from leaflight_addon.bake import bake
+from leaflight_addon.operators import background
 from tools import close, mesh_arrays, start, to_world, wait_while
 
 # Takes all the passes that a bake may have where its error is noise (the fixture "noisy"), which is
@@ -32,7 +34,7 @@ def state():
         "bake": obj.leaflight.bake_id,
         "vertices": mesh_arrays(obj)[0].tobytes(),
         "isovalue": obj.leaflight.isovalue,
-        "files": sorted(os.listdir(obj.leaflight.bake_folder)),
+        "files": sorted(Path(obj.leaflight.bake_folder).glob("*.*")),
     }
 
 
@@ -81,6 +83,51 @@ def assert_shows_pass(obj, shown):
     expected = shown.radiance(to_world(obj, vertices))
     assert len(vertices) > 100 and radiance.max() > 0.01
     close(radiance, expected, 1e-4 * expected.max())
+
+
+class Window:
+    """Drives a job as Blender's events do in a window.
+
+    work: that of the job, if it was begun already.
+    said: the reports, as (kind, text). statuses: the texts of the status bar.
+    """
+
+    def __init__(self, job, work=None):
+        said, statuses = self.said, self.statuses = [], []
+
+        class Operator(background.BackgroundOperator):
+            _job, _work, _timer = job, work, None
+
+            def start(self, _context):
+                return job
+
+            def report(self, kind, text):
+                said.append((*kind, text))
+
+        manager = SimpleNamespace(
+            windows=[],
+            event_timer_add=lambda *_, **__: None,
+            event_timer_remove=lambda _: None,
+            modal_handler_add=lambda _: None,
+        )
+        workspace = SimpleNamespace(status_text_set=statuses.append)
+        self.context = SimpleNamespace(window=None, window_manager=manager, workspace=workspace)
+        self.operator = Operator()
+
+    def happens(self, kind):
+        event = SimpleNamespace(type=kind, value="PRESS" if kind == "ESC" else "")
+        return self.operator.modal(self.context, event)
+
+    def wait(self, result=frozenset({"PASS_THROUGH"}), cancels=False):
+        """Lets the timer run until the work has ended."""
+        events = cycle(["ESC", "TIMER"] if cancels else ["TIMER"])
+        while result & {"RUNNING_MODAL", "PASS_THROUGH"}:
+            result = self.happens(next(events))
+            time.sleep(0.01)
+        return result
+
+    def run(self, cancels=False):
+        return self.wait(self.operator.run_modal(self.context), cancels)
 
 
 class Layout:

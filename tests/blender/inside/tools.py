@@ -180,12 +180,20 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """Returns the sentence with which an operator reports that it was cancelled."""
+    """Returns the sentence with which an operator reports that it was cancelled, or cannot run."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
-    text = str(caught.value).strip()
-    assert text.startswith("Error: ")
-    return text.removeprefix("Error: ")
+    return str(caught.value).strip().removeprefix("Error: ")
+
+
+def duplicate(obj, linked=False):
+    """Duplicates an object alone, and returns the copy."""
+    bpy.ops.object.select_all(action="DESELECT")
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.duplicate(linked=linked)
+    bpy.context.view_layer.update()
+    return bpy.context.object
 
 
 def add_camera(location, rotation, orthographic=None):
