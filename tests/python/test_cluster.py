@@ -8,7 +8,7 @@ import threading
 
 import leaflight
 import pytest
-from leaflight import Cancelled, LeaflightError, Progress, load_bake
+from leaflight import Cancelled, Progress, load_bake
 from leaflight.bake.bake import task_of, worker_memory
 
 pytest.importorskip("distributed")
@@ -17,6 +17,7 @@ from cone import cone  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
 from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
+from outcomes import refused
 from same_bytes import assert_same_light  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
@@ -126,8 +127,7 @@ def test_cancel_goes_through(volume, workers):
 
 def test_workers_of_another_leaflight(volume, workers, monkeypatch):
     monkeypatch.setattr(block_tracer.Recipe, "__init__", _of_another(block_tracer.Recipe.__init__))
-    with pytest.raises(LeaflightError, match="install the same"):
-        leaflight.bake(volume, workers=workers, **SETTINGS)
+    refused("install the same", leaflight.bake, volume, workers=workers, **SETTINGS)
 
 
 def _of_another(init):
@@ -135,18 +135,14 @@ def _of_another(init):
 
 
 def test_what_cannot_be_shared(volume, workers):
-    with pytest.raises(LeaflightError, match="one volume"):
-        leaflight.bake(leaflight.lapr(12), workers=workers)
-    with pytest.raises(LeaflightError, match="number of workers"):
-        Workers(0)
-    with pytest.raises(LeaflightError, match="either"):
-        Workers()
+    refused("one volume", leaflight.bake, leaflight.lapr(12), workers=workers)
+    refused("number of workers", Workers, 0)
+    refused("either", Workers)
     with socket.socket() as silent:
         # Its port is nobody else's.
         silent.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(LeaflightError, match=address):
-            Workers(scheduler=address, patience_seconds=1)
+        refused(address, Workers, scheduler=address, patience_seconds=1)
 
 
 @pytest.mark.slow

@@ -6,10 +6,10 @@ import struct
 from dataclasses import replace
 
 import leaflight
+from outcomes import refused
 import nibabel
 import numpy as np
 import pytest
-from leaflight import LeaflightError
 
 # Longest side of a head in millimeters, the unit of its scan.
 SIDE = 220.0
@@ -116,5 +116,4 @@ def test_volumes_of_two_units_share_a_world():
 def test_a_bake_of_no_unit_is_refused(head, tmp_path):
     path = tmp_path / "odd.vdb"
     replace(head, provenance=head.provenance.with_volumes(unit="parsec")).save(path)
-    with pytest.raises(LeaflightError, match="lacks the metadata of a bake"):
-        leaflight.load_bake(path)
+    refused("lacks the metadata of a bake", leaflight.load_bake, path)

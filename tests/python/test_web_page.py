@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from leaflight import LeaflightError
 from leaflight.export import page, page_size, page_template, page_volume
 from leaflight.export.light_bricks import light_bricks
 from leaflight.export.shared_exponent import LEAST, packed
@@ -271,8 +270,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     out = tmp_path / "x.html"
 
     def refused(words, bake=box_bake, **options):
-        with pytest.raises(LeaflightError, match=re.escape(words)):
-            leaflight.export(bake, out, **options)
+        refused(re.escape(words), leaflight.export, bake, out, **options)
 
     refused("outside the baked range", isovalues=[400.0])
     refused("all isosurfaces", back=True)
@@ -288,8 +286,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     monkeypatch.undo()
     monkeypatch.setattr(page_template, "TEMPLATE", tmp_path / "absent.html")
     refused("built without Node")
-    with pytest.raises(LeaflightError, match="only to a web page"):
-        leaflight.export(box_bake, tmp_path / "x.ply", coarser=1)
+    refused("only to a web page", leaflight.export, box_bake, tmp_path / "x.ply", coarser=1)
     assert not out.exists()
 
 
