@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The documentation site, by Sphinx: scripts/docs builds it."""
+"""Configuration of the documentation site for Sphinx; scripts/docs builds it."""
 
 import sys
 from pathlib import Path

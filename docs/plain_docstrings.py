@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sphinx extension: docstrings in plain text, with their parameters as a table.
+"""A Sphinx extension that turns plain docstrings into text with a table of parameters.
 
 A line `name: text` or `name, name: text` describes parameters. Indented lines after it continue it.
 napoleon converts docstrings with sections in NumPy's style.

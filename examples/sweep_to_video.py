@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sweep through the isovalues of a volume as a video, from one bake.
+"""Renders a sweep through the isovalues of a volume as a video, from one bake.
 
     blender --background --python examples/sweep_to_video.py -- head.nii.gz --out head.mp4 \
         --isovalues 20 120 --frames 120

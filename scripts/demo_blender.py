@@ -77,7 +77,7 @@ def build_scene(volume):
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.resolution_percentage = 100
     bpy.ops.leaflight.stage(preset="CORNELL")
-    # As the comparison shows it.
+    # Use the view transform of the comparison.
     scene.view_settings.view_transform = "Standard"
     scene.view_settings.look = "None"
     scene.view_settings.exposure = -0.6
@@ -114,7 +114,7 @@ def render_comparison(folder, isosurface):
 @contextlib.contextmanager
 def render_progress(label, samples):
     """Yields a bar that follows the samples of one or more renders."""
-    done = [0, 0]  # samples of finished renders, of the present one
+    done = [0, 0]  # samples of finished renders, and of the current one
 
     def show(text, *_):
         match = re.search(r"Sample (\d+)/(\d+)", str(text))

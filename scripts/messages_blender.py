@@ -10,13 +10,13 @@ import bpy
 
 ADDON = "leaflight_addon"
 
-# It got its underscore in later versions.
+# Later versions renamed the module, with an underscore.
 _NAMES = ("_bl_i18n_utils", "bl_i18n_utils")
 _package = next(name for name in _NAMES if importlib.util.find_spec(name))
 extract = importlib.import_module(f"{_package}.bl_extract_messages")
 utils = importlib.import_module(f"{_package}.utils")
 settings = importlib.import_module(f"{_package}.settings").I18nSettings()
-# Else it looks for them in Blender's source.
+# Without this setting it would search Blender's source.
 settings.PRESETS_DIR = str(Path(bpy.utils.system_resource("SCRIPTS")) / "presets")
 
 
@@ -33,7 +33,7 @@ def main():
                 add_class(add, cls, "Operator" if base == bpy.types.Operator else "*")
     extract.dump_py_messages(found, reports, {addon}, settings, addons_only=True)
     for path in sorted(Path(addon.__file__).parent.rglob("*.py")):
-        for text, line in why_greyed(path):
+        for text, line in why_grayed(path):
             add(text, f"{ADDON}/{path.name}:{line}")
     messages.unescape()
     messages.write("PO", sys.argv[-1])
@@ -57,7 +57,7 @@ def add_class(add, cls, context):
             add(owner.description, f"{place}.{prop.identifier}")
 
 
-def why_greyed(path):
+def why_grayed(path):
     """Yields (text, line) of each reason of an operator; Blender's extractor overlooks these."""
     for node in ast.walk(ast.parse(path.read_text())):
         if not isinstance(node, ast.Call):

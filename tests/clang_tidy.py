@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs clang-tidy (.clang-tidy) over the core, after a build: tests/clang_tidy.py [FOLDER ...]
+"""Runs clang-tidy (.clang-tidy) over the core, after a build: tests/clang_tidy.py [FOLDER ...] Each
+file takes ten seconds, mostly for headers.
 
-A file of the core alone takes it ten seconds, most of them for headers. So it reads the sources of
-a few folders as one: names in their unnamed namespaces must differ.
+Therefore the sources of a few folders are checked as one file: names in their unnamed namespaces
+must differ.
 """
 
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts of scripts/test: those of the short suite, those that --all adds, and the others."""
+"""The parts of scripts/test: those of the short suite, those of --all, and others."""
 
 from dataclasses import dataclass
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 SHORT = "-m 'not slow and not machine'"
 SLOW = "-m 'slow and not machine'"
 RUFF = "build/tools-venv/bin/ruff"
-# The annotations of the package and of the add-on, and whether the stub of the compiled module is
-# that of this build.
+# Checks types of the package and of the add-on, and that the compiled module's stub matches this
+# build.
 TYPES = (
     "build/tools-venv/bin/mypy && build/tools-venv/bin/mypy --config-file addon/mypy.ini"
     " && build/tools-venv/bin/mypy --config-file validation/mypy.ini"
@@ -27,10 +27,10 @@ BUILD_CORE = "cmake --preset tests && cmake --build --preset tests"
 
 @dataclass(frozen=True)
 class Part:
-    """One line of the table at the end.
+    """A part: one line of the final table.
 
-    command: of bash, in the root of the checkout. {select} in it stands for the arguments that the
-    user gives behind the part's name, or for `select`.
+    command: of bash, in the root of the checkout. {select} in it is replaced by the user's
+    arguments after the part's name, or by `select`.
     """
 
     name: str
@@ -39,7 +39,7 @@ class Part:
 
 
 def in_blender(version):
-    """Returns the Part of the tests of every Blender, in a version of Blender from PyPI."""
+    """Returns the Part with the tests for every version, in a version of Blender from PyPI."""
     path = f"program=$(scripts/blender {version}) && PATH=$program:$PATH"
     return Part(f"blender-{version}", f"{path} {PYTEST} tests/blender {{select}}", SHORT)
 
@@ -82,9 +82,10 @@ LONG_PARTS = (
     ),
     Part("web-slow", f"{PYTEST} tests/web {{select}}", SLOW),
     Part("blender-slow", f"{PYTEST} tests/blender --ignore {OPERATORS} {{select}}", SLOW),
-    # Every operator in a real window; how long that stood still is in build/test/window.md.
+    # Presses every operator in a window. build/test/window.md then lists how long the window was
+    # frozen.
     Part("window", f"{PYTEST} {OPERATORS} {{select}}", SLOW),
-    # Nothing else may run beside these.
+    # This part measures time, so nothing else may run.
     Part(
         "machine",
         f"{BUILD_CORE} && ctest --preset machine && {PYTEST} tests/python {{select}}"
@@ -95,10 +96,10 @@ LONG_PARTS = (
     in_blender("4.5"),
     in_blender("5.0"),
     Part("package", f"{PYTEST} tests/package {{select}}"),
-    # As a user installs it, beside the newest NumPy.
+    # Installs the wheel as a user does, with the newest NumPy.
     Part("wheel", f"tests/wheel {PARALLEL} {{select}}", SHORT),
-    # By Wine: the packages for Windows, and the add-on in Blender 4.5 for Windows. Eevee has OpenGL
-    # there on a screen alone.
+    # Uses Wine: the packages for Windows, and the add-on in Blender 4.5 for Windows. There, Eevee
+    # has OpenGL only on a screen.
     Part(
         "windows",
         "scripts/setup --windows && "
@@ -107,7 +108,7 @@ LONG_PARTS = (
         f"{PYTEST} tests/blender/test_addon.py -k 'test_in_blender or test_starts' {{select}}",
         "-m 'not machine'",
     ),
-    # Nothing of the packages for macOS runs here: their files are read.
+    # Reads the files of the packages for macOS, of which nothing runs here.
     Part(
         "macos",
         "scripts/setup --macos && build/tools-venv/bin/python -m pytest tests/macos {select}",
@@ -124,7 +125,8 @@ LONG_PARTS = (
     Part("report", "validation/run report --quick --out build/test/report {select}"),
 )
 
-# Before a release; 5.2 compiles Python 3.13 (scripts/python3.13), 5.2-window fetches a Debian sid.
+# Parts before a release. 5.2 compiles Python 3.13 (scripts/python3.13), and 5.2-window downloads a
+# Debian sid.
 RELEASE_PARTS = (in_blender("4.2-numpy2"), in_blender("5.2"), in_blender("5.2-window"))
 
 PARTS = {part.name: part for part in (*SHORT_PARTS, *LONG_PARTS, *RELEASE_PARTS)}

@@ -73,7 +73,7 @@ def run(part, arguments, tree):
         process = subprocess.Popen(
             ["bash", "-o", "pipefail", "-c", command],
             cwd=ROOT,
-            # Node and npm, where the system has none.
+            # Node and npm, if the system has none.
             env={**os.environ, "PATH": f"{os.environ['PATH']}:{ROOT / 'build' / 'venv' / 'bin'}"},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

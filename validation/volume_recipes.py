@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Recipes of the volumes to measure: generated, or read from a folder of real ones.
+"""Recipes of the measured volumes: generated, or read from a folder of real ones.
 
-A recipe is a function of (folder, fineness). It returns a list of Volumes, or None without them.
-folder is the folder of the real ones, or None. fineness scales the nodes a side of generated ones.
+A recipe is a function of (folder, fineness). It returns a list of Volumes, or None if the folder
+lacks them. folder: with the real volumes, or None. fineness: factor on the nodes per axis of
+generated ones.
 """
 
 import tempfile
@@ -17,7 +18,9 @@ COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
 
 def generated(make, nodes):
-    """Returns a recipe of the volumes of make(nodes), with this many nodes at a fineness of 1."""
+    """Returns a recipe that generates volumes by make(nodes), with this many nodes at a
+    fineness of 1.
+    """
 
     def volumes(_, fineness):
         made = make(max(8, round(fineness * nodes)))
@@ -29,8 +32,8 @@ def generated(make, nodes):
 def read(name, placed=True, **layout):
     """Returns a recipe that reads the file of that name, or the .tif within a zip.
 
-    placed: False puts the first voxel at the origin and aligns the axes with the world's, against
-    the file. All measurements of these volumes have used this placement.
+    placed: False ignores the file's transform: the first voxel is at the origin, and axes are the
+    world's. All measurements of these volumes have used this placement.
     layout: arguments of read_volume()
     """
 

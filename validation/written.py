@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Documents of measurements, and their pictures."""
+"""Writes documents of measurements, and their pictures."""
 
 import argparse
 from pathlib import Path
@@ -22,13 +22,13 @@ def parse_arguments(description, has_data=True):
 
 
 def prepare(folder, name):
-    """Makes the folder and that for images; checks that it can hold the named file."""
+    """Makes the folder and its folder for images; checks that the named file can be written."""
     (folder / "images").mkdir(parents=True, exist_ok=True)
     check_writable(folder / name, ".md")
 
 
 def write(folder, files):
-    """files: by name in the folder, text, bytes or pictures; each is written whole or not."""
+    """Writes files, each completely or not at all. files: text, bytes or pictures by name."""
     for name, content in files.items():
         if isinstance(content, np.ndarray):
             write_png(folder / name, content)

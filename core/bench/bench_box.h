@@ -6,15 +6,14 @@
 
 namespace leaflight::bench {
 
-// The bump box with n^3 nodes on the unit cube, nothing around it; all isovalues are in the
-// isovalue range.
+// Returns a scene of the bump box with n^3 nodes on the unit cube. All isovalues are lit.
 inline Scene<3> bump_box_scene(int n) {
   Field<3> field = test::field_from<3>(bump_box<3>(n), {n, n, n}, test::unit_cube<3>(n));
   const IsovalueRange isovalue_range{field.min, field.max};
   return test::scene_of<3>(std::move(field), Rgb(0.75), isovalue_range);
 }
 
-// Index positions that fill the box of a field evenly, always the same.
+// Returns index positions spread evenly over the box of a field, the same in every run.
 inline std::vector<Vec3> random_positions(const Field<3>& field, std::size_t count) {
   Random random(1);
   std::vector<Vec3> positions(count);

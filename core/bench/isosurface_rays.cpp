@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rays from isosurfaces of the bump box, each beside its own isosurface alone, on one thread.
+// Measures rays that leave an isosurface of the bump box and can hit only it, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "bench_box.h"
@@ -13,7 +13,7 @@ struct Ray {
   Vec3 direction;  // into the front
 };
 
-// From random points of the box, on the isosurface through each.
+// Returns rays that start at random points of the box, on the isosurface through each point.
 std::vector<Ray> random_rays(const SceneTracer<3>& tracer) {
   const Field<3>& field = test::field_of(tracer.scene());
   Random random(2);
@@ -30,7 +30,7 @@ std::vector<Ray> random_rays(const SceneTracer<3>& tracer) {
   return rays;
 }
 
-// answer(tracer, ray): what is measured, once for each ray in turn; arguments: nodes a side.
+// Measures answer(tracer, ray) for the rays in turn. Argument: number of nodes per axis.
 template <typename Answer>
 void trace(benchmark::State& state, const Answer& answer) {
   const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lookups of a radiance grid at random points, on one thread.
+// Measures lookups of a radiance grid at random points, on one thread.
 #include <benchmark/benchmark.h>
 
 #include "bake/output/radiance_grid.h"
@@ -8,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-// Arguments: nodes a side, and as many texels.
+// Measures lookups. Argument: number of nodes, and of texels, per axis.
 void lookup(benchmark::State& state) {
   const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
   const Field<3>& field = test::field_of(scene);

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "math/random.h"
+#include "base/random.h"
 #include "surface/marching_cubes.h"
 #include "trace/embree_query.h"
 #include "trace/isosurface_ray.h"
@@ -23,7 +23,7 @@
 namespace leaflight {
 namespace {
 
-// The same ray for both, from a point of the isosurface into its front, by the cosine.
+// One ray for both methods. It leaves the front of an isosurface, with a cosine-weighted direction.
 struct Pair {
   IsosurfaceRay<3> isosurface;
   RTCRay embree;

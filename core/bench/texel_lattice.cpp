@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures the choice of stored texels of a lattice: wall-clock time of all threads.
+// Measures the construction of a lattice, which chooses its active texels: wall-clock time of all
+// threads.
 #include <benchmark/benchmark.h>
 
 #include "bench_box.h"
@@ -7,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-// Arguments: nodes a side, and as many texels.
+// Measures make_lattice(). Argument: number of nodes, and of texels, per axis.
 void make_lattice(benchmark::State& state) {
   const Scene<3> scene = bench::bump_box_scene(static_cast<int>(state.range(0)));
   const Field<3>& field = test::field_of(scene);

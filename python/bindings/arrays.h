@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "base/affine.h"
+#include "base/bounds.h"
+#include "base/error.h"
 #include "field/texel_lattice.h"
 #include "field/voxels.h"
-#include "math/affine.h"
-#include "math/bounds.h"
-#include "math/error.h"
 
 namespace leaflight::python {
 
@@ -100,7 +100,7 @@ std::vector<Vec<D>> to_points(const DoubleArray& array) {
   return points;
 }
 
-// A tuple of D numbers in Python.
+// Type of an array of D numbers, a tuple in Python.
 template <int D>
 using Tuple = std::array<double, static_cast<std::size_t>(D)>;
 

@@ -20,16 +20,16 @@ void bind_settings(py::module_& module, const std::string& suffix) {
   py::class_<Settings>(module, ("BakeSettings" + suffix).c_str())
       .def(py::init<>())
       .def_readwrite("resolution", &Settings::resolution,
-                     "Texels along x, y, z; all 0: as the bake chooses them.")
-      .def_readwrite("error", &Settings::error, "The RMS error of colours to reach, in percent.")
-      .def_readwrite("seconds", &Settings::seconds, "No pass begins after so many; 0: no limit.")
+                     "Texels along x, y, z; all 0: chosen by the bake.")
+      .def_readwrite("error", &Settings::error, "Target RMS error of colors, in percent.")
+      .def_readwrite("seconds", &Settings::seconds, "Time limit in seconds; 0: none.")
       .def_readwrite("seed", &Settings::seed)
-      .def_readwrite("threads", &Settings::threads, "0: all.")
-      .def_readwrite("exposure", &Settings::exposure, "Radiance times this is a displayed colour.")
+      .def_readwrite("threads", &Settings::threads, "Number of threads; 0: all.")
+      .def_readwrite("exposure", &Settings::exposure, "Factor from radiance to displayed color.")
       .def_readwrite("both_sides", &Settings::both_sides,
-                     "Bake the back too, where light can reach it.")
+                     "True to bake the back, too, if light can reach it.")
       .def_readwrite("walls", &Settings::walls,
-                     "Bake the radiance of the walls per common isovalue too.");
+                     "True to bake the radiance of the walls, too, per common isovalue.");
 }
 
 std::vector<std::tuple<std::string, std::string>> pairs_of(
@@ -41,40 +41,44 @@ std::vector<std::tuple<std::string, std::string>> pairs_of(
 
 void bind_statistics(py::module_& module) {
   using Statistics = BakeStatistics;
-  py::class_<Statistics>(module, "BakeStatistics", "The cost of a bake, and its estimated error.")
+  py::class_<Statistics>(module, "BakeStatistics", "The cost of a bake and its estimated error.")
       .def_readonly("seconds", &Statistics::seconds)
-      .def_readonly("rays", &Statistics::rays, "Traced, lines included.")
-      .def_readonly("peak_memory_bytes", &Statistics::peak_memory_bytes, "Of the process.")
+      .def_readonly("rays", &Statistics::rays, "Number of traced rays, including lines.")
+      .def_readonly("peak_memory_bytes", &Statistics::peak_memory_bytes,
+                    "Peak memory of the process in bytes.")
       .def_property_readonly(
           "skipped", [](const Statistics& statistics) { return pairs_of(statistics.skipped); },
           "(name, reason) of each pass that the scene does not need.")
       .def_readonly("passes", &Statistics::passes)
-      .def_readonly("blocks", &Statistics::blocks, "Of indirect light, in the averages.")
+      .def_readonly("blocks", &Statistics::blocks, "Number of averaged blocks of indirect light.")
       .def_readonly("noise_percent", &Statistics::noise_percent)
-      .def_readonly("error_percent", &Statistics::error_percent, "Noise included.")
+      .def_readonly("error_percent", &Statistics::error_percent,
+                    "Estimated error in percent, including noise.")
       .def_property_readonly(
           "worst_isovalue", [](const Statistics& statistics) { return statistics.worst.c; },
-          "The isovalue whose isosurface errs most.")
+          "Common isovalue with the largest error.")
       .def_property_readonly(
           "worst_error_percent",
-          [](const Statistics& statistics) { return statistics.worst.percent; }, "There.")
+          [](const Statistics& statistics) { return statistics.worst.percent; },
+          "Estimated error at worst_isovalue in percent.")
       .def_readonly("stopped", &Statistics::stopped,
-                    "By time or by the caller, before the error was reached.");
+                    "True if time or the caller ended it before the target error.");
 }
 
 template <int D>
 void bind_baking(py::module_& module, const std::string& suffix) {
   py::class_<BakedObjects<D>>(module, ("Baked" + suffix).c_str())
-      .def_readonly("grids", &BakedObjects<D>::grids, "A RadianceGrid per volume.")
+      .def_readonly("grids", &BakedObjects<D>::grids, "List of RadianceGrids, one per volume.")
       .def_readonly("walls", &BakedObjects<D>::walls, "WallRadiance, or None if it was not baked.")
       .def_readonly("statistics", &BakedObjects<D>::statistics)
-      .def_readonly("texels", &BakedObjects<D>::texels, "That hold radiance, of all volumes.");
+      .def_readonly("texels", &BakedObjects<D>::texels,
+                    "Number of texels with radiance, of all volumes.");
   module.def(("skipped_passes" + suffix).c_str(),
              [](const Scene<D>& scene, const BakeSettings<D>& settings) {
                return pairs_of(make_plan(scene, settings).skipped);
              },
              py::arg("scene"), py::arg("settings"),
-             "(name, reason) of each pass that a bake of them does not need.");
+             "Returns (name, reason) of each pass that a bake of the scene does not need.");
   module.def(
       ("bake" + suffix).c_str(),
       [](const Scene<D>& scene, const BakeSettings<D>& settings, Progress& progress,
@@ -133,17 +137,15 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_pass") = py::none(),
       py::arg("previous") = py::none(), py::arg("checkpoint") = py::none(),
       py::arg("resumed") = py::none(), py::arg("workers") = py::none(),
-      "Lights all isosurfaces of the scene's isovalue range. `on_pass` is given what is baked "
-      "after each\n"
-      "pass but the last, from the thread that bakes. `previous`: (grids, passes, blocks) of a\n"
-      "bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves\n"
-      "its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake "
-      "of\n"
-      "the same scene and settings, to go on from. `workers`: an object that has blocks of light\n"
-      "traced by BlockTracers: begin(first, count, state) announces the blocks [first,\n"
-      "first + count), and what their lines look up, bytes;\n"
-      "take(number) returns one of them, or b\"\", and the bake traces it itself. Raises\n"
-      "LeaflightError, or Cancelled.");
+      "Lights all isosurfaces of the scene's isovalue range. `on_pass` receives the bake\n"
+      "after each pass except the last, in the thread that bakes. `previous`: (grids,\n"
+      "passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake\n"
+      "saves its state and the text to this file at this interval. `resumed`: such a file,\n"
+      "of the same scene and settings, from which the bake continues. `workers`: an object\n"
+      "whose BlockTracers trace blocks of light. begin(first, count, state) announces the\n"
+      "blocks [first, first + count), with the light that their lines look up as bytes.\n"
+      "take(number) returns a block, or b\"\" to make the bake trace it. Raises\n"
+      "LeaflightError, Cancelled.");
 }
 
 }  // namespace
@@ -154,10 +156,10 @@ void bind_bake(py::module_& module) {
   bind_baking<3>(module, "");
   bind_settings<2>(module, "2");
   bind_baking<2>(module, "2");
-  module.def(
-      "noise_to_reach", &noise_to_reach, py::arg("error"), py::arg("texture"),
-      "Percent of noise at which a bake ends that is asked for an error (percent) and whose\n"
-      "texels miss some of the light (percent).");
+  module.def("noise_to_reach", &noise_to_reach, py::arg("error"), py::arg("bias"),
+             "The noise in percent at which a bake with this target error ends. bias: all other "
+             "errors in\n"
+             "percent, such as detail finer than the texels.");
 }
 
 }  // namespace leaflight::python

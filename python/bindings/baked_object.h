@@ -7,7 +7,7 @@
 
 namespace leaflight::python {
 
-// Grids and walls as separate objects, which live as long as Python uses them.
+// A bake as grids and walls, separate objects that live as long as Python uses them.
 template <int D>
 struct BakedObjects {
   std::vector<std::shared_ptr<GridObject<D>>> grids;

@@ -53,9 +53,9 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool ba
 void bind_direct_light(py::module_& module) {
   py::class_<Direct, std::shared_ptr<Direct>>(
       module, "DirectLight",
-      "Maps of the direct light of every isosurface of one volume: for each texel of a "
-      "lattice\n"
-      "and each light point the greatest value of the volume on the way between them, as a byte.")
+      "Direct light of every isosurface of one volume, from visibility maps. For each texel\n"
+      "of a lattice and each light point they hold the greatest value between the two, as a\n"
+      "byte.")
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
                        Progress& progress, double spacing, const Direct* earlier) {
              const py::gil_scoped_release unlocked;
@@ -73,38 +73,37 @@ void bind_direct_light(py::module_& module) {
            }),
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
            py::arg("progress"), py::arg("spacing") = 1.0, py::arg("earlier") = nullptr,
-           "Of a scene's volume by its number. resolution: texels of the maps along x, y, z;\n"
-           "back: also of the backs; spacing: voxels between the lines that find shadows, or\n"
-           "texels where these are nearer to each other; earlier: where lights alone were others,\n"
-           "whose maps serve for the points that have not moved. Raises Cancelled.")
+           "Computes the maps of a scene's volume. resolution: texels of the maps along x, y, z;\n"
+           "back: includes the backs; spacing: upper bound on the voxels between the lines that\n"
+           "find shadows; earlier: direct light of the same scene under other lights, whose maps\n"
+           "are reused for points that have not moved. Raises Cancelled.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
           "Texels along x, y, z, evenly spaced from the first voxel to the last.")
       .def_property_readonly(
           "light_points", &light_points,
-          "float64 (n, 4, 4), four rows for each point:\n"
-          "its position in the frame and 1, or the direction to light from afar and 0;\n"
-          "the normal along which it shines and 1, or 2 for both ways, or 0 for all directions;\n"
-          "linear RGB irradiance [W/m^2] of a surface that faces it at distance 1 in the frame,\n"
-          "and how wide the soft edge of its cone is, in cosines;\n"
-          "the axis of the cone and the cosine at which it ends, -2 for none.")
+          "float64 (n, 4, 4), four rows for each point. Row 0: position in the frame and 1, or\n"
+          "direction to a light at infinity and 0. Row 1: normal and 1, or 2 if it emits on\n"
+          "both sides, or 0 if it has none. Row 2: linear RGB irradiance [W/m^2] of a surface\n"
+          "that faces it at distance 1 in the frame, and width of the soft edge of its cone, in\n"
+          "cosines. Row 3: axis of the cone, and cosine at its end or -2 without a cone.")
       .def_property_readonly("lights", &lights,
-                             "int32 (n,): the number of the scene's light that each point belongs "
-                             "to, or -1.")
+                             "int32 (n,): number of each point's light in the scene, or -1.")
       .def_property_readonly(
           "index_to_frame", [](const Direct& d) { return from_affine(d.index_to_frame()); },
-          "float64 (4, 4): the frame is the world, moved and scaled uniformly.")
+          "float64 (4, 4): from indices to the frame, which is the world, moved and scaled\n"
+          "uniformly.")
       .def_property_readonly(
           "code_range",
           [](const Direct& d) { return std::pair(d.code_range().min, d.code_range().max); },
-          "(lo, hi): the values that codes tell apart, a little more than the isovalue range.")
-      .def_property_readonly("has_back", &Direct::has_back, "Whether backs have maps.")
+          "(lo, hi): the values that codes can distinguish, slightly more than the isovalue\n"
+          "range.")
+      .def_property_readonly("has_back", &Direct::has_back, "True if backs have maps.")
       .def("codes", &codes, py::arg("point"), py::arg("back") = false,
-           "uint8 (n,) of the active texels, in the order of mask(), for a light point. An "
-           "isosurface is\n"
-           "lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)\n"
-           "within code_range (lo, hi). 255 is behind a mesh. back: of backs, whose codes\n"
-           "begin at hi.")
+           "Returns the codes of the active texels for a light point, uint8 (n,), in the order\n"
+           "of mask(). An isosurface h is lit at a texel if its own code is greater: 1 + 252 (h\n"
+           "- lo) / (hi - lo) within code_range (lo, hi). 255 is behind a mesh. back: codes of\n"
+           "backs, which begin at hi.")
       .def(
           "mask", [](const Direct& d) { return active_mask(d.lattice()); },
           "uint8 [z, y, x], 1 at active texels.");

@@ -12,7 +12,7 @@
 namespace leaflight::python {
 namespace {
 
-// An array of voxels of one type.
+// NumPy's type of an array of voxels.
 template <class Value>
 using VoxelArray = py::array_t<Value, py::array::c_style>;
 
@@ -50,7 +50,7 @@ template <int D>
 void shade_by(Field<D>& field, const VoxelArray<float>& values) {
   if (std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()) !=
       array_shape(field.dims)) {
-    throw Error("The values of shading must be as many as those of the field.");
+    throw Error("There must be one shading value for each value of the field.");
   }
   field.shading_owner = kept(values);
   field.shading_values = values.data();
@@ -113,7 +113,7 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
       .def_property_readonly(
           "range", [](const Field<D>& f) { return std::pair(f.min, f.max); },
           "Least and greatest value, in data units.")
-      .def_readonly("masked", &Field<D>::masked, "Whether some voxels are NaN.")
+      .def_readonly("masked", &Field<D>::masked, "True if some voxels are NaN.")
       .def_property_readonly("values",
                              [](const std::shared_ptr<Field<D>>& f) {
                                const auto array = [&](const auto* values) -> py::array {
@@ -122,13 +122,15 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
                                return std::visit(array, f->values);
                              })
       .def("shade_by", &shade_by<D>, py::arg("values").noconvert(),
-           "Takes the normals of isosurfaces from other values, float32 [z, y, x], such as\n"
-           "smoothed ones: NaN where the field's are. Before the field is part of a scene.")
+           "Uses other values, float32 [z, y, x], for the normals of isosurfaces, such as\n"
+           "smoothed ones. They must be NaN at the same voxels. Call it before the field is part\n"
+           "of a scene.")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")
       .def("sample", &sample<D>, py::arg("points"),
-           "Interpolated values (n,) at world points (n, D); NaN outside and where masked.");
+           "Returns interpolated values (n,) at world points (n, D); NaN outside and in masked\n"
+           "cells.");
 }
 
 template <int D>
@@ -150,14 +152,14 @@ void bind_bump_box(py::module_& module, const char* name, const char* doc) {
 
 void bind_field(py::module_& module) {
   bind_field_of<3>(module, "Field",
-                   "A scalar volume with its transform to the world, checked and indexed for ray "
+                   "A scalar volume with its transform to the world, checked and prepared for ray\n"
                    "tracing.");
-  bind_field_of<2>(module, "Field2", "A scalar field in the plane.");
-  bind_bump_box<3>(module, "bump_box",
-                   "The thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x], "
-                   "0..255, on the\n"
-                   "unit cube with n voxels along each axis.");
-  bind_bump_box<2>(module, "bump_box2", "The same in the plane, float32 [y, x].");
+  bind_field_of<2>(module, "Field2", "A scalar field in 2D.");
+  bind_bump_box<3>(
+      module, "bump_box",
+      "Returns the thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x],\n"
+      "0..255, on the unit cube with n voxels along each axis.");
+  bind_bump_box<2>(module, "bump_box2", "Returns the same in 2D, float32 [y, x].");
   module.def(
       "coarser_values",
       [](const Field<3>& field) {
@@ -170,10 +172,9 @@ void bind_field(py::module_& module) {
         return adopt<float>(std::move(values), {dims[2], dims[1], dims[0]});
       },
       py::arg("field"),
-      "The values at nodes n // 2 + 1 along each axis over the same domain, float32 [z, y, x]. "
-      "Between its\n"
-      "borders each is a mean over about two voxels along each axis; NaN where one of the mean "
-      "is.");
+      "Returns values at n // 2 + 1 nodes along each axis over the same domain, float32 [z,\n"
+      "y, x]. Inside the border, each is a mean over about two voxels along each axis; NaN\n"
+      "if one of them is.");
 }
 
 }  // namespace leaflight::python

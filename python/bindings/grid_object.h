@@ -7,11 +7,11 @@
 
 namespace leaflight::python {
 
-// A grid for Python: as it was baked, or a view of it with other strengths of the lights.
+// A radiance grid for Python, with its lights as baked or at other strengths.
 template <int D>
 struct GridObject {
   std::shared_ptr<RadianceGrid<D>> baked;
-  std::shared_ptr<const Field<D>> field;         // the lit field; null: as it was baked
+  std::shared_ptr<const Field<D>> field;         // the lit field; null: lights as baked
   std::shared_ptr<const DirectLight<D>> direct;  // null without a field
   Vec<3, float> indirect{1, 1, 1};
 

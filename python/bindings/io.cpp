@@ -24,14 +24,15 @@ py::tuple to_python(DenseVolume&& volume) {
 }  // namespace
 
 void bind_io(py::module_& module) {
-  py::class_<ReplacedFiles>(module, "ReplacedFiles",
-                            "Files written beside their targets, which take their places at once.")
+  py::class_<ReplacedFiles>(
+      module, "ReplacedFiles",
+      "Temporary files beside their targets, which replace all targets together.")
       .def(py::init<const std::vector<fs::path>&>(), py::arg("targets"), "Raises LeaflightError.")
       .def("temporary", &ReplacedFiles::temporary, py::arg("target"),
-           "The path to write the file of a target, by its number, to.")
+           "Returns the temporary path of a target, by its number.")
       .def("commit", &ReplacedFiles::commit, py::call_guard<py::gil_scoped_release>(),
-           "Returns when all are on the disk and under their names. Raises LeaflightError.")
-      .def("discard", &ReplacedFiles::discard, "Removes what was not committed.");
+           "Replaces all targets; returns when the files are on the disk. Raises LeaflightError.")
+      .def("discard", &ReplacedFiles::discard, "Removes all files that were not committed.");
   module.def(
       "write_bake",
       [](const fs::path& path, const std::vector<std::shared_ptr<Field<3>>>& fields,
@@ -48,8 +49,8 @@ void bind_io(py::module_& module) {
       },
       py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("walls").none(true),
       py::arg("metadata"), py::arg("progress") = nullptr,
-      "Replaces one .vdb as a whole. Raises LeaflightError, and Cancelled with the file as it "
-      "was.");
+      "Writes a bake as a .vdb file, which it replaces atomically. Raises LeaflightError,\n"
+      "and Cancelled with an unchanged file.");
   module.def(
       "read_bake",
       [](const fs::path& path) {
@@ -73,16 +74,17 @@ void bind_io(py::module_& module) {
         return py::make_tuple(fields, grids, walls, bake.metadata);
       },
       py::arg("path"),
-      "([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], WallRadiance or\n"
-      "None, metadata) of a bake. The walls need attach_walls() before use.");
-  module.def(
-      "has_seal", &has_seal, py::arg("path"),
-      "Whether a file ends with a checksum, which read_bake() looks at. Raises LeaflightError.");
+      "Reads a bake: ([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...],\n"
+      "WallRadiance or None, metadata). The walls need attach_walls() before use.");
+  module.def("has_seal", &has_seal, py::arg("path"),
+             "True if a file ends with a checksum, which read_bake() checks. Raises\n"
+             "LeaflightError.");
   module.def(
       "read_checkpoint", [](const fs::path& path) { return py::bytes(read_checkpoint(path)); },
-      py::arg("path"), "The text, bytes, of a checkpoint that bake() left. Raises LeaflightError.");
+      py::arg("path"),
+      "Returns the text of a checkpoint of bake(), as bytes. Raises LeaflightError.");
   module.def("read_bake_header", &read_bake_header, py::arg("path"),
-             "The metadata of the file itself, by key: nothing else of it is read.");
+             "Reads only the metadata of a file, by key.");
   module.def(
       "attach_walls",
       [](WallRadiance<3>& walls, const Scene<3>& scene, Progress& progress) {
@@ -90,7 +92,7 @@ void bind_io(py::module_& module) {
         attach(walls, scene, progress);
       },
       py::arg("walls"), py::arg("scene"), py::arg("progress"),
-      "Gives a radiance that was read from a file the meshes of its scene and its direct light.\n"
+      "Adds the meshes of the scene and their direct light to a radiance from a file.\n"
       "Raises LeaflightError, Cancelled.");
   module.def(
       "read_vdb_volume",
@@ -103,7 +105,8 @@ void bind_io(py::module_& module) {
         return to_python(std::move(volume));
       },
       py::arg("path"), py::arg("grid") = "",
-      "(values float32 [z, y, x], index_to_world, name) of a scalar grid's active box.");
+      "Returns (values float32 [z, y, x], index_to_world, name) of a scalar grid's active\n"
+      "box.");
   module.def(
       "write_exr",
       [](const fs::path& path,
@@ -126,7 +129,7 @@ void bind_io(py::module_& module) {
       },
       py::arg("path"), "float32 [row, column, RGB or RGBA], top row first.");
   module.def("read_exr_comments", &read_exr_comments, py::arg("path"),
-             "The comments that write_exr() wrote; reads the header alone.");
+             "Returns the comments of write_exr(); reads only the header.");
 }
 
 }  // namespace leaflight::python

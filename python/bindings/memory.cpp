@@ -3,9 +3,9 @@
 
 #include "arrays.h"
 #include "bake/driver/light_memory.h"
+#include "base/large_array.h"
+#include "base/platform.h"
 #include "bindings.h"
-#include "math/large_array.h"
-#include "math/platform.h"
 
 namespace leaflight::python {
 namespace {
@@ -29,30 +29,29 @@ py::array large_array(const std::vector<py::ssize_t>& shape, const py::dtype& ty
 
 void bind_memory(py::module_& module) {
   module.def("machine_memory", &machine_memory,
-             "What this process may take of the machine's memory at most, in bytes; 0: not known.");
-  module.def(
-      "limit_large_memory", &limit_large_memory, py::arg("limit"), py::arg("folder"),
-      "Arrays of a volume that are made from now on lie in a file in the folder, which has no\n"
-      "name, as soon as those in memory would take more than `limit` bytes; 0: no limit.");
+             "Returns the memory that this process may use, in bytes; 0: unknown.");
+  module.def("limit_large_memory", &limit_large_memory, py::arg("limit"), py::arg("folder"),
+             "Limits the bytes of volumes' arrays in memory. Arrays above the limit are mapped to\n"
+             "a nameless file in the folder. 0: no limit.");
   module.def(
       "large_memory",
       [] {
         const LargeMemory taken = large_memory();
         return py::make_tuple(taken.in_memory, taken.in_files);
       },
-      "Bytes that the arrays of volumes take now: (in memory, in files).");
+      "Returns the current bytes of the arrays of volumes: (in memory, in files).");
   module.def("large_array", &large_array, py::arg("shape"), py::arg("dtype"),
-             "An array [z, y, x] for the values of a volume, whatever is in it; see "
-             "limit_large_memory().\nRaises LeaflightError where the disk has no room.");
+             "Returns an uninitialized array [z, y, x] for the values of a volume; see\n"
+             "limit_large_memory(). Raises LeaflightError if the disk is full.");
   using Released = py::call_guard<py::gil_scoped_release>;
   module.def(
       "light_memory", &light_memory, py::arg("scene"), py::arg("settings"), Released(),
-      "About how many bytes a bake in passes takes at most, besides the arrays of the volume.");
+      "Estimates the maximum memory of a bake in passes in bytes, without the arrays of the\n"
+      "volume.");
   module.def("fitting_resolution", &fitting_resolution, py::arg("scene"), py::arg("settings"),
              py::arg("bytes"), Released(),
-             "The finest texels (nx, ny, nz) for which light_memory() is at most `bytes`; zeros\n"
-             "where it is with those that the bake takes by itself. Raises LeaflightError where\n"
-             "none fit.");
+             "Returns the finest resolution (nx, ny, nz) whose light_memory() is at most `bytes`,\n"
+             "or zeros if the default resolution fits. Raises LeaflightError if none fits.");
 }
 
 }  // namespace leaflight::python

@@ -6,12 +6,13 @@
 
 namespace leaflight::python {
 
-// Returns a mesh to fill. It is the previous mesh if Python has released all its arrays, so that
-// its memory need not be allocated and cleared at every change of the isovalue. Call it with the
-// interpreter's lock.
+// Returns a mesh to fill. It is the previous mesh if Python has released all its arrays. Its memory
+// is then not allocated and cleared at every change of the isovalue. Call it with the interpreter's
+// lock.
 std::shared_ptr<LitMesh> mesh_to_fill();
 
-// Returns a list as rows of three, without a copy; None if it is empty but the mesh is not.
+// Returns a list as an array of three columns, without a copy; None if it is empty but the mesh is
+// not.
 template <class Scalar, class Row>
 py::object rows_of(const std::shared_ptr<LitMesh>& mesh, const std::vector<Row>& list) {
   static_assert(sizeof(Row) == 3 * sizeof(Scalar));

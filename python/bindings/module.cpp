@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "base/progress.h"
 #include "bindings.h"
-#include "math/error.h"
-#include "math/progress.h"
 
 namespace py = pybind11;
 using namespace leaflight;
@@ -34,20 +34,22 @@ PYBIND11_MODULE(_core, module) {
     if (thrown) translate(thrown, error_type);
   });
 
-  py::class_<Progress>(module, "Progress",
-                       "Shared between work that runs, as a bake or the reading of a file, and "
-                       "whoever watches it from another thread.")
+  py::class_<Progress>(
+      module, "Progress",
+      "The progress of work such as a bake or the reading of a file, shared with observers\n"
+      "in other threads.")
       .def(py::init<>())
-      .def("begin", &Progress::begin, py::arg("stage"), "Names what is done from now on.")
-      .def("expect", &Progress::expect, py::arg("total"), "How much there is to do, in any unit.")
-      .def("advance", &Progress::advance, py::arg("work"), "Adds what was done, in the same unit.")
+      .def("begin", &Progress::begin, py::arg("stage"), "Sets the name of the current stage.")
+      .def("expect", &Progress::expect, py::arg("total"), "Sets the total work, in any unit.")
+      .def("advance", &Progress::advance, py::arg("work"),
+           "Adds finished work, in the unit of expect().")
       .def("check", &Progress::check, "Raises Cancelled after cancel().")
-      .def_property_readonly("fraction", &Progress::fraction, "Work done, 0..1.")
-      .def_property_readonly("stage", &Progress::stage, "What is being done, for the user.")
+      .def_property_readonly("fraction", &Progress::fraction, "Finished share of the work, 0..1.")
+      .def_property_readonly("stage", &Progress::stage, "Name of the current stage, for the user.")
       .def_property_readonly("cancelled", &Progress::cancelled)
-      .def("cancel", &Progress::cancel, "The bake raises Cancelled within half a second.")
+      .def("cancel", &Progress::cancel, "Makes the bake raise Cancelled within half a second.")
       .def("stop", &Progress::stop,
-           "A bake in passes ends after the pass under way, with what it has.")
+           "Makes a bake in passes end after the current pass, with its light.")
       .def_property_readonly("stopped", &Progress::stopped);
 
   python::bind_field(module);

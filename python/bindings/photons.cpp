@@ -10,7 +10,7 @@ namespace {
 template <int D>
 py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed,
                         Progress* progress) {
-  Progress own;
+  Progress unwatched;
   std::vector<Vec<D>> positions;
   std::vector<Vec<3, float>> flux;
   std::vector<float> c;
@@ -19,11 +19,11 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
     const py::gil_scoped_release unlocked;
     const SceneTracer<D> tracer(scene);
     const LightSampler<D> lights(tracer);
-    Progress& watched = progress ? *progress : own;
+    Progress& watched = progress ? *progress : unwatched;
     watched.expect(static_cast<double>(count));
     watched.begin("Tracing photons");
     for (const auto& photon : collect_photons(tracer, lights, seed, count, watched)) {
-      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().centre);
+      positions.push_back(Vec<D>(photon.position) / tracer.frame().scale + tracer.frame().center);
       flux.emplace_back(photon.flux_height * static_cast<Real>(scene.isovalue_range.height()));
       c.push_back(static_cast<float>(photon.c));
       direct.push_back(photon.direct);
@@ -35,7 +35,7 @@ py::tuple photon_points(const Scene<D>& scene, std::uint64_t count, std::uint64_
                         adopt<std::uint8_t>(std::move(direct), {n}));
 }
 
-// Counts photons from lights to surfaces and out of the scene.
+// Counts the photons that end on surfaces and outside the scene.
 template <int D>
 py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_t seed) {
   PhotonBalance balance;
@@ -60,14 +60,15 @@ py::dict photon_balance(const Scene<D>& scene, std::uint64_t count, std::uint64_
 
 template <int D>
 void bind_photon_functions(py::module_& module, const std::string& suffix) {
-  module.def(("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"),
-             py::arg("count"), py::arg("seed") = 0, py::arg("progress") = nullptr,
-             "Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height\n"
-             "(n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).");
+  module.def(
+      ("photon_points" + suffix).c_str(), &photon_points<D>, py::arg("scene"), py::arg("count"),
+      py::arg("seed") = 0, py::arg("progress") = nullptr,
+      "Traces `count` photons to isosurfaces. Returns (world positions (n, D), flux-heights\n"
+      "(n, 3), common isovalues (n,), 1 for photons straight from a light (n,)).");
   module.def(("photon_balance" + suffix).c_str(), &photon_balance<D>, py::arg("scene"),
              py::arg("count"), py::arg("seed") = 0,
-             "Flux-height (r, g, b) that `count` photons emitted, lost at surfaces and took out\n"
-             "of the scene.");
+             "Traces `count` photons. Returns the flux-heights (r, g, b) that were emitted,\n"
+             "absorbed by surfaces, and that left the scene.");
 }
 
 }  // namespace

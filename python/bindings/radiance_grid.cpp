@@ -30,7 +30,7 @@ const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back
   return back ? grid.radiance_back : grid.radiance;
 }
 
-// Returns the radiance of one side's texels, or the part of it that is not direct light.
+// Returns the radiance of one side's texels, or its indirect part.
 template <int D>
 std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
@@ -42,10 +42,10 @@ std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool 
   std::vector<Vec<3, float>> texels(indirect.size());
   const py::gil_scoped_release unlocked;
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
-    const Vec<D> centre = from.lattice.centre(from.lattice.active[s]);
-    texels[s] = shown.scaled(indirect[s], *grid.field, centre);
+    const Vec<D> center = from.lattice.center(from.lattice.active[s]);
+    texels[s] = shown.scaled(indirect[s], *grid.field, center);
     if (!indirect_alone)
-      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, centre, back));
+      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
   });
   return texels;
 }
@@ -62,8 +62,8 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
   shape.push_back(3);
   for (const bool back : {false, true}) {
     for (const bool indirect : {false, true}) {
-      const std::string of = std::string("radiance") + (back ? "_back" : "");
-      if (name != of + (indirect ? "_indirect" : "")) continue;
+      const std::string side_name = std::string("radiance") + (back ? "_back" : "");
+      if (name != side_name + (indirect ? "_indirect" : "")) continue;
       return spread(from.lattice, texels_of(grid, back, indirect), shape);
     }
   }
@@ -72,7 +72,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
               "radiance_error.");
 }
 
-// True if lookups add direct light of points, so that texels hold none of it.
+// True if lookups add the direct light of points, because texels do not contain it.
 template <int D>
 bool scales(const RadianceGrid<D>& grid) {
   return grid.direct && (!grid.has_back() || grid.direct->has_back());
@@ -167,18 +167,18 @@ void bind_grid(py::module_& module, const std::string& suffix) {
   grid.def_property_readonly("resolution",
                              [](const Grid& g) { return g.baked->lattice.resolution; })
       .def_property_readonly(
-          "texels", [](const Grid& g) { return g.baked->texels(); }, "Active texels.")
+          "texels", [](const Grid& g) { return g.baked->texels(); }, "Number of active texels.")
       .def_property_readonly(
           "map_resolution",
           [](const Grid& g) -> std::optional<Index<D>> {
             if (!g.baked->direct) return std::nullopt;
             return g.baked->direct->lattice().resolution;
           },
-          "Of the maps from which lookups compute direct light where they are, beside indirect\n"
-          "light of texels; None: texels hold all light.")
+          "Resolution of the visibility maps from which lookups compute direct light; None:\n"
+          "texels contain all light.")
       .def_property_readonly(
           "can_be_relit", [](const Grid& g) { return scales(*g.baked); },
-          "Whether the direct light of all sides is known exactly.")
+          "True if the direct light of all sides is exact.")
       .def(
           "relit",
           [](const Grid& g, const std::shared_ptr<Field<D>>& field,
@@ -192,29 +192,27 @@ void bind_grid(py::module_& module, const std::string& suffix) {
             return relit;
           },
           py::arg("field"), py::arg("lights"), py::arg("indirect"),
-          "The same, of the field that was lit, with the lights of its scene at other strengths:\n"
-          "for each, factors (r, g, b) against those that were baked; `indirect`: of all else but\n"
-          "what isosurfaces emit. Texels are shared. Needs can_be_relit.")
+          "Returns the grid of the lit field with other strengths of the scene's lights:\n"
+          "factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,\n"
+          "except emission. Shares the texels. Requires can_be_relit.")
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.baked->has_back(); },
-          "Whether the back was baked.")
+          "True if the back was baked.")
       .def("dense", &dense<D>, py::arg("name"),
-           "radiance, radiance_indirect (all but the lights' direct light), radiance_back or\n"
-           "radiance_back_indirect (the back): float32 [z, y, x, 3]; radiance_error, the "
-           "standard error of the mean\n"
-           "over the channels: float32 [z, y, x]. Zero at inactive texels.")
+           "Returns the grid of this name. radiance, radiance_indirect (without the lights'\n"
+           "direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].\n"
+           "radiance_error, the standard error of the mean over the channels: float32 [z, y, x].\n"
+           "Inactive texels are zero.")
       .def(
           "mask", [](const Grid& g) { return active_mask(g.baked->lattice); },
           "uint8 [z, y, x], 1 at active texels.")
       .def("lookup", &lookup_at<D>, py::arg("field"), py::arg("points"), py::arg("back") = false,
            py::arg("indirect") = false,
-           "Radiance (n, 3) of the isosurfaces through world points (n, D); indirect: the part of "
-           "it "
-           "that\n"
-           "radiance_indirect holds.")
+           "Returns the radiance (n, 3) of the isosurfaces through world points (n, D);\n"
+           "indirect: only the part in radiance_indirect.")
       .def("lookup_error", &lookup_error_at<D>, py::arg("field"), py::arg("points"),
-           "Standard error (n,) of the front's radiance at world points (n, D), of the mean\n"
-           "over the channels: that of independent texels.");
+           "Returns the standard error (n,) of the front's radiance at world points (n, D),\n"
+           "averaged over the channels, for independent errors of texels.");
   if constexpr (D == 3) {
     grid.def_property(
         "direct",
@@ -222,9 +220,8 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
         },
         [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
-        "The DirectLight that lookups add; None: texels hold all light. A bake in passes has it, "
-        "a\n"
-        "grid that was read from a file is given it.");
+        "DirectLight that lookups add; None: texels contain all light. A bake in passes has\n"
+        "it. A grid from a file gets it by assignment.");
     grid.def(
         "moved",
         [](const Grid& g, const std::shared_ptr<Field<D>>& field,
@@ -236,23 +233,21 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           return moved;
         },
         py::arg("field"), py::arg("direct"), py::arg("indirect"),
-        "The same with the direct light of another scene, and all else but what isosurfaces emit\n"
-        "brighter by the factors (r, g, b). field: its values, where they are now. Texels are\n"
-        "shared.");
-    grid.def(
-        "lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
-        py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
-        py::arg("largest_step") = LitContourSettings{}.largest_step,
-        "(vertices, normals, triangles, radiance, radiance of the back, triangles before\n"
-        "edges were cut): contour() and lookup() at its vertices at once, float32 (n, 3) each\n"
-        "and int32 (m, 3). What is not asked for is None. Edges are cut in two as often as\n"
-        "texels are narrower than voxels there, so that vertices show them; where the mesh is\n"
-        "small twice at most more, if the radiance of their ends differs by more than\n"
-        "largest_step. Fastest if the arrays of the call before are all let go.");
+        "Returns the grid with the direct light of another scene. Other light, except\n"
+        "emission, is scaled by (r, g, b). field: the volume at its current position. Shares\n"
+        "the texels.");
+    grid.def("lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
+             py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
+             py::arg("largest_step") = LitContourSettings{}.largest_step,
+             "Returns (vertices, normals, triangles, radiance, radiance of the back, number of\n"
+             "triangles before edges were split): contour(), and lookup() at its vertices. Arrays\n"
+             "are float32 (n, 3) and int32 (m, 3), or None if not requested. Edges are split as\n"
+             "often as texels are narrower than voxels, so that vertices show them. Small meshes\n"
+             "also split edges whose ends differ by more than largest_step in radiance, at most\n"
+             "twice. It is fastest if all arrays of the previous call are released.");
     grid.def("atlas", &atlas, py::arg("back") = false,
-             "(pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of "
-             "the\ntexture is the tile in column k % columns and row k // columns, without "
-             "padding.");
+             "Returns (pixels float32 [row, column, RGBA] bottom row first, columns, rows). Slice\n"
+             "k is the tile in column k % columns and row k // columns, without padding.");
   }
 }
 
@@ -260,7 +255,7 @@ void bind_grid(py::module_& module, const std::string& suffix) {
 
 void bind_radiance_grid(py::module_& module) {
   py::class_<IndirectShares>(module, "IndirectShares",
-                             "How much indirect light comes from which lights of a scene.")
+                             "The share of each light of a scene in the indirect light.")
       .def(py::init([](const Scene<3>& scene) {
              const py::gil_scoped_release unlocked;
              return indirect_shares(SceneTracer<3>(scene));
@@ -272,7 +267,7 @@ void bind_radiance_grid(py::module_& module) {
             const Imath::V3d total = shares.total();
             return py::make_tuple(total.x, total.y, total.z);
           },
-          "Of all of them, (r, g, b).")
+          "Sum of all shares, (r, g, b).")
       .def(
           "factor",
           [](const IndirectShares& shares, const std::vector<Tuple<3>>& lights) {
@@ -280,8 +275,8 @@ void bind_radiance_grid(py::module_& module) {
             return py::make_tuple(factor.x, factor.y, factor.z);
           },
           py::arg("lights"),
-          "How much more light there is, (r, g, b), if each light of the scene is brighter by its\n"
-          "factors (r, g, b).");
+          "Returns the growth of indirect light, (r, g, b), if each light of the scene is\n"
+          "scaled by factors (r, g, b).");
   bind_grid<3>(module, "");
   bind_grid<2>(module, "2");
 }

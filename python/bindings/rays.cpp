@@ -6,7 +6,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "trace/isosurface_ray.h"
-#include "trace/walls.h"
+#include "trace/mesh_bvh.h"
 
 namespace leaflight::python {
 namespace {
@@ -58,9 +58,9 @@ py::tuple mesh_hits(const Mesh<3>& mesh, const DoubleArray& origins,
   std::vector<std::array<double, 2>> coordinates(n, {0, 0});
   {
     const py::gil_scoped_release unlocked;
-    const Walls<3> walls({mesh});
+    const MeshBvh<3> bvh({mesh});
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-      if (const auto hit = walls.intersect(rays.origins[i], rays.directions[i], infinity)) {
+      if (const auto hit = bvh.intersect(rays.origins[i], rays.directions[i], infinity)) {
         distance[i] = hit->t;
         facets[i] = hit->facet;
         coordinates[i] = {hit->u, hit->v};
@@ -76,17 +76,16 @@ py::tuple mesh_hits(const Mesh<3>& mesh, const DoubleArray& origins,
 }  // namespace
 
 void bind_rays(py::module_& module) {
-  module.def(
-      "isosurface_hits", &isosurface_hits, py::arg("field"), py::arg("origins"),
-      py::arg("directions"), py::arg("isovalue"),
-      "Where rays first hit the isosurface of an isovalue (in data units), from world points\n"
-      "(n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of\n"
-      "the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from\n"
-      "higher values, at the back).");
+  module.def("isosurface_hits", &isosurface_hits, py::arg("field"), py::arg("origins"),
+             py::arg("directions"), py::arg("isovalue"),
+             "Intersects rays from world points (n, 3), in directions (n, 3) of any length, with\n"
+             "the isosurface of an isovalue in data units. Returns (distances float64 (n,) in\n"
+             "lengths of the direction, infinite without a hit; uint8 (n,), 1 if the ray hits the\n"
+             "back).");
   module.def("mesh_hits", &mesh_hits, py::arg("mesh"), py::arg("origins"), py::arg("directions"),
-             "Where such rays first hit a Mesh, in single precision: (distances float64 (n,);\n"
-             "triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and\n"
-             "third vertex).");
+             "Intersects such rays with a Mesh, in single precision. Returns (distances float64\n"
+             "(n,), triangles int32 (n,) or -1, barycentric coordinates (n, 2) of the triangle's\n"
+             "second and third vertex).");
 }
 
 }  // namespace leaflight::python

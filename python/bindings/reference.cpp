@@ -24,13 +24,14 @@ template <int D, class Points>
 py::tuple trace_reference(const Scene<D>& scene, const Points& points,
                           const ReferenceSettings& settings, int threads, Progress* progress) {
   if (settings.samples < 1) throw Error("The reference needs at least one sample per point.");
-  Progress own;
+  Progress unwatched;
   std::vector<ReferenceRadiance> result;
   {
     const py::gil_scoped_release unlocked;
     tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    result = arena.execute(
-        [&] { return reference_radiance(scene, points, settings, progress ? *progress : own); });
+    result = arena.execute([&] {
+      return reference_radiance(scene, points, settings, progress ? *progress : unwatched);
+    });
   }
   return arrays_of(result);
 }
@@ -65,15 +66,15 @@ void bind_reference_functions(py::module_& module, const std::string& suffix) {
   module.def(("reference" + suffix).c_str(), &reference<D>, py::arg("scene"), py::arg("points"),
              py::arg("c"), py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("volume") = 0, py::arg("back") = false,
-             "Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance\n"
-             "(n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without\n"
-             "extent, which no path hits.");
+             "Traces paths from a volume's isosurface at world points (n, D). Returns (radiance\n"
+             "(n, 3), standard error (n, 3)). It is unbiased, except for caustics of lights\n"
+             "without extent, which no path hits.");
   module.def(("reference_walls" + suffix).c_str(), &reference_walls<D>, py::arg("scene"),
              py::arg("mesh"), py::arg("facets"), py::arg("coordinates"), py::arg("c"),
              py::arg("spp"), py::arg("seed") = 0, py::arg("threads") = 0,
              py::arg("progress") = nullptr, py::arg("back") = false,
-             "The same at points of a mesh of the walls: facets (n,) and barycentric\n"
-             "coordinates (n, 2), seen from the normals' side or from behind.");
+             "Does the same at points of a wall: facets (n,) and barycentric coordinates (n, 2),\n"
+             "seen from the side of the normals or from behind.");
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "arrays.h"
+#include "base/sampling.h"
 #include "bindings.h"
-#include "math/sampling.h"
 
 namespace leaflight::python {
 namespace {
@@ -32,11 +32,12 @@ std::shared_ptr<Texture> make_texture(const Array<float>& pixels) {
   return texture;
 }
 
-Scattering scattering_from(const std::string& name, const std::string& of) {
+Scattering scattering_from(const std::string& name, const std::string& owner) {
   if (name == "diffuse") return Scattering::diffuse;
   if (name == "mirror") return Scattering::mirror;
   if (name == "glass") return Scattering::glass;
-  throw Error("The scattering of " + of + " is '" + name + "'; choose diffuse, mirror or glass.");
+  throw Error("The scattering of " + owner + " is '" + name +
+              "'; choose diffuse, mirror or glass.");
 }
 
 ColorRamp to_ramp(const Stops& stops) {
@@ -69,23 +70,23 @@ Mesh<D> make_mesh(const std::string& name, const Array<float>& vertices,
                   const std::string& scattering, double ior, const Tuple<3>& emission,
                   const std::optional<std::shared_ptr<Texture>>& texture,
                   const std::optional<Array<float>>& uv) {
-  const std::string of = "the mesh '" + name + "'";
+  const std::string owner = "the mesh '" + name + "'";
   if (uv.has_value() != texture.has_value()) {
-    throw Error(uv ? "There are texture coordinates but no texture for " + of + "; give both."
-                   : "There is a texture but no texture coordinates for " + of +
+    throw Error(uv ? "There are texture coordinates but no texture for " + owner + "; give both."
+                   : "There is a texture but no texture coordinates for " + owner +
                          "; unwrap the mesh.");
   }
   Mesh<D> mesh;
   mesh.name = name;
-  mesh.vertices = to_elements<Vec<D, float>>(vertices, {D}, "vertices of " + of);
+  mesh.vertices = to_elements<Vec<D, float>>(vertices, {D}, "vertices of " + owner);
   mesh.facets = to_elements<typename Mesh<D>::Facet>(
-      facets, {D}, (D == 2 ? "segments of " : "triangles of ") + of);
+      facets, {D}, (D == 2 ? "segments of " : "triangles of ") + owner);
   mesh.albedo = to_color(albedo);
-  mesh.scattering = scattering_from(scattering, of);
+  mesh.scattering = scattering_from(scattering, owner);
   mesh.ior = ior;
   mesh.emission = to_color(emission);
   if (texture) mesh.texture = *texture;
-  if (uv) mesh.uv = to_elements<typename Mesh<D>::FacetUv>(*uv, {D, 2}, "uv of " + of);
+  if (uv) mesh.uv = to_elements<typename Mesh<D>::FacetUv>(*uv, {D, 2}, "uv of " + owner);
   return mesh;
 }
 
@@ -161,10 +162,9 @@ template <int D>
 void bind_area_light(py::module_& module, const std::string& name) {
   py::class_<AreaLight<D>> area_light(
       module, name.c_str(),
-      D == 2
-          ? "A segment that shines to the left of its edge; it neither blocks nor reflects light."
-          : "A rectangle, or the ellipse in it, that shines towards edge_u x edge_v; it neither "
-            "blocks\nnor reflects light.");
+      D == 2 ? "A segment that emits to the left of its edge. It neither blocks nor reflects light."
+             : "A rectangle, or the ellipse in it, that emits towards edge_u x edge_v. It neither\n"
+               "blocks nor reflects light.");
   const char* doc = "Positions: world; radiance: linear RGB, W/(m^2 sr).";
   if constexpr (D == 2) {
     area_light.def(
@@ -194,7 +194,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
   bind_area_light<D>(module, "AreaLight" + suffix);
 
   py::class_<PointLight<D>>(module, ("PointLight" + suffix).c_str(),
-                            "A sphere that shines alike in all directions, or within a cone.")
+                            "A sphere that emits equally in all directions, or within a cone.")
       .def(
           py::init(&make_point_light<D>), py::arg("name"), py::arg("position"), py::arg("radius"),
           py::arg("intensity"), py::arg("axis") = py::none(), py::arg("angle") = 0.0,
@@ -212,7 +212,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
       .def_readonly("name", &SunLight<D>::name);
 
   py::class_<Environment<D>> environment(module, ("Environment" + suffix).c_str(),
-                                         "Light from all around.");
+                                         "The environment light.");
   if constexpr (D == 2) {
     environment.def(py::init(&make_environment_2), py::arg("name"), py::arg("radiance"),
                     "radiance: linear RGB, W/(m rad).");
@@ -230,7 +230,7 @@ void bind_lights(py::module_& module, const std::string& suffix) {
 template <int D>
 void bind_objects(py::module_& module, const std::string& suffix) {
   py::class_<Mesh<D>>(module, ("Mesh" + suffix).c_str(),
-                      "A mesh of the walls, alike on both sides.")
+                      "A mesh of the walls, with the same material on both sides.")
       .def(
           py::init(&make_mesh<D>), py::arg("name"), py::arg("vertices"),
           py::arg(D == 2 ? "segments" : "triangles"), py::arg("albedo"),
@@ -242,7 +242,7 @@ void bind_objects(py::module_& module, const std::string& suffix) {
       .def_readonly("name", &Mesh<D>::name);
 
   py::class_<Volume<D>>(module, ("Volume" + suffix).c_str(),
-                        "A field and how its isosurfaces look.")
+                        "A field and the material of its isosurfaces.")
       .def(py::init(&make_volume<D>), py::arg("name"), py::arg("field"), py::arg("albedo"),
            py::arg("emission") = Stops{{0, black}}, py::arg("scattering") = "diffuse",
            py::arg("ior") = 1.5, py::arg("offset") = 0.0, py::arg("scale") = 1.0,
@@ -251,13 +251,13 @@ void bind_objects(py::module_& module, const std::string& suffix) {
            "coordinate c shows the isovalue offset + scale c.")
       .def_readonly("name", &Volume<D>::name);
 
-  py::class_<Scene<D>>(module, ("Scene" + suffix).c_str(),
-                       "Volumes, what surrounds them, and the common isovalues to light.")
-      .def(
-          py::init(&make_scene<D>), py::arg("volumes"), py::arg("meshes"), py::arg("lights"),
-          py::arg("isovalues"), py::arg("environment") = py::none(),
-          "isovalues: (low, high) of the common isovalue. Raises LeaflightError naming the object\n"
-          "that is wrong.");
+  py::class_<Scene<D>>(
+      module, ("Scene" + suffix).c_str(),
+      "Volumes, the objects around them, and the range of common isovalues to light.")
+      .def(py::init(&make_scene<D>), py::arg("volumes"), py::arg("meshes"), py::arg("lights"),
+           py::arg("isovalues"), py::arg("environment") = py::none(),
+           "isovalues: (low, high) of the common isovalue. Raises LeaflightError with the name\n"
+           "of the invalid object.");
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ Version loaded_embree() {
 
 Version tbb_version(int interface) { return {interface / 1000, interface % 1000 / 10}; }
 
-// OpenVDB, OpenEXR and Imath are left out. The loader checks them, because each of their symbols
-// contains the version.
+// Returns the libraries that the module was compiled with. The dynamic linker already checks
+// OpenVDB, OpenEXR and Imath, whose symbols contain the version.
 std::vector<Library> libraries() {
   return {
       {"oneTBB", tbb_version(TBB_INTERFACE_VERSION), tbb_version(TBB_runtime_interface_version())},
@@ -52,7 +52,7 @@ py::tuple trace(const Scene<3>& scene, const Tuple<3>& origin, const Tuple<3>& d
   const Hit<3> hit = tracer.intersect(tracer.frame().point(to_vec<3>(origin)), d, c);
   if (hit.kind == HitKind::none) return py::make_tuple(py::none(), py::none());
   const Vec3 in_frame = tracer.surface_point(hit, d, c).position;
-  const Vec3 p = in_frame * (1 / tracer.frame().scale) + tracer.frame().centre;
+  const Vec3 p = in_frame * (1 / tracer.frame().scale) + tracer.frame().center;
   return py::make_tuple(hit.kind == HitKind::isosurface ? "isosurface" : "walls",
                         py::make_tuple(p.x, p.y, p.z));
 }
@@ -69,11 +69,11 @@ void bind_self_check(py::module_& module) {
         }
         return result;
       },
-      "[(name, version of the headers, version that is loaded), ...], versions (major, minor).");
-  module.def("trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"),
-             py::arg("c"),
-             "(\"isosurface\", \"walls\" or None, (x, y, z) or None): what a ray hits, and "
-             "where.");
+      "Returns [(name, version of the headers, loaded version), ...]; versions are (major,\n"
+      "minor).");
+  module.def(
+      "trace", &trace, py::arg("scene"), py::arg("origin"), py::arg("direction"), py::arg("c"),
+      "Returns the first hit of a ray: (\"isosurface\", \"walls\" or None, (x, y, z) or None).");
 }
 
 }  // namespace leaflight::python

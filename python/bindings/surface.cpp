@@ -11,7 +11,7 @@
 #include "surface/marching_squares.h"
 #include "surface/polygon_edges.h"
 #include "surface/project.h"
-#include "transport/exposure.h"
+#include "transport/seen_from_outside.h"
 
 namespace leaflight::python {
 namespace {
@@ -62,10 +62,9 @@ void bind_surface(py::module_& module) {
         return mesh_arrays(mesh);
       },
       py::arg("field"), py::arg("isovalue"), py::arg("normals") = true,
-      "Marching cubes: (vertices float32 (n, 3) world, outward unit normals (n, 3), triangles "
-      "int32\n"
-      "(m, 3)), a manifold. Without normals, which take the longest, there is None in their "
-      "place.");
+      "Returns (vertices float32 (n, 3) world, outward unit normals (n, 3), triangles int32\n"
+      "(m, 3)) by marching cubes, a manifold. Without normals, which take most of the time,\n"
+      "they are None.");
   module.def(
       "contour2",
       [](const Field<2>& field, double isovalue) {
@@ -81,7 +80,8 @@ void bind_surface(py::module_& module) {
                               adopt<std::int32_t>(std::move(mesh.segments), {m, 2}));
       },
       py::arg("field"), py::arg("isovalue"),
-      "Marching squares: (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)).");
+      "Returns (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)) by\n"
+      "marching squares.");
   module.def(
       "normals",
       [](const Field<3>& field, const DoubleArray& array) {
@@ -98,9 +98,8 @@ void bind_surface(py::module_& module) {
         return adopt<float>(std::move(normals), {n, 3});
       },
       py::arg("field"), py::arg("points"),
-      "Outward unit normals float32 (n, 3) with which isosurfaces are shaded at world points (n, "
-      "3) of\n"
-      "the domain; zero where there is none.");
+      "Returns outward unit shading normals float32 (n, 3) of the isosurfaces through world\n"
+      "points (n, 3) of the domain; zero if there is none.");
   module.def(
       "project_to_isosurface",
       [](const Field<3>& field, const DoubleArray& array, double isovalue) {
@@ -109,9 +108,8 @@ void bind_surface(py::module_& module) {
         });
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"),
-      "The points of the trilinear isosurface nearest along the gradient to world points (n, 3), "
-      "within\n"
-      "two voxels; points without one are returned as they are.");
+      "Moves world points (n, 3) to the nearest point of the isosurface along the gradient,\n"
+      "within two voxels. Points without such a point are unchanged.");
   module.def(
       "project_along",
       [](const Field<3>& field, const DoubleArray& array, const DoubleArray& directions,
@@ -126,28 +124,27 @@ void bind_surface(py::module_& module) {
       },
       py::arg("field"), py::arg("points"), py::arg("outward"), py::arg("isovalue"),
       py::arg("reach"),
-      "The points of the trilinear isosurface nearest to world points (n, 3), along the directions "
-      "outward (n, 3)\n"
-      "or against them, where values fall below the isovalue in that direction, within reach "
-      "voxels; points\n"
-      "without one are returned as they are.");
+      "Moves world points (n, 3) to the nearest point of the isosurface along the\n"
+      "directions outward (n, 3) or against them, within reach voxels. Values must fall\n"
+      "below the isovalue in that direction. Points without such a point are unchanged.");
   module.def(
-      "exposed",
+      "seen_from_outside",
       [](const Field<3>& field, const DoubleArray& array, double isovalue, int directions,
          std::uint64_t seed) {
         const std::vector<Vec3> points = to_points<3>(array);
         std::vector<std::uint8_t> result;
         {
           const py::gil_scoped_release unlocked;
-          result = exposed(field, points, isovalue, directions, seed);
+          result = seen_from_outside(field, points, isovalue, directions, seed);
         }
         const auto n = static_cast<py::ssize_t>(result.size());
         return adopt<std::uint8_t>(std::move(result), {n});
       },
       py::arg("field"), py::arg("points"), py::arg("isovalue"), py::arg("directions") = 32,
       py::arg("seed") = 0,
-      "uint8 (n,): 1 where one of `directions` random rays from the isosurface's front leaves the\n"
-      "domain, so that the world point can be seen from outside.");
+      "Returns uint8 (n,): 1 if a world point on the isosurface is visible from outside,\n"
+      "because one of `directions` random rays from its front leaves the domain without a\n"
+      "hit.");
   module.def(
       "connected_parts",
       [](const IndexArray& triangles, std::int32_t vertices) {
@@ -163,7 +160,7 @@ void bind_surface(py::module_& module) {
         return adopt<std::int32_t>(std::move(parts), {static_cast<py::ssize_t>(vertices)});
       },
       py::arg("triangles"), py::arg("vertices"),
-      "The least vertex of the connected part that each of so many vertices is in, int32 (n,).");
+      "Returns, for each vertex, the least vertex of its connected part, int32 (n,).");
   module.def(
       "large_parts",
       [](const FloatArray& vertices, const IndexArray& triangles, float smallest) {
@@ -183,8 +180,9 @@ void bind_surface(py::module_& module) {
                               adopt<std::int32_t>(std::move(parts.triangles), {m, 3}));
       },
       py::arg("vertices"), py::arg("triangles"), py::arg("smallest"),
-      "(vertices int32 (k,) that stay, triangles int32 (j, 3) by places among these) of a mesh\n"
-      "without its connected parts that are shorter than `smallest` along all axes.");
+      "Removes connected parts of a mesh that are shorter than `smallest` along all axes.\n"
+      "Returns (numbers of the remaining vertices int32 (k,), triangles int32 (j, 3) by\n"
+      "indices into these).");
   module.def(
       "polygon_edges",
       [](const IndexArray& polygons, std::int32_t vertices) {
@@ -198,13 +196,13 @@ void bind_surface(py::module_& module) {
         }
         const auto n = static_cast<py::ssize_t>(edges.vertices.size());
         return py::make_tuple(adopt<std::int32_t>(std::move(edges.vertices), {n, 2}),
-                              adopt<std::int32_t>(std::move(edges.of_corner),
+                              adopt<std::int32_t>(std::move(edges.corner_edge),
                                                   {polygons.shape(0), polygons.shape(1)}));
       },
       py::arg("polygons"), py::arg("vertices"),
-      "(edges int32 (e, 2), each once, lower vertex first, ascending; the edge from each corner "
-      "to\n"
-      "the next one, int32 (m, k)) of polygons int32 (m, k) with so many vertices in all.");
+      "Returns the edges of polygons int32 (m, k): (int32 (e, 2), lower vertex first,\n"
+      "ascending; the edge from each corner to the next one, int32 (m, k)). vertices: their\n"
+      "number.");
 }
 
 }  // namespace leaflight::python

@@ -24,13 +24,13 @@ py::array_t<std::uint32_t> between(const WallRadiance<D>& walls, std::size_t mes
 template <int D>
 py::tuple direct_ways(const WallRadiance<D>& walls, std::size_t mesh) {
   static_cast<void>(walls.meshes.at(mesh));
-  const auto& of = walls.direct->ways(static_cast<int>(mesh));
-  std::vector<float> greatest, shares, least = of.least;
-  for (const auto& way : of.ways) {
-    greatest.push_back(way.greatest);
-    shares.push_back(way.share);
+  const auto& traced = walls.direct->rays(static_cast<int>(mesh));
+  std::vector<float> greatest, shares, least = traced.least;
+  for (const auto& ray : traced.rays) {
+    greatest.push_back(ray.greatest);
+    shares.push_back(ray.share);
   }
-  const auto vertices = static_cast<py::ssize_t>(of.sets.size());
+  const auto vertices = static_cast<py::ssize_t>(traced.sets.size());
   const auto points = static_cast<py::ssize_t>(walls.direct->sets()[0].size());
   const auto unshadowed = [&](bool back) {
     const std::size_t lights = walls.direct->lights();
@@ -42,7 +42,7 @@ py::tuple direct_ways(const WallRadiance<D>& walls, std::size_t mesh) {
     return adopt<float>(std::move(all), {static_cast<py::ssize_t>(lights), vertices, 3});
   };
   return py::make_tuple(
-      adopt<std::uint8_t>(std::vector(of.sets), {vertices}),
+      adopt<std::uint8_t>(std::vector(traced.sets), {vertices}),
       least.empty() ? py::object(py::none()) : adopt<float>(std::move(least), {vertices, points}),
       adopt<float>(std::move(greatest), {vertices, points}),
       adopt<float>(std::move(shares), {vertices, points}), unshadowed(false), unshadowed(true));
@@ -96,7 +96,7 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
             return py::make_tuple(adopt<float>(std::move(vertices), {n, D}),
                                   adopt<std::int32_t>(std::move(facets), {m, D}));
           },
-          py::arg("mesh"), "(vertices float32 (n, D) world, facets int32 (m, D)).")
+          py::arg("mesh"), "Returns (vertices float32 (n, D) world, facets int32 (m, D)).")
       .def(
           "places",
           [](const Walls& s, std::size_t i) {
@@ -111,8 +111,8 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
                                   adopt<double>(std::move(coordinates), {n, 2}));
           },
           py::arg("mesh"),
-          "Where the vertices were lit: (facets int32 (n,) of the original mesh, barycentric\n"
-          "coordinates (n, 2)), for reference_walls().")
+          "Returns the positions at which vertices are lit: (facets int32 (n,) of the original\n"
+          "mesh, barycentric coordinates (n, 2)), for reference_walls().")
       .def(
           "radiance",
           [](const Walls& s, std::size_t i, double c, bool back) {
@@ -122,8 +122,8 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
             return adopt<float>(std::move(radiance), {n, 3});
           },
           py::arg("mesh"), py::arg("c"), py::arg("back") = false,
-          "float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from\n"
-          "behind.")
+          "Returns float32 (n, 3) at the vertices of a fine mesh, seen from the side of its\n"
+          "normals or from behind.")
       .def(
           "relit",
           [](const Walls& s, const Scene<D>& scene, const std::vector<Tuple<3>>& lights,
@@ -133,8 +133,8 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
                 relit(s, scene.meshes, to_colors(lights), Vec<3, float>(to_color(indirect))));
           },
           py::arg("scene"), py::arg("lights"), py::arg("indirect"),
-          "The same with the lights of the scene that was baked at other strengths, as\n"
-          "RadianceGrid.relit() has it.")
+          "Returns the walls with other strengths of the scene's lights, as in\n"
+          "RadianceGrid.relit().")
       .def(
           "moved",
           [](const Walls& s, const Scene<D>& earlier, const Scene<D>& scene,
@@ -147,35 +147,31 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           },
           py::arg("earlier"), py::arg("scene"), py::arg("same_as"), py::arg("indirect"),
           py::arg("progress"), py::arg("share") = 1, py::arg("lights_alone") = false,
-          "The same beside another scene than that which was baked, `earlier`: direct light is\n"
-          "exact, all else but the meshes' own emission brighter by the factors (r, g, b).\n"
-          "same_as: of each mesh of the scene its number in the earlier one, or -1. share:\n"
-          "one way of so many is traced for shadows; lights_alone: whether nothing else has "
-          "moved,\n"
-          "which takes less time. Raises Cancelled.")
+          "Returns the walls of another scene than the baked one, `earlier`. Direct light is\n"
+          "exact. Other light, except the meshes' own emission, is scaled by (r, g, b).\n"
+          "same_as: number of each mesh in the earlier scene, or -1. share: one of this many\n"
+          "shadow rays is traced; lights_alone: true if only lights have moved, which is\n"
+          "faster. Raises Cancelled.")
       .def("indirect", &indirect<D>, py::arg("mesh"), py::arg("back") = false,
-           "Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.")
+           "Returns the radiance without direct light: float32 (nodes, m, 3) at the vertices of\n"
+           "the coarse mesh.")
       .def("between", &between<D>, py::arg("mesh"),
-           "uint32 (n, 2): the vertices of the coarser mesh that each vertex lies halfway between.")
-      .def(
-          "direct_ways", &direct_ways<D>, py::arg("mesh"),
-          "Of the vertices of a fine mesh, each of which has one of several sets of light points:\n"
-          "the number of its set, uint8 (n,); for each point the least and the greatest "
-          "isosurface\n"
-          "coordinate on the way to it, between which isosurfaces block it, float32 (n, points), "
-          "the\n"
-          "least None where isosurfaces are closed, the greatest infinite behind a mesh; the "
-          "irradiance\n"
-          "if nothing stood in\n"
-          "the way over the amount of the point, negative behind the vertex, float32 (n, points);\n"
-          "and the radiance by all sets if nothing did, of the front and of the back, float32\n"
-          "(lights + 1, n, 3) by each light of the scene and by all that is no light. A side\n"
-          "reflects their sum times the mean over each vertex and its neighbours of the share of\n"
-          "their sets' light that no isosurface blocks.")
+           "Returns uint32 (n, 2): for each vertex, the two vertices of the coarse mesh that it\n"
+           "lies halfway between.")
+      .def("direct_ways", &direct_ways<D>, py::arg("mesh"),
+           "Returns the shadow rays of a fine mesh, as five arrays. Each vertex has one of\n"
+           "several sets of light points: its number, uint8 (n,). For each point, isosurfaces\n"
+           "between the least and the greatest common isovalue block the ray, float32 (n,\n"
+           "points) each; the least is None if isosurfaces are closed, and the greatest is\n"
+           "infinite behind a mesh. Then the unshadowed irradiance over the amount of the point,\n"
+           "negative on the back, float32 (n, points). Then, for front and back, the unshadowed\n"
+           "radiance by all sets, float32 (lights + 1, n, 3), by each light of the scene and by\n"
+           "all other emitters. A side reflects their sum times the share of light that no\n"
+           "isosurface blocks, averaged over each vertex and its neighbors.")
       .def_property_readonly(
           "point_lights", &point_lights<D>,
-          "int32 (points,): the number of the scene's light that each point of a set belongs to, "
-          "or -1.")
+          "int32 (points,): for each point of a set, the number of its light in the scene, or\n"
+          "-1.")
       .def_property_readonly("point_amounts", &point_amounts<D>,
                              "float32 (sets, points, 3): linear RGB of the light points.");
 }

@@ -29,17 +29,17 @@ void bind_workers(py::module_& module) {
   using Released = py::call_guard<py::gil_scoped_release>;
   module.def("block_tracer_memory", &block_tracer_memory, py::arg("scene"), py::arg("settings"),
              Released(),
-             "About how many bytes a BlockTracer holds at most, the volume's values included.");
+             "Estimates the maximum memory of a BlockTracer in bytes, including the volume's\n"
+             "values.");
   py::class_<BlockTracer>(
       module, "BlockTracer",
-      "Traces single blocks of indirect light for a bake in passes of the same scene "
-      "and settings that runs\n"
-      "elsewhere: what bake()'s `workers` give it.")
+      "Traces single blocks of indirect light for a bake in passes in another process, as a\n"
+      "worker of bake(). Scene and settings must be equal.")
       .def(py::init<const Scene<3>&, const BakeSettings<3>&, Progress&>(), py::arg("scene"),
            py::arg("settings"), py::arg("progress"), py::keep_alive<1, 2>(), py::keep_alive<1, 4>(),
            Released(),
-           "progress.cancel() ends whatever is done with Cancelled. Raises LeaflightError where\n"
-           "such a bake has no passes.")
+           "progress.cancel() makes every call raise Cancelled. Raises LeaflightError if such a\n"
+           "bake has no passes.")
       .def(
           "look_up",
           [](BlockTracer& tracer, const std::string& state) {
@@ -48,7 +48,7 @@ void bind_workers(py::module_& module) {
             tracer.look_up(stream);
           },
           py::arg("state"), Released(),
-          "Takes the bytes that workers.begin() was given; blocks need them.")
+          "Reads the bytes that workers.begin() received, which blocks need.")
       .def(
           "trace",
           [](BlockTracer& tracer, int number) {
@@ -59,7 +59,7 @@ void bind_workers(py::module_& module) {
             }
             return py::bytes(block);
           },
-          py::arg("number"), "The block of this number: bytes for workers.take().");
+          py::arg("number"), "Traces the block of this number; returns bytes for workers.take().");
 }
 
 }  // namespace leaflight::python

@@ -7,7 +7,8 @@
 
 namespace leaflight::python {
 
-// Workers that call the methods of a Python object, from a thread without the interpreter's lock.
+// Returns workers that call the methods of a Python object, from a thread without the interpreter's
+// lock.
 BlockWorkers workers_of(const pybind11::object& workers);
 
 }  // namespace leaflight::python

@@ -8,28 +8,29 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'exposed', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
     pass
 class Progress:
     """
-    Shared between work that runs, as a bake or the reading of a file, and whoever watches it from another thread.
+    The progress of work such as a bake or the reading of a file, shared with observers
+    in other threads.
     """
     def __init__(self) -> None:
         ...
     def advance(self, work: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        Adds what was done, in the same unit.
+        Adds finished work, in the unit of expect().
         """
     def begin(self, stage: str) -> None:
         """
-        Names what is done from now on.
+        Sets the name of the current stage.
         """
     def cancel(self) -> None:
         """
-        The bake raises Cancelled within half a second.
+        Makes the bake raise Cancelled within half a second.
         """
     def check(self) -> None:
         """
@@ -37,11 +38,11 @@ class Progress:
         """
     def expect(self, total: typing.SupportsFloat | typing.SupportsIndex) -> None:
         """
-        How much there is to do, in any unit.
+        Sets the total work, in any unit.
         """
     def stop(self) -> None:
         """
-        A bake in passes ends after the pass under way, with what it has.
+        Makes a bake in passes end after the current pass, with its light.
         """
     @property
     def cancelled(self) -> bool:
@@ -49,19 +50,20 @@ class Progress:
     @property
     def fraction(self) -> float:
         """
-        Work done, 0..1.
+        Finished share of the work, 0..1.
         """
     @property
     def stage(self) -> str:
         """
-        What is being done, for the user.
+        Name of the current stage, for the user.
         """
     @property
     def stopped(self) -> bool:
         ...
 class Field:
     """
-    A scalar volume with its transform to the world, checked and indexed for ray tracing.
+    A scalar volume with its transform to the world, checked and prepared for ray
+    tracing.
     """
     @typing.overload
     def __init__(self, values: numpy.typing.NDArray[numpy.float32], index_to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -105,12 +107,14 @@ class Field:
         """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Interpolated values (n,) at world points (n, D); NaN outside and where masked.
+        Returns interpolated values (n,) at world points (n, D); NaN outside and in masked
+        cells.
         """
     def shade_by(self, values: numpy.typing.NDArray[numpy.float32]) -> None:
         """
-        Takes the normals of isosurfaces from other values, float32 [z, y, x], such as
-        smoothed ones: NaN where the field's are. Before the field is part of a scene.
+        Uses other values, float32 [z, y, x], for the normals of isosurfaces, such as
+        smoothed ones. They must be NaN at the same voxels. Call it before the field is part
+        of a scene.
         """
     @property
     def bounds(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -128,7 +132,7 @@ class Field:
     @property
     def masked(self) -> bool:
         """
-        Whether some voxels are NaN.
+        True if some voxels are NaN.
         """
     @property
     def range(self) -> tuple[float, float]:
@@ -140,7 +144,7 @@ class Field:
         ...
 class Field2:
     """
-    A scalar field in the plane.
+    A scalar field in 2D.
     """
     @typing.overload
     def __init__(self, values: numpy.typing.NDArray[numpy.float32], index_to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -184,12 +188,14 @@ class Field2:
         """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Interpolated values (n,) at world points (n, D); NaN outside and where masked.
+        Returns interpolated values (n,) at world points (n, D); NaN outside and in masked
+        cells.
         """
     def shade_by(self, values: numpy.typing.NDArray[numpy.float32]) -> None:
         """
-        Takes the normals of isosurfaces from other values, float32 [z, y, x], such as
-        smoothed ones: NaN where the field's are. Before the field is part of a scene.
+        Uses other values, float32 [z, y, x], for the normals of isosurfaces, such as
+        smoothed ones. They must be NaN at the same voxels. Call it before the field is part
+        of a scene.
         """
     @property
     def bounds(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -207,7 +213,7 @@ class Field2:
     @property
     def masked(self) -> bool:
         """
-        Whether some voxels are NaN.
+        True if some voxels are NaN.
         """
     @property
     def range(self) -> tuple[float, float]:
@@ -227,8 +233,8 @@ class Texture:
         """
 class AreaLight:
     """
-    A rectangle, or the ellipse in it, that shines towards edge_u x edge_v; it neither blocks
-    nor reflects light.
+    A rectangle, or the ellipse in it, that emits towards edge_u x edge_v. It neither
+    blocks nor reflects light.
     """
     def __init__(self, name: str, corner: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], edge_u: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], edge_v: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], ellipse: bool = False) -> None:
         """
@@ -239,7 +245,7 @@ class AreaLight:
         ...
 class PointLight:
     """
-    A sphere that shines alike in all directions, or within a cone.
+    A sphere that emits equally in all directions, or within a cone.
     """
     def __init__(self, name: str, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], radius: typing.SupportsFloat | typing.SupportsIndex, intensity: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] | None = None, angle: typing.SupportsFloat | typing.SupportsIndex = 0.0, blend: typing.SupportsFloat | typing.SupportsIndex = 0.0, cosine_falloff: bool = False) -> None:
         """
@@ -263,7 +269,7 @@ class SunLight:
         ...
 class Environment:
     """
-    Light from all around.
+    The environment light.
     """
     def __init__(self, name: str, radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], image: Texture = None, world_to_image: typing.Annotated[collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]], "FixedSize(3)"] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]) -> None:
         """
@@ -275,7 +281,7 @@ class Environment:
         ...
 class Mesh:
     """
-    A mesh of the walls, alike on both sides.
+    A mesh of the walls, with the same material on both sides.
     """
     def __init__(self, name: str, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], scattering: str = 'diffuse', ior: typing.SupportsFloat | typing.SupportsIndex = 1.5, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], texture: Texture | None = None, uv: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None) -> None:
         """
@@ -288,7 +294,7 @@ class Mesh:
         ...
 class Volume:
     """
-    A field and how its isosurfaces look.
+    A field and the material of its isosurfaces.
     """
     def __init__(self, name: str, field: Field, albedo: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]], emission: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]] = [(0.0, [0.0, 0.0, 0.0])], scattering: str = 'diffuse', ior: typing.SupportsFloat | typing.SupportsIndex = 1.5, offset: typing.SupportsFloat | typing.SupportsIndex = 0.0, scale: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
@@ -300,16 +306,16 @@ class Volume:
         ...
 class Scene:
     """
-    Volumes, what surrounds them, and the common isovalues to light.
+    Volumes, the objects around them, and the range of common isovalues to light.
     """
     def __init__(self, volumes: collections.abc.Sequence[Volume], meshes: collections.abc.Sequence[Mesh], lights: collections.abc.Sequence[AreaLight | PointLight | SunLight], isovalues: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex], environment: Environment | None = None) -> None:
         """
-        isovalues: (low, high) of the common isovalue. Raises LeaflightError naming the object
-        that is wrong.
+        isovalues: (low, high) of the common isovalue. Raises LeaflightError with the name
+        of the invalid object.
         """
 class AreaLight2:
     """
-    A segment that shines to the left of its edge; it neither blocks nor reflects light.
+    A segment that emits to the left of its edge. It neither blocks nor reflects light.
     """
     def __init__(self, name: str, corner: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], edge: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
@@ -320,7 +326,7 @@ class AreaLight2:
         ...
 class PointLight2:
     """
-    A sphere that shines alike in all directions, or within a cone.
+    A sphere that emits equally in all directions, or within a cone.
     """
     def __init__(self, name: str, position: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], radius: typing.SupportsFloat | typing.SupportsIndex, intensity: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], axis: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"] | None = None, angle: typing.SupportsFloat | typing.SupportsIndex = 0.0, blend: typing.SupportsFloat | typing.SupportsIndex = 0.0, cosine_falloff: bool = False) -> None:
         """
@@ -344,7 +350,7 @@ class SunLight2:
         ...
 class Environment2:
     """
-    Light from all around.
+    The environment light.
     """
     def __init__(self, name: str, radiance: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> None:
         """
@@ -355,7 +361,7 @@ class Environment2:
         ...
 class Mesh2:
     """
-    A mesh of the walls, alike on both sides.
+    A mesh of the walls, with the same material on both sides.
     """
     def __init__(self, name: str, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], segments: typing.Annotated[numpy.typing.ArrayLike, numpy.uint32], albedo: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], scattering: str = 'diffuse', ior: typing.SupportsFloat | typing.SupportsIndex = 1.5, emission: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"] = [0.0, 0.0, 0.0], texture: Texture | None = None, uv: typing.Annotated[numpy.typing.ArrayLike, numpy.float32] | None = None) -> None:
         """
@@ -368,7 +374,7 @@ class Mesh2:
         ...
 class Volume2:
     """
-    A field and how its isosurfaces look.
+    A field and the material of its isosurfaces.
     """
     def __init__(self, name: str, field: Field2, albedo: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]], emission: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]] = [(0.0, [0.0, 0.0, 0.0])], scattering: str = 'diffuse', ior: typing.SupportsFloat | typing.SupportsIndex = 1.5, offset: typing.SupportsFloat | typing.SupportsIndex = 0.0, scale: typing.SupportsFloat | typing.SupportsIndex = 1.0) -> None:
         """
@@ -380,31 +386,32 @@ class Volume2:
         ...
 class Scene2:
     """
-    Volumes, what surrounds them, and the common isovalues to light.
+    Volumes, the objects around them, and the range of common isovalues to light.
     """
     def __init__(self, volumes: collections.abc.Sequence[Volume2], meshes: collections.abc.Sequence[Mesh2], lights: collections.abc.Sequence[AreaLight2 | PointLight2 | SunLight2], isovalues: tuple[typing.SupportsFloat | typing.SupportsIndex, typing.SupportsFloat | typing.SupportsIndex], environment: Environment2 | None = None) -> None:
         """
-        isovalues: (low, high) of the common isovalue. Raises LeaflightError naming the object
-        that is wrong.
+        isovalues: (low, high) of the common isovalue. Raises LeaflightError with the name
+        of the invalid object.
         """
 class DirectLight:
     """
-    Maps of the direct light of every isosurface of one volume: for each texel of a lattice
-    and each light point the greatest value of the volume on the way between them, as a byte.
+    Direct light of every isosurface of one volume, from visibility maps. For each texel
+    of a lattice and each light point they hold the greatest value between the two, as a
+    byte.
     """
     def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0, earlier: DirectLight = None) -> None:
         """
-        Of a scene's volume by its number. resolution: texels of the maps along x, y, z;
-        back: also of the backs; spacing: voxels between the lines that find shadows, or
-        texels where these are nearer to each other; earlier: where lights alone were others,
-        whose maps serve for the points that have not moved. Raises Cancelled.
+        Computes the maps of a scene's volume. resolution: texels of the maps along x, y, z;
+        back: includes the backs; spacing: upper bound on the voxels between the lines that
+        find shadows; earlier: direct light of the same scene under other lights, whose maps
+        are reused for points that have not moved. Raises Cancelled.
         """
     def codes(self, point: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        uint8 (n,) of the active texels, in the order of mask(), for a light point. An isosurface is
-        lit at a texel if the code of its isovalue h is greater: 1 + 252 (h - lo) / (hi - lo)
-        within code_range (lo, hi). 255 is behind a mesh. back: of backs, whose codes
-        begin at hi.
+        Returns the codes of the active texels for a light point, uint8 (n,), in the order
+        of mask(). An isosurface h is lit at a texel if its own code is greater: 1 + 252 (h
+        - lo) / (hi - lo) within code_range (lo, hi). 255 is behind a mesh. back: codes of
+        backs, which begin at hi.
         """
     def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -413,32 +420,33 @@ class DirectLight:
     @property
     def code_range(self) -> tuple[float, float]:
         """
-        (lo, hi): the values that codes tell apart, a little more than the isovalue range.
+        (lo, hi): the values that codes can distinguish, slightly more than the isovalue
+        range.
         """
     @property
     def has_back(self) -> bool:
         """
-        Whether backs have maps.
+        True if backs have maps.
         """
     @property
     def index_to_frame(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        float64 (4, 4): the frame is the world, moved and scaled uniformly.
+        float64 (4, 4): from indices to the frame, which is the world, moved and scaled
+        uniformly.
         """
     @property
     def light_points(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        float64 (n, 4, 4), four rows for each point:
-        its position in the frame and 1, or the direction to light from afar and 0;
-        the normal along which it shines and 1, or 2 for both ways, or 0 for all directions;
-        linear RGB irradiance [W/m^2] of a surface that faces it at distance 1 in the frame,
-        and how wide the soft edge of its cone is, in cosines;
-        the axis of the cone and the cosine at which it ends, -2 for none.
+        float64 (n, 4, 4), four rows for each point. Row 0: position in the frame and 1, or
+        direction to a light at infinity and 0. Row 1: normal and 1, or 2 if it emits on
+        both sides, or 0 if it has none. Row 2: linear RGB irradiance [W/m^2] of a surface
+        that faces it at distance 1 in the frame, and width of the soft edge of its cone, in
+        cosines. Row 3: axis of the cone, and cosine at its end or -2 without a cone.
         """
     @property
     def lights(self) -> numpy.typing.NDArray[numpy.int32]:
         """
-        int32 (n,): the number of the scene's light that each point belongs to, or -1.
+        int32 (n,): number of each point's light in the scene, or -1.
         """
     @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(3)"]:
@@ -447,19 +455,19 @@ class DirectLight:
         """
 class IndirectShares:
     """
-    How much indirect light comes from which lights of a scene.
+    The share of each light of a scene in the indirect light.
     """
     def __init__(self, scene: Scene) -> None:
         ...
     def factor(self, lights: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]) -> tuple[float, float, float]:
         """
-        How much more light there is, (r, g, b), if each light of the scene is brighter by its
-        factors (r, g, b).
+        Returns the growth of indirect light, (r, g, b), if each light of the scene is
+        scaled by factors (r, g, b).
         """
     @property
     def total(self) -> tuple[float, float, float]:
         """
-        Of all of them, (r, g, b).
+        Sum of all shares, (r, g, b).
         """
 class RadianceGrid:
     """
@@ -467,33 +475,34 @@ class RadianceGrid:
     """
     def atlas(self, back: bool = False) -> tuple:
         """
-        (pixels float32 [row, column, RGBA] bottom row first, columns, rows): slice k of the
-        texture is the tile in column k % columns and row k // columns, without padding.
+        Returns (pixels float32 [row, column, RGBA] bottom row first, columns, rows). Slice
+        k is the tile in column k % columns and row k // columns, without padding.
         """
     def dense(self, name: str) -> numpy.typing.NDArray[numpy.float32]:
         """
-        radiance, radiance_indirect (all but the lights' direct light), radiance_back or
-        radiance_back_indirect (the back): float32 [z, y, x, 3]; radiance_error, the standard error of the mean
-        over the channels: float32 [z, y, x]. Zero at inactive texels.
+        Returns the grid of this name. radiance, radiance_indirect (without the lights'
+        direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].
+        radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
+        Inactive texels are zero.
         """
     def lit_contour(self, field: Field, isovalue: typing.SupportsFloat | typing.SupportsIndex, normals: bool = False, front: bool = True, back: bool = False, largest_step: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:
         """
-        (vertices, normals, triangles, radiance, radiance of the back, triangles before
-        edges were cut): contour() and lookup() at its vertices at once, float32 (n, 3) each
-        and int32 (m, 3). What is not asked for is None. Edges are cut in two as often as
-        texels are narrower than voxels there, so that vertices show them; where the mesh is
-        small twice at most more, if the radiance of their ends differs by more than
-        largest_step. Fastest if the arrays of the call before are all let go.
+        Returns (vertices, normals, triangles, radiance, radiance of the back, number of
+        triangles before edges were split): contour(), and lookup() at its vertices. Arrays
+        are float32 (n, 3) and int32 (m, 3), or None if not requested. Edges are split as
+        often as texels are narrower than voxels, so that vertices show them. Small meshes
+        also split edges whose ends differ by more than largest_step in radiance, at most
+        twice. It is fastest if all arrays of the previous call are released.
         """
     def lookup(self, field: Field, points: typing.Any, back: bool = False, indirect: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Radiance (n, 3) of the isosurfaces through world points (n, D); indirect: the part of it that
-        radiance_indirect holds.
+        Returns the radiance (n, 3) of the isosurfaces through world points (n, D);
+        indirect: only the part in radiance_indirect.
         """
     def lookup_error(self, field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Standard error (n,) of the front's radiance at world points (n, D), of the mean
-        over the channels: that of independent texels.
+        Returns the standard error (n,) of the front's radiance at world points (n, D),
+        averaged over the channels, for independent errors of texels.
         """
     def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -501,26 +510,26 @@ class RadianceGrid:
         """
     def moved(self, field: Field, direct: DirectLight, indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> RadianceGrid:
         """
-        The same with the direct light of another scene, and all else but what isosurfaces emit
-        brighter by the factors (r, g, b). field: its values, where they are now. Texels are
-        shared.
+        Returns the grid with the direct light of another scene. Other light, except
+        emission, is scaled by (r, g, b). field: the volume at its current position. Shares
+        the texels.
         """
     def relit(self, field: Field, lights: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> RadianceGrid:
         """
-        The same, of the field that was lit, with the lights of its scene at other strengths:
-        for each, factors (r, g, b) against those that were baked; `indirect`: of all else but
-        what isosurfaces emit. Texels are shared. Needs can_be_relit.
+        Returns the grid of the lit field with other strengths of the scene's lights:
+        factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
+        except emission. Shares the texels. Requires can_be_relit.
         """
     @property
     def can_be_relit(self) -> bool:
         """
-        Whether the direct light of all sides is known exactly.
+        True if the direct light of all sides is exact.
         """
     @property
     def direct(self) -> DirectLight:
         """
-        The DirectLight that lookups add; None: texels hold all light. A bake in passes has it, a
-        grid that was read from a file is given it.
+        DirectLight that lookups add; None: texels contain all light. A bake in passes has
+        it. A grid from a file gets it by assignment.
         """
     @direct.setter
     def direct(self, arg1: DirectLight) -> None:
@@ -528,13 +537,13 @@ class RadianceGrid:
     @property
     def has_back(self) -> bool:
         """
-        Whether the back was baked.
+        True if the back was baked.
         """
     @property
     def map_resolution(self) -> typing.Annotated[list[int], "FixedSize(3)"] | None:
         """
-        Of the maps from which lookups compute direct light where they are, beside indirect
-        light of texels; None: texels hold all light.
+        Resolution of the visibility maps from which lookups compute direct light; None:
+        texels contain all light.
         """
     @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(3)"]:
@@ -542,7 +551,7 @@ class RadianceGrid:
     @property
     def texels(self) -> int:
         """
-        Active texels.
+        Number of active texels.
         """
 class RadianceGrid2:
     """
@@ -550,19 +559,20 @@ class RadianceGrid2:
     """
     def dense(self, name: str) -> numpy.typing.NDArray[numpy.float32]:
         """
-        radiance, radiance_indirect (all but the lights' direct light), radiance_back or
-        radiance_back_indirect (the back): float32 [z, y, x, 3]; radiance_error, the standard error of the mean
-        over the channels: float32 [z, y, x]. Zero at inactive texels.
+        Returns the grid of this name. radiance, radiance_indirect (without the lights'
+        direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].
+        radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
+        Inactive texels are zero.
         """
     def lookup(self, field: Field2, points: typing.Any, back: bool = False, indirect: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Radiance (n, 3) of the isosurfaces through world points (n, D); indirect: the part of it that
-        radiance_indirect holds.
+        Returns the radiance (n, 3) of the isosurfaces through world points (n, D);
+        indirect: only the part in radiance_indirect.
         """
     def lookup_error(self, field: Field2, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Standard error (n,) of the front's radiance at world points (n, D), of the mean
-        over the channels: that of independent texels.
+        Returns the standard error (n,) of the front's radiance at world points (n, D),
+        averaged over the channels, for independent errors of texels.
         """
     def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
@@ -570,25 +580,25 @@ class RadianceGrid2:
         """
     def relit(self, field: Field2, lights: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> RadianceGrid2:
         """
-        The same, of the field that was lit, with the lights of its scene at other strengths:
-        for each, factors (r, g, b) against those that were baked; `indirect`: of all else but
-        what isosurfaces emit. Texels are shared. Needs can_be_relit.
+        Returns the grid of the lit field with other strengths of the scene's lights:
+        factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
+        except emission. Shares the texels. Requires can_be_relit.
         """
     @property
     def can_be_relit(self) -> bool:
         """
-        Whether the direct light of all sides is known exactly.
+        True if the direct light of all sides is exact.
         """
     @property
     def has_back(self) -> bool:
         """
-        Whether the back was baked.
+        True if the back was baked.
         """
     @property
     def map_resolution(self) -> typing.Annotated[list[int], "FixedSize(2)"] | None:
         """
-        Of the maps from which lookups compute direct light where they are, beside indirect
-        light of texels; None: texels hold all light.
+        Resolution of the visibility maps from which lookups compute direct light; None:
+        texels contain all light.
         """
     @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(2)"]:
@@ -596,7 +606,7 @@ class RadianceGrid2:
     @property
     def texels(self) -> int:
         """
-        Active texels.
+        Number of active texels.
         """
 class WallRadiance:
     """
@@ -604,51 +614,52 @@ class WallRadiance:
     """
     def between(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
         """
-        uint32 (n, 2): the vertices of the coarser mesh that each vertex lies halfway between.
+        Returns uint32 (n, 2): for each vertex, the two vertices of the coarse mesh that it
+        lies halfway between.
         """
     def direct_ways(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple:
         """
-        Of the vertices of a fine mesh, each of which has one of several sets of light points:
-        the number of its set, uint8 (n,); for each point the least and the greatest isosurface
-        coordinate on the way to it, between which isosurfaces block it, float32 (n, points), the
-        least None where isosurfaces are closed, the greatest infinite behind a mesh; the irradiance
-        if nothing stood in
-        the way over the amount of the point, negative behind the vertex, float32 (n, points);
-        and the radiance by all sets if nothing did, of the front and of the back, float32
-        (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
-        reflects their sum times the mean over each vertex and its neighbours of the share of
-        their sets' light that no isosurface blocks.
+        Returns the shadow rays of a fine mesh, as five arrays. Each vertex has one of
+        several sets of light points: its number, uint8 (n,). For each point, isosurfaces
+        between the least and the greatest common isovalue block the ray, float32 (n,
+        points) each; the least is None if isosurfaces are closed, and the greatest is
+        infinite behind a mesh. Then the unshadowed irradiance over the amount of the point,
+        negative on the back, float32 (n, points). Then, for front and back, the unshadowed
+        radiance by all sets, float32 (lights + 1, n, 3), by each light of the scene and by
+        all other emitters. A side reflects their sum times the share of light that no
+        isosurface blocks, averaged over each vertex and its neighbors.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.
+        Returns the radiance without direct light: float32 (nodes, m, 3) at the vertices of
+        the coarse mesh.
         """
     def mesh(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.int32]]:
         """
-        (vertices float32 (n, D) world, facets int32 (m, D)).
+        Returns (vertices float32 (n, D) world, facets int32 (m, D)).
         """
     def moved(self, earlier: Scene, scene: Scene, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1, lights_alone: bool = False) -> WallRadiance:
         """
-        The same beside another scene than that which was baked, `earlier`: direct light is
-        exact, all else but the meshes' own emission brighter by the factors (r, g, b).
-        same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many is traced for shadows; lights_alone: whether nothing else has moved,
-        which takes less time. Raises Cancelled.
+        Returns the walls of another scene than the baked one, `earlier`. Direct light is
+        exact. Other light, except the meshes' own emission, is scaled by (r, g, b).
+        same_as: number of each mesh in the earlier scene, or -1. share: one of this many
+        shadow rays is traced; lights_alone: true if only lights have moved, which is
+        faster. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
-        Where the vertices were lit: (facets int32 (n,) of the original mesh, barycentric
-        coordinates (n, 2)), for reference_walls().
+        Returns the positions at which vertices are lit: (facets int32 (n,) of the original
+        mesh, barycentric coordinates (n, 2)), for reference_walls().
         """
     def radiance(self, mesh: typing.SupportsInt | typing.SupportsIndex, c: typing.SupportsFloat | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from
-        behind.
+        Returns float32 (n, 3) at the vertices of a fine mesh, seen from the side of its
+        normals or from behind.
         """
     def relit(self, scene: Scene, lights: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> WallRadiance:
         """
-        The same with the lights of the scene that was baked at other strengths, as
-        RadianceGrid.relit() has it.
+        Returns the walls with other strengths of the scene's lights, as in
+        RadianceGrid.relit().
         """
     @property
     def count(self) -> int:
@@ -668,7 +679,8 @@ class WallRadiance:
     @property
     def point_lights(self) -> numpy.typing.NDArray[numpy.int32]:
         """
-        int32 (points,): the number of the scene's light that each point of a set belongs to, or -1.
+        int32 (points,): for each point of a set, the number of its light in the scene, or
+        -1.
         """
 class WallRadiance2:
     """
@@ -676,51 +688,52 @@ class WallRadiance2:
     """
     def between(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.uint32]:
         """
-        uint32 (n, 2): the vertices of the coarser mesh that each vertex lies halfway between.
+        Returns uint32 (n, 2): for each vertex, the two vertices of the coarse mesh that it
+        lies halfway between.
         """
     def direct_ways(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple:
         """
-        Of the vertices of a fine mesh, each of which has one of several sets of light points:
-        the number of its set, uint8 (n,); for each point the least and the greatest isosurface
-        coordinate on the way to it, between which isosurfaces block it, float32 (n, points), the
-        least None where isosurfaces are closed, the greatest infinite behind a mesh; the irradiance
-        if nothing stood in
-        the way over the amount of the point, negative behind the vertex, float32 (n, points);
-        and the radiance by all sets if nothing did, of the front and of the back, float32
-        (lights + 1, n, 3) by each light of the scene and by all that is no light. A side
-        reflects their sum times the mean over each vertex and its neighbours of the share of
-        their sets' light that no isosurface blocks.
+        Returns the shadow rays of a fine mesh, as five arrays. Each vertex has one of
+        several sets of light points: its number, uint8 (n,). For each point, isosurfaces
+        between the least and the greatest common isovalue block the ray, float32 (n,
+        points) each; the least is None if isosurfaces are closed, and the greatest is
+        infinite behind a mesh. Then the unshadowed irradiance over the amount of the point,
+        negative on the back, float32 (n, points). Then, for front and back, the unshadowed
+        radiance by all sets, float32 (lights + 1, n, 3), by each light of the scene and by
+        all other emitters. A side reflects their sum times the share of light that no
+        isosurface blocks, averaged over each vertex and its neighbors.
         """
     def indirect(self, mesh: typing.SupportsInt | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        Its part but direct light: float32 (nodes, m, 3) at the vertices of a coarser mesh.
+        Returns the radiance without direct light: float32 (nodes, m, 3) at the vertices of
+        the coarse mesh.
         """
     def mesh(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.int32]]:
         """
-        (vertices float32 (n, D) world, facets int32 (m, D)).
+        Returns (vertices float32 (n, D) world, facets int32 (m, D)).
         """
     def moved(self, earlier: Scene2, scene: Scene2, same_as: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], progress: Progress, share: typing.SupportsInt | typing.SupportsIndex = 1, lights_alone: bool = False) -> WallRadiance2:
         """
-        The same beside another scene than that which was baked, `earlier`: direct light is
-        exact, all else but the meshes' own emission brighter by the factors (r, g, b).
-        same_as: of each mesh of the scene its number in the earlier one, or -1. share:
-        one way of so many is traced for shadows; lights_alone: whether nothing else has moved,
-        which takes less time. Raises Cancelled.
+        Returns the walls of another scene than the baked one, `earlier`. Direct light is
+        exact. Other light, except the meshes' own emission, is scaled by (r, g, b).
+        same_as: number of each mesh in the earlier scene, or -1. share: one of this many
+        shadow rays is traced; lights_alone: true if only lights have moved, which is
+        faster. Raises Cancelled.
         """
     def places(self, mesh: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]]:
         """
-        Where the vertices were lit: (facets int32 (n,) of the original mesh, barycentric
-        coordinates (n, 2)), for reference_walls().
+        Returns the positions at which vertices are lit: (facets int32 (n,) of the original
+        mesh, barycentric coordinates (n, 2)), for reference_walls().
         """
     def radiance(self, mesh: typing.SupportsInt | typing.SupportsIndex, c: typing.SupportsFloat | typing.SupportsIndex, back: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
-        float32 (n, 3) at the vertices of a fine mesh, seen from its normals' side or from
-        behind.
+        Returns float32 (n, 3) at the vertices of a fine mesh, seen from the side of its
+        normals or from behind.
         """
     def relit(self, scene: Scene2, lights: collections.abc.Sequence[typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]], indirect: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]) -> WallRadiance2:
         """
-        The same with the lights of the scene that was baked at other strengths, as
-        RadianceGrid.relit() has it.
+        Returns the walls with other strengths of the scene's lights, as in
+        RadianceGrid.relit().
         """
     @property
     def count(self) -> int:
@@ -740,21 +753,22 @@ class WallRadiance2:
     @property
     def point_lights(self) -> numpy.typing.NDArray[numpy.int32]:
         """
-        int32 (points,): the number of the scene's light that each point of a set belongs to, or -1.
+        int32 (points,): for each point of a set, the number of its light in the scene, or
+        -1.
         """
 class BakeStatistics:
     """
-    The cost of a bake, and its estimated error.
+    The cost of a bake and its estimated error.
     """
     @property
     def blocks(self) -> int:
         """
-        Of indirect light, in the averages.
+        Number of averaged blocks of indirect light.
         """
     @property
     def error_percent(self) -> float:
         """
-        Noise included.
+        Estimated error in percent, including noise.
         """
     @property
     def noise_percent(self) -> float:
@@ -765,12 +779,12 @@ class BakeStatistics:
     @property
     def peak_memory_bytes(self) -> int:
         """
-        Of the process.
+        Peak memory of the process in bytes.
         """
     @property
     def rays(self) -> int:
         """
-        Traced, lines included.
+        Number of traced rays, including lines.
         """
     @property
     def seconds(self) -> float:
@@ -783,17 +797,17 @@ class BakeStatistics:
     @property
     def stopped(self) -> bool:
         """
-        By time or by the caller, before the error was reached.
+        True if time or the caller ended it before the target error.
         """
     @property
     def worst_error_percent(self) -> float:
         """
-        There.
+        Estimated error at worst_isovalue in percent.
         """
     @property
     def worst_isovalue(self) -> float:
         """
-        The isovalue whose isosurface errs most.
+        Common isovalue with the largest error.
         """
 class BakeSettings:
     def __init__(self) -> None:
@@ -801,7 +815,7 @@ class BakeSettings:
     @property
     def both_sides(self) -> bool:
         """
-        Bake the back too, where light can reach it.
+        True to bake the back, too, if light can reach it.
         """
     @both_sides.setter
     def both_sides(self, arg0: bool) -> None:
@@ -809,7 +823,7 @@ class BakeSettings:
     @property
     def error(self) -> float:
         """
-        The RMS error of colours to reach, in percent.
+        Target RMS error of colors, in percent.
         """
     @error.setter
     def error(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -817,7 +831,7 @@ class BakeSettings:
     @property
     def exposure(self) -> float:
         """
-        Radiance times this is a displayed colour.
+        Factor from radiance to displayed color.
         """
     @exposure.setter
     def exposure(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -825,7 +839,7 @@ class BakeSettings:
     @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(3)"]:
         """
-        Texels along x, y, z; all 0: as the bake chooses them.
+        Texels along x, y, z; all 0: chosen by the bake.
         """
     @resolution.setter
     def resolution(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"]) -> None:
@@ -833,7 +847,7 @@ class BakeSettings:
     @property
     def seconds(self) -> float:
         """
-        No pass begins after so many; 0: no limit.
+        Time limit in seconds; 0: none.
         """
     @seconds.setter
     def seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -847,7 +861,7 @@ class BakeSettings:
     @property
     def threads(self) -> int:
         """
-        0: all.
+        Number of threads; 0: all.
         """
     @threads.setter
     def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -855,7 +869,7 @@ class BakeSettings:
     @property
     def walls(self) -> bool:
         """
-        Bake the radiance of the walls per common isovalue too.
+        True to bake the radiance of the walls, too, per common isovalue.
         """
     @walls.setter
     def walls(self, arg0: bool) -> None:
@@ -864,7 +878,7 @@ class Baked:
     @property
     def grids(self) -> list[RadianceGrid]:
         """
-        A RadianceGrid per volume.
+        List of RadianceGrids, one per volume.
         """
     @property
     def statistics(self) -> BakeStatistics:
@@ -872,7 +886,7 @@ class Baked:
     @property
     def texels(self) -> int:
         """
-        That hold radiance, of all volumes.
+        Number of texels with radiance, of all volumes.
         """
     @property
     def walls(self) -> WallRadiance:
@@ -885,7 +899,7 @@ class BakeSettings2:
     @property
     def both_sides(self) -> bool:
         """
-        Bake the back too, where light can reach it.
+        True to bake the back, too, if light can reach it.
         """
     @both_sides.setter
     def both_sides(self, arg0: bool) -> None:
@@ -893,7 +907,7 @@ class BakeSettings2:
     @property
     def error(self) -> float:
         """
-        The RMS error of colours to reach, in percent.
+        Target RMS error of colors, in percent.
         """
     @error.setter
     def error(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -901,7 +915,7 @@ class BakeSettings2:
     @property
     def exposure(self) -> float:
         """
-        Radiance times this is a displayed colour.
+        Factor from radiance to displayed color.
         """
     @exposure.setter
     def exposure(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -909,7 +923,7 @@ class BakeSettings2:
     @property
     def resolution(self) -> typing.Annotated[list[int], "FixedSize(2)"]:
         """
-        Texels along x, y, z; all 0: as the bake chooses them.
+        Texels along x, y, z; all 0: chosen by the bake.
         """
     @resolution.setter
     def resolution(self, arg0: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(2)"]) -> None:
@@ -917,7 +931,7 @@ class BakeSettings2:
     @property
     def seconds(self) -> float:
         """
-        No pass begins after so many; 0: no limit.
+        Time limit in seconds; 0: none.
         """
     @seconds.setter
     def seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -931,7 +945,7 @@ class BakeSettings2:
     @property
     def threads(self) -> int:
         """
-        0: all.
+        Number of threads; 0: all.
         """
     @threads.setter
     def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -939,7 +953,7 @@ class BakeSettings2:
     @property
     def walls(self) -> bool:
         """
-        Bake the radiance of the walls per common isovalue too.
+        True to bake the radiance of the walls, too, per common isovalue.
         """
     @walls.setter
     def walls(self, arg0: bool) -> None:
@@ -948,7 +962,7 @@ class Baked2:
     @property
     def grids(self) -> list[RadianceGrid2]:
         """
-        A RadianceGrid per volume.
+        List of RadianceGrids, one per volume.
         """
     @property
     def statistics(self) -> BakeStatistics:
@@ -956,7 +970,7 @@ class Baked2:
     @property
     def texels(self) -> int:
         """
-        That hold radiance, of all volumes.
+        Number of texels with radiance, of all volumes.
         """
     @property
     def walls(self) -> WallRadiance2:
@@ -965,30 +979,32 @@ class Baked2:
         """
 class FixedSettings:
     """
-    Of a bake with a fixed number of samples.
+    Settings of a bake with a fixed number of samples.
     """
     def __init__(self) -> None:
         ...
     def set_only_at(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         """
-        World points (n, D): bake only the texels that lookups there use, by the estimator path.
+        Bakes only the texels that lookups at these world points (n, D) use, by the
+        estimator path.
         """
     def set_photon_map(self, k: typing.SupportsInt | typing.SupportsIndex = 200, radius: typing.SupportsFloat | typing.SupportsIndex = 0.0, g: typing.SupportsFloat | typing.SupportsIndex = 10.0, region: str = 'clipped_sphere') -> None:
         """
-        Of the estimator `thesis`: the k nearest photons, or those within the radius (shares of
-        the volume's longest side; 0: no limit), kappa = g * domain / range; region: sphere,
-        clipped_sphere, box, cylinder or graph.
+        Sets the estimator `thesis`: it uses the k nearest photons, at most within the
+        radius (a share of the volume's longest side; 0: no limit), with kappa = g * domain
+        / range. region: sphere, clipped_sphere, box, cylinder or graph.
         """
     def set_scattered(self, strategy: str, count: typing.SupportsInt | typing.SupportsIndex, isovalues: typing.SupportsInt | typing.SupportsIndex | collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = 9, filter: str = 'shepard', radius: typing.SupportsInt | typing.SupportsIndex = 3) -> None:
         """
-        Samples scattered over the domain (uniform, stratified, importance, level_set, letters,
-        slabs, regular; `isovalues` of level_set: how many, or which) and interpolated (shepard,
-        tent, box) into texels up to `radius` away, instead of samples in each texel.
+        Replaces samples in each texel by samples scattered over the domain (uniform,
+        stratified, importance, level_set, letters, slabs, regular). They are interpolated
+        (shepard, tent, box) into texels up to `radius` away. isovalues: for level_set,
+        their number or a list.
         """
     @property
     def both_sides(self) -> bool:
         """
-        Bake the back too, where light can reach it.
+        True to bake the back, too, if light can reach it.
         """
     @both_sides.setter
     def both_sides(self, arg0: bool) -> None:
@@ -996,7 +1012,7 @@ class FixedSettings:
     @property
     def caustic_photons(self) -> int:
         """
-        Photons emitted for caustics, where there are mirrors or glass.
+        Number of photons for caustics, if there are mirrors or glass.
         """
     @caustic_photons.setter
     def caustic_photons(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1012,7 +1028,7 @@ class FixedSettings:
     @property
     def photons(self) -> int:
         """
-        Photons emitted over all isovalues.
+        Number of photons, for all isovalues.
         """
     @photons.setter
     def photons(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1042,7 +1058,7 @@ class FixedSettings:
     @property
     def threads(self) -> int:
         """
-        0: all.
+        Number of threads; 0: all.
         """
     @threads.setter
     def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1050,37 +1066,39 @@ class FixedSettings:
     @property
     def walls(self) -> bool:
         """
-        Bake the radiance of the walls per common isovalue too.
+        True to bake the radiance of the walls, too, per common isovalue.
         """
     @walls.setter
     def walls(self, arg0: bool) -> None:
         ...
 class FixedSettings2:
     """
-    Of a bake with a fixed number of samples.
+    Settings of a bake with a fixed number of samples.
     """
     def __init__(self) -> None:
         ...
     def set_only_at(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         """
-        World points (n, D): bake only the texels that lookups there use, by the estimator path.
+        Bakes only the texels that lookups at these world points (n, D) use, by the
+        estimator path.
         """
     def set_photon_map(self, k: typing.SupportsInt | typing.SupportsIndex = 200, radius: typing.SupportsFloat | typing.SupportsIndex = 0.0, g: typing.SupportsFloat | typing.SupportsIndex = 10.0, region: str = 'clipped_sphere') -> None:
         """
-        Of the estimator `thesis`: the k nearest photons, or those within the radius (shares of
-        the volume's longest side; 0: no limit), kappa = g * domain / range; region: sphere,
-        clipped_sphere, box, cylinder or graph.
+        Sets the estimator `thesis`: it uses the k nearest photons, at most within the
+        radius (a share of the volume's longest side; 0: no limit), with kappa = g * domain
+        / range. region: sphere, clipped_sphere, box, cylinder or graph.
         """
     def set_scattered(self, strategy: str, count: typing.SupportsInt | typing.SupportsIndex, isovalues: typing.SupportsInt | typing.SupportsIndex | collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = 9, filter: str = 'shepard', radius: typing.SupportsInt | typing.SupportsIndex = 3) -> None:
         """
-        Samples scattered over the domain (uniform, stratified, importance, level_set, letters,
-        slabs, regular; `isovalues` of level_set: how many, or which) and interpolated (shepard,
-        tent, box) into texels up to `radius` away, instead of samples in each texel.
+        Replaces samples in each texel by samples scattered over the domain (uniform,
+        stratified, importance, level_set, letters, slabs, regular). They are interpolated
+        (shepard, tent, box) into texels up to `radius` away. isovalues: for level_set,
+        their number or a list.
         """
     @property
     def both_sides(self) -> bool:
         """
-        Bake the back too, where light can reach it.
+        True to bake the back, too, if light can reach it.
         """
     @both_sides.setter
     def both_sides(self, arg0: bool) -> None:
@@ -1088,7 +1106,7 @@ class FixedSettings2:
     @property
     def caustic_photons(self) -> int:
         """
-        Photons emitted for caustics, where there are mirrors or glass.
+        Number of photons for caustics, if there are mirrors or glass.
         """
     @caustic_photons.setter
     def caustic_photons(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1104,7 +1122,7 @@ class FixedSettings2:
     @property
     def photons(self) -> int:
         """
-        Photons emitted over all isovalues.
+        Number of photons, for all isovalues.
         """
     @photons.setter
     def photons(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1134,7 +1152,7 @@ class FixedSettings2:
     @property
     def threads(self) -> int:
         """
-        0: all.
+        Number of threads; 0: all.
         """
     @threads.setter
     def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -1142,32 +1160,32 @@ class FixedSettings2:
     @property
     def walls(self) -> bool:
         """
-        Bake the radiance of the walls per common isovalue too.
+        True to bake the radiance of the walls, too, per common isovalue.
         """
     @walls.setter
     def walls(self, arg0: bool) -> None:
         ...
 class BlockTracer:
     """
-    Traces single blocks of indirect light for a bake in passes of the same scene and settings that runs
-    elsewhere: what bake()'s `workers` give it.
+    Traces single blocks of indirect light for a bake in passes in another process, as a
+    worker of bake(). Scene and settings must be equal.
     """
     def __init__(self, scene: Scene, settings: BakeSettings, progress: Progress) -> None:
         """
-        progress.cancel() ends whatever is done with Cancelled. Raises LeaflightError where
-        such a bake has no passes.
+        progress.cancel() makes every call raise Cancelled. Raises LeaflightError if such a
+        bake has no passes.
         """
     def look_up(self, state: str) -> None:
         """
-        Takes the bytes that workers.begin() was given; blocks need them.
+        Reads the bytes that workers.begin() received, which blocks need.
         """
     def trace(self, number: typing.SupportsInt | typing.SupportsIndex) -> bytes:
         """
-        The block of this number: bytes for workers.take().
+        Traces the block of this number; returns bytes for workers.take().
         """
 class ReplacedFiles:
     """
-    Files written beside their targets, which take their places at once.
+    Temporary files beside their targets, which replace all targets together.
     """
     def __init__(self, targets: collections.abc.Sequence[os.PathLike | str | bytes]) -> None:
         """
@@ -1175,203 +1193,206 @@ class ReplacedFiles:
         """
     def commit(self) -> None:
         """
-        Returns when all are on the disk and under their names. Raises LeaflightError.
+        Replaces all targets; returns when the files are on the disk. Raises LeaflightError.
         """
     def discard(self) -> None:
         """
-        Removes what was not committed.
+        Removes all files that were not committed.
         """
     def temporary(self, target: typing.SupportsInt | typing.SupportsIndex) -> pathlib.Path:
         """
-        The path to write the file of a target, by its number, to.
+        Returns the temporary path of a target, by its number.
         """
 def attach_walls(walls: WallRadiance, scene: Scene, progress: Progress) -> None:
     """
-    Gives a radiance that was read from a file the meshes of its scene and its direct light.
+    Adds the meshes of the scene and their direct light to a radiance from a file.
     Raises LeaflightError, Cancelled.
     """
 def bake(scene: Scene, settings: BakeSettings, progress: Progress, on_pass: typing.Any = None, previous: tuple[collections.abc.Sequence[RadianceGrid], typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None, checkpoint: tuple[os.PathLike | str | bytes, str, typing.SupportsFloat | typing.SupportsIndex] | None = None, resumed: os.PathLike | str | bytes | None = None, workers: typing.Any = None) -> Baked:
     """
-    Lights all isosurfaces of the scene's isovalue range. `on_pass` is given what is baked after each
-    pass but the last, from the thread that bakes. `previous`: (grids, passes, blocks) of a
-    bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves
-    its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake of
-    the same scene and settings, to go on from. `workers`: an object that has blocks of light
-    traced by BlockTracers: begin(first, count, state) announces the blocks [first,
-    first + count), and what their lines look up, bytes;
-    take(number) returns one of them, or b"", and the bake traces it itself. Raises
-    LeaflightError, or Cancelled.
+    Lights all isosurfaces of the scene's isovalue range. `on_pass` receives the bake
+    after each pass except the last, in the thread that bakes. `previous`: (grids,
+    passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake
+    saves its state and the text to this file at this interval. `resumed`: such a file,
+    of the same scene and settings, from which the bake continues. `workers`: an object
+    whose BlockTracers trace blocks of light. begin(first, count, state) announces the
+    blocks [first, first + count), with the light that their lines look up as bytes.
+    take(number) returns a block, or b"" to make the bake trace it. Raises
+    LeaflightError, Cancelled.
     """
 def bake2(scene: Scene2, settings: BakeSettings2, progress: Progress, on_pass: typing.Any = None, previous: tuple[collections.abc.Sequence[RadianceGrid2], typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None, checkpoint: tuple[os.PathLike | str | bytes, str, typing.SupportsFloat | typing.SupportsIndex] | None = None, resumed: os.PathLike | str | bytes | None = None, workers: typing.Any = None) -> Baked2:
     """
-    Lights all isosurfaces of the scene's isovalue range. `on_pass` is given what is baked after each
-    pass but the last, from the thread that bakes. `previous`: (grids, passes, blocks) of a
-    bake to go on with. `checkpoint`: (file, text, seconds): the bake leaves
-    its state there, with the text, so many seconds apart. `resumed`: such a file, of a bake of
-    the same scene and settings, to go on from. `workers`: an object that has blocks of light
-    traced by BlockTracers: begin(first, count, state) announces the blocks [first,
-    first + count), and what their lines look up, bytes;
-    take(number) returns one of them, or b"", and the bake traces it itself. Raises
-    LeaflightError, or Cancelled.
+    Lights all isosurfaces of the scene's isovalue range. `on_pass` receives the bake
+    after each pass except the last, in the thread that bakes. `previous`: (grids,
+    passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake
+    saves its state and the text to this file at this interval. `resumed`: such a file,
+    of the same scene and settings, from which the bake continues. `workers`: an object
+    whose BlockTracers trace blocks of light. begin(first, count, state) announces the
+    blocks [first, first + count), with the light that their lines look up as bytes.
+    take(number) returns a block, or b"" to make the bake trace it. Raises
+    LeaflightError, Cancelled.
     """
 def bake_with_fixed_samples(scene: Scene, settings: FixedSettings, progress: Progress) -> Baked:
     """
-    Lights all isosurfaces of the scene's isovalue range by a fixed number of samples. Raises
-    LeaflightError, or Cancelled.
+    Lights all isosurfaces of the scene's isovalue range by a fixed number of samples.
+    Raises LeaflightError, Cancelled.
     """
 def bake_with_fixed_samples2(scene: Scene2, settings: FixedSettings2, progress: Progress) -> Baked2:
     """
-    Lights all isosurfaces of the scene's isovalue range by a fixed number of samples. Raises
-    LeaflightError, or Cancelled.
+    Lights all isosurfaces of the scene's isovalue range by a fixed number of samples.
+    Raises LeaflightError, Cancelled.
     """
 def block_tracer_memory(scene: Scene, settings: BakeSettings) -> int:
     """
-    About how many bytes a BlockTracer holds at most, the volume's values included.
+    Estimates the maximum memory of a BlockTracer in bytes, including the volume's
+    values.
     """
 def bump_box(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x], 0..255, on the
-    unit cube with n voxels along each axis.
+    Returns the thesis's reference data set (Eq. 2.1, Table 2.1) as float32 [z, y, x],
+    0..255, on the unit cube with n voxels along each axis.
     """
 def bump_box2(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The same in the plane, float32 [y, x].
+    Returns the same in 2D, float32 [y, x].
     """
 def coarser_values(field: Field) -> numpy.typing.NDArray[numpy.float32]:
     """
-    The values at nodes n // 2 + 1 along each axis over the same domain, float32 [z, y, x]. Between its
-    borders each is a mean over about two voxels along each axis; NaN where one of the mean is.
+    Returns values at n // 2 + 1 nodes along each axis over the same domain, float32 [z,
+    y, x]. Inside the border, each is a mean over about two voxels along each axis; NaN
+    if one of them is.
     """
 def connected_parts(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int32]:
     """
-    The least vertex of the connected part that each of so many vertices is in, int32 (n,).
+    Returns, for each vertex, the least vertex of its connected part, int32 (n,).
     """
 def contour(field: Field, isovalue: typing.SupportsFloat | typing.SupportsIndex, normals: bool = True) -> tuple:
     """
-    Marching cubes: (vertices float32 (n, 3) world, outward unit normals (n, 3), triangles int32
-    (m, 3)), a manifold. Without normals, which take the longest, there is None in their place.
+    Returns (vertices float32 (n, 3) world, outward unit normals (n, 3), triangles int32
+    (m, 3)) by marching cubes, a manifold. Without normals, which take most of the time,
+    they are None.
     """
 def contour2(field: Field2, isovalue: typing.SupportsFloat | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.int32]]:
     """
-    Marching squares: (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)).
-    """
-def exposed(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, directions: typing.SupportsInt | typing.SupportsIndex = 32, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint8]:
-    """
-    uint8 (n,): 1 where one of `directions` random rays from the isosurface's front leaves the
-    domain, so that the world point can be seen from outside.
+    Returns (vertices (n, 2) world, outward unit normals (n, 2), segments (m, 2)) by
+    marching squares.
     """
 def fitting_resolution(scene: Scene, settings: BakeSettings, bytes: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[list[int], "FixedSize(3)"]:
     """
-    The finest texels (nx, ny, nz) for which light_memory() is at most `bytes`; zeros
-    where it is with those that the bake takes by itself. Raises LeaflightError where
-    none fit.
+    Returns the finest resolution (nx, ny, nz) whose light_memory() is at most `bytes`,
+    or zeros if the default resolution fits. Raises LeaflightError if none fits.
     """
 def has_seal(path: os.PathLike | str | bytes) -> bool:
     """
-    Whether a file ends with a checksum, which read_bake() looks at. Raises LeaflightError.
+    True if a file ends with a checksum, which read_bake() checks. Raises
+    LeaflightError.
     """
 def isosurface_hits(field: Field, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    Where rays first hit the isosurface of an isovalue (in data units), from world points
-    (n, 3) in directions (n, 3) of any length: (distances float64 (n,), in lengths of
-    the direction, infinite where they do not; uint8 (n,), 1 where the ray arrives from
-    higher values, at the back).
+    Intersects rays from world points (n, 3), in directions (n, 3) of any length, with
+    the isosurface of an isovalue in data units. Returns (distances float64 (n,) in
+    lengths of the direction, infinite without a hit; uint8 (n,), 1 if the ray hits the
+    back).
     """
 def large_array(shape: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], dtype: numpy.dtype[typing.Any]) -> numpy.ndarray:
     """
-    An array [z, y, x] for the values of a volume, whatever is in it; see limit_large_memory().
-    Raises LeaflightError where the disk has no room.
+    Returns an uninitialized array [z, y, x] for the values of a volume; see
+    limit_large_memory(). Raises LeaflightError if the disk is full.
     """
 def large_memory() -> tuple[int, int]:
     """
-    Bytes that the arrays of volumes take now: (in memory, in files).
+    Returns the current bytes of the arrays of volumes: (in memory, in files).
     """
 def large_parts(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], smallest: typing.SupportsFloat | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32]]:
     """
-    (vertices int32 (k,) that stay, triangles int32 (j, 3) by places among these) of a mesh
-    without its connected parts that are shorter than `smallest` along all axes.
+    Removes connected parts of a mesh that are shorter than `smallest` along all axes.
+    Returns (numbers of the remaining vertices int32 (k,), triangles int32 (j, 3) by
+    indices into these).
     """
 def libraries() -> list:
     """
-    [(name, version of the headers, version that is loaded), ...], versions (major, minor).
+    Returns [(name, version of the headers, loaded version), ...]; versions are (major,
+    minor).
     """
 def light_memory(scene: Scene, settings: BakeSettings) -> int:
     """
-    About how many bytes a bake in passes takes at most, besides the arrays of the volume.
+    Estimates the maximum memory of a bake in passes in bytes, without the arrays of the
+    volume.
     """
 def limit_large_memory(limit: typing.SupportsInt | typing.SupportsIndex, folder: os.PathLike | str | bytes) -> None:
     """
-    Arrays of a volume that are made from now on lie in a file in the folder, which has no
-    name, as soon as those in memory would take more than `limit` bytes; 0: no limit.
+    Limits the bytes of volumes' arrays in memory. Arrays above the limit are mapped to
+    a nameless file in the folder. 0: no limit.
     """
 def machine_memory() -> int:
     """
-    What this process may take of the machine's memory at most, in bytes; 0: not known.
+    Returns the memory that this process may use, in bytes; 0: unknown.
     """
 def mesh_hits(mesh: Mesh, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
     """
-    Where such rays first hit a Mesh, in single precision: (distances float64 (n,);
-    triangles int32 (n,), -1 for none; barycentric coordinates (n, 2) of its second and
-    third vertex).
+    Intersects such rays with a Mesh, in single precision. Returns (distances float64
+    (n,), triangles int32 (n,) or -1, barycentric coordinates (n, 2) of the triangle's
+    second and third vertex).
     """
-def noise_to_reach(error: typing.SupportsFloat | typing.SupportsIndex, texture: typing.SupportsFloat | typing.SupportsIndex) -> float:
+def noise_to_reach(error: typing.SupportsFloat | typing.SupportsIndex, bias: typing.SupportsFloat | typing.SupportsIndex) -> float:
     """
-    Percent of noise at which a bake ends that is asked for an error (percent) and whose
-    texels miss some of the light (percent).
+    The noise in percent at which a bake with this target error ends. bias: all other errors in
+    percent, such as detail finer than the texels.
     """
 def normals(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
     """
-    Outward unit normals float32 (n, 3) with which isosurfaces are shaded at world points (n, 3) of
-    the domain; zero where there is none.
+    Returns outward unit shading normals float32 (n, 3) of the isosurfaces through world
+    points (n, 3) of the domain; zero if there is none.
     """
 def photon_balance(scene: Scene, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """
-    Flux-height (r, g, b) that `count` photons emitted, lost at surfaces and took out
-    of the scene.
+    Traces `count` photons. Returns the flux-heights (r, g, b) that were emitted,
+    absorbed by surfaces, and that left the scene.
     """
 def photon_balance2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """
-    Flux-height (r, g, b) that `count` photons emitted, lost at surfaces and took out
-    of the scene.
+    Traces `count` photons. Returns the flux-heights (r, g, b) that were emitted,
+    absorbed by surfaces, and that left the scene.
     """
 def photon_points(scene: Scene, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
-    (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
+    Traces `count` photons to isosurfaces. Returns (world positions (n, D), flux-heights
+    (n, 3), common isovalues (n,), 1 for photons straight from a light (n,)).
     """
 def photon_points2(scene: Scene2, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None) -> tuple:
     """
-    Where `count` emitted photons hit isosurfaces: (world positions (n, D), flux-height
-    (n, 3), common isovalue (n,), 1 where they came straight from a light (n,)).
+    Traces `count` photons to isosurfaces. Returns (world positions (n, D), flux-heights
+    (n, 3), common isovalues (n,), 1 for photons straight from a light (n,)).
     """
 def polygon_edges(polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32]]:
     """
-    (edges int32 (e, 2), each once, lower vertex first, ascending; the edge from each corner to
-    the next one, int32 (m, k)) of polygons int32 (m, k) with so many vertices in all.
+    Returns the edges of polygons int32 (m, k): (int32 (e, 2), lower vertex first,
+    ascending; the edge from each corner to the next one, int32 (m, k)). vertices: their
+    number.
     """
 def project_along(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], outward: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, reach: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """
-    The points of the trilinear isosurface nearest to world points (n, 3), along the directions outward (n, 3)
-    or against them, where values fall below the isovalue in that direction, within reach voxels; points
-    without one are returned as they are.
+    Moves world points (n, 3) to the nearest point of the isosurface along the
+    directions outward (n, 3) or against them, within reach voxels. Values must fall
+    below the isovalue in that direction. Points without such a point are unchanged.
     """
 def project_to_isosurface(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """
-    The points of the trilinear isosurface nearest along the gradient to world points (n, 3), within
-    two voxels; points without one are returned as they are.
+    Moves world points (n, 3) to the nearest point of the isosurface along the gradient,
+    within two voxels. Points without such a point are unchanged.
     """
 def read_bake(path: os.PathLike | str | bytes) -> tuple[list, list, WallRadiance, dict[str, str]]:
     """
-    ([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...], WallRadiance or
-    None, metadata) of a bake. The walls need attach_walls() before use.
+    Reads a bake: ([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...],
+    WallRadiance or None, metadata). The walls need attach_walls() before use.
     """
 def read_bake_header(path: os.PathLike | str | bytes) -> dict[str, str]:
     """
-    The metadata of the file itself, by key: nothing else of it is read.
+    Reads only the metadata of a file, by key.
     """
 def read_checkpoint(path: os.PathLike | str | bytes) -> bytes:
     """
-    The text, bytes, of a checkpoint that bake() left. Raises LeaflightError.
+    Returns the text of a checkpoint of bake(), as bytes. Raises LeaflightError.
     """
 def read_exr(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -1379,49 +1400,57 @@ def read_exr(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.floa
     """
 def read_exr_comments(path: os.PathLike | str | bytes) -> str:
     """
-    The comments that write_exr() wrote; reads the header alone.
+    Returns the comments of write_exr(); reads only the header.
     """
 def read_vdb_volume(path: os.PathLike | str | bytes, grid: str = '') -> tuple:
     """
-    (values float32 [z, y, x], index_to_world, name) of a scalar grid's active box.
+    Returns (values float32 [z, y, x], index_to_world, name) of a scalar grid's active
+    box.
     """
 def reference(scene: Scene, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, volume: typing.SupportsInt | typing.SupportsIndex = 0, back: bool = False) -> tuple:
     """
-    Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
-    (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path hits.
+    Traces paths from a volume's isosurface at world points (n, D). Returns (radiance
+    (n, 3), standard error (n, 3)). It is unbiased, except for caustics of lights
+    without extent, which no path hits.
     """
 def reference2(scene: Scene2, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, volume: typing.SupportsInt | typing.SupportsIndex = 0, back: bool = False) -> tuple:
     """
-    Radiance of a volume's isosurface by path tracing at world points (n, D): (radiance
-    (n, 3), standard error (n, 3)). Unbiased, save for caustics of lights without
-    extent, which no path hits.
+    Traces paths from a volume's isosurface at world points (n, D). Returns (radiance
+    (n, 3), standard error (n, 3)). It is unbiased, except for caustics of lights
+    without extent, which no path hits.
     """
 def reference_walls(scene: Scene, mesh: typing.SupportsInt | typing.SupportsIndex, facets: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, back: bool = False) -> tuple:
     """
-    The same at points of a mesh of the walls: facets (n,) and barycentric
-    coordinates (n, 2), seen from the normals' side or from behind.
+    Does the same at points of a wall: facets (n,) and barycentric coordinates (n, 2),
+    seen from the side of the normals or from behind.
     """
 def reference_walls2(scene: Scene2, mesh: typing.SupportsInt | typing.SupportsIndex, facets: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], coordinates: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], c: typing.SupportsFloat | typing.SupportsIndex, spp: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0, threads: typing.SupportsInt | typing.SupportsIndex = 0, progress: Progress = None, back: bool = False) -> tuple:
     """
-    The same at points of a mesh of the walls: facets (n,) and barycentric
-    coordinates (n, 2), seen from the normals' side or from behind.
+    Does the same at points of a wall: facets (n,) and barycentric coordinates (n, 2),
+    seen from the side of the normals or from behind.
+    """
+def seen_from_outside(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, directions: typing.SupportsInt | typing.SupportsIndex = 32, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    Returns uint8 (n,): 1 if a world point on the isosurface is visible from outside,
+    because one of `directions` random rays from its front leaves the domain without a
+    hit.
     """
 def skipped_passes(scene: Scene, settings: BakeSettings) -> list[tuple[str, str]]:
     """
-    (name, reason) of each pass that a bake of them does not need.
+    Returns (name, reason) of each pass that a bake of the scene does not need.
     """
 def skipped_passes2(scene: Scene2, settings: BakeSettings2) -> list[tuple[str, str]]:
     """
-    (name, reason) of each pass that a bake of them does not need.
+    Returns (name, reason) of each pass that a bake of the scene does not need.
     """
 def trace(scene: Scene, origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], direction: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"], c: typing.SupportsFloat | typing.SupportsIndex) -> tuple:
     """
-    ("isosurface", "walls" or None, (x, y, z) or None): what a ray hits, and where.
+    Returns the first hit of a ray: ("isosurface", "walls" or None, (x, y, z) or None).
     """
 def write_bake(path: os.PathLike | str | bytes, fields: collections.abc.Sequence[Field], grids: collections.abc.Sequence[RadianceGrid], walls: WallRadiance, metadata: collections.abc.Mapping[str, str], progress: Progress = None) -> None:
     """
-    Replaces one .vdb as a whole. Raises LeaflightError, and Cancelled with the file as it was.
+    Writes a bake as a .vdb file, which it replaces atomically. Raises LeaflightError,
+    and Cancelled with an unchanged file.
     """
 def write_exr(path: os.PathLike | str | bytes, pixels: typing.Annotated[numpy.typing.ArrayLike, numpy.float32], comments: str = '') -> None:
     """

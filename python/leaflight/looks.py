@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Looks of isosurfaces by name, for the add-on and for pages."""
+"""Presets of isosurfaces, for the add-on and for pages."""
 
 from dataclasses import dataclass
 

@@ -165,7 +165,7 @@ def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         "--isovalue",
         type=float,
         metavar="C",
-        help="isovalue in data units; 0..1 of the range for several volumes (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (chosen)",
     )
     parser.add_argument(
         "--out",
@@ -227,7 +227,7 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         type=number,
         nargs="+",
         metavar="C",
-        help="isovalue in data units; 0..1 of the range for several volumes (one)",
+        help="isovalue in data units; 0..1 of the range for several volumes (chosen)",
     )
     side_options(parser)
     parser.add_argument(
@@ -299,7 +299,7 @@ def _add_flatland(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         help="texture to write; also writes a picture X.png",
     )
     parser.add_argument(
-        "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (one)"
+        "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (chosen)"
     )
     limit_options(parser)
     resolution_options(parser)

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
 
-# Names in the package.
+# Names of byte orders in the package.
 ENDIANS = ("little", "big")
 # Title of the group of options for raw files.
 MACHINES = "machines"
@@ -17,7 +17,7 @@ TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "floa
 
 
 class UsageError(Exception):
-    """Options cannot be parsed; one sentence."""
+    """An error in the options of the command line, as one sentence."""
 
 
 class Parser(argparse.ArgumentParser):

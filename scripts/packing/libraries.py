@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 SOURCES = ROOT / "build" / "sources"
 # Debian packages of headers, which need no build.
 _HEADERS = ("boost", "nanoflann.hpp")
-# Options that disable geometry of Embree that walls.cpp does not use.
+# Options that disable geometry of Embree that mesh_bvh.cpp does not use.
 _UNUSED = ("CURVE", "SUBDIVISION", "USER", "INSTANCE", "GRID", "POINT")
 
 

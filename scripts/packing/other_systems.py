@@ -14,8 +14,9 @@ LICENSES = (
 
 
 def configure(folder, toolchain, headers, suffix, *more):
-    """Has CMake configure a build in the folder. headers: of Python; suffix: of the module's name;
-    more: options of CMake."""
+    """Configures a build in the folder with CMake. headers: of Python; suffix: of the module's
+    name; more: options of CMake.
+    """
     options = (
         *("CMAKE_BUILD_TYPE=Release", f"CMAKE_TOOLCHAIN_FILE={toolchain}"),
         f"Python_INCLUDE_DIR={headers}",

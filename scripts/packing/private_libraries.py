@@ -21,8 +21,8 @@ SUFFIX = ".leaflight"
 SYSTEM = ("libc.so.6", "libm.so.6", "libstdc++.so.6", "libgcc_s.so.1", "libz.so.1")
 # Symbols that the linker itself adds to each library.
 _OF_THE_LINKER = {"_init", "_fini", "__bss_start", "_edata", "_end"}
-# oneTBB takes its own allocator wherever it finds it, Blender's first: by these names, which may
-# stay undefined, or from a library of this name. Without it oneTBB uses malloc.
+# Names by which oneTBB finds an allocator, at first Blender's: these symbols, or a library of this
+# name. Without them it uses malloc.
 _ALLOCATOR = {f"scalable_{name}" for name in ("malloc", "free", "aligned_malloc", "aligned_free")}
 _ALLOCATOR_LIBRARY, _NO_LIBRARY = b"\0libtbbmalloc.so.2\0", b"\0no-allocator-here\0"
 
@@ -54,7 +54,7 @@ def _symbols(path, which):
 
 
 def _system_library(name):
-    """Returns the path of the library that programs on this machine get."""
+    """Returns the path of the library that programs on this machine load."""
     listed = subprocess.run(
         ["/sbin/ldconfig", "-p"], capture_output=True, text=True, check=True
     ).stdout

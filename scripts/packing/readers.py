@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The wheels that come along with ours: PyPI's, and those of the process that reads a file.
+"""The wheels that are packed with ours: from PyPI, and for the process that reads files.
 
-The packages of that process lie in folders of their own beside the package leaflight, which are in
-nobody's path. So Blender's own process never loads their libraries, which would clash with its own,
-and other add-ons may have other versions.
+The packages of that process are in separate folders beside the package leaflight, on no import
+path. So Blender's process never loads their libraries, which would clash with its own. Other
+add-ons may have other versions.
 """
 
 import shutil
@@ -68,7 +68,7 @@ def _fetched(listing, tags, platform):
 
 
 def _of_process(tags, platform):
-    """Returns one wheel for each Python, and one for all; no file is in two wheels."""
+    """Returns one wheel for each Python and one for all Pythons; no file is in two wheels."""
     found = _fetched(PROCESS, tags, platform)
     folder = wheels.WORK / "reader-process-packed" / platform
     stamp = folder / "stamp"

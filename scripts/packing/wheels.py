@@ -92,7 +92,7 @@ def unpack(path, folder):
 
 
 def pack(folder, out):
-    """Returns the wheel of an unpacked one, with a new RECORD."""
+    """Packs an unpacked wheel, with a new RECORD; returns its path."""
     text = run("wheel", "pack", "--dest-dir", out, folder)
     return out / re.search(r"/([^/]+\.whl)\.\.\.OK", text)[1]
 

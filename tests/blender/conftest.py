@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender with the package installed, for all tests, and the results of its checks."""
+"""Fixtures for all tests: a Blender with the installed package, and results of its checks."""
 
 import hashlib
 import json
@@ -9,7 +9,7 @@ import driver
 import numpy as np
 import pytest
 
-# These files run within Blender, started by test_addon.py.
+# These files run inside Blender, started by test_addon.py.
 collect_ignore = ["inside"]
 
 HERE = Path(__file__).resolve().parent
@@ -17,7 +17,7 @@ RESULTS = driver.ROOT / "build" / "compatibility"
 
 
 class Blender(driver.Blender):
-    """Skips a test that needs a window where there is none."""
+    """A Blender that skips a test which needs a window, if there is none."""
 
     def show(self, *arguments, **options):
         if reason := self.no_window():
@@ -46,7 +46,7 @@ def blender(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def ball(tmp_path_factory):
-    """Returns a file of values that fall from 100 in the middle to 13.4 in the corners."""
+    """Returns a file of values that decrease from 100 in the middle to 13.4 in the corners."""
     path = tmp_path_factory.mktemp("volume") / "ball.npy"
     z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
     np.save(path, (100 - 50 * np.sqrt(x**2 + y**2 + z**2)).astype(np.float32))
@@ -64,7 +64,7 @@ def results(blender):
     name = f"{about['blender'].split()[0]}-numpy{about['numpy'].split('.')[0]}{system}"
     folder = RESULTS / name
     folder.mkdir(parents=True, exist_ok=True)
-    # The whole set, wherever only some of it runs.
+    # List all checks, even if only some of them run.
     about["checks"] = sorted(path.stem for path in (HERE / "inside").glob("check_*.py"))
     about_file = folder / "about.json"
     if not about_file.exists() or json.loads(about_file.read_text()) != about:

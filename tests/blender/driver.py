@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A Blender with the add-on installed as its user does it, away from the user's own settings.
+"""A Blender with the add-on, installed as a user installs it, with separate settings.
 
-It is the program called blender on the search path: Debian's, or that of a module of PyPI's in a
-virtual environment (scripts/blender). The tests and the programs of validation/ share it.
+Tests and the programs of validation/ share it. The program is the command `blender`: Debian's, or
+PyPI's module in a virtual environment (scripts/blender).
 """
 
 import functools
@@ -17,7 +17,7 @@ from waiting import HANG
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# The part of a command line that lets scripts import the add-on as leaflight_addon.
+# Arguments that let scripts import the add-on as leaflight_addon.
 NAMED = ("--python", HERE / "name_the_addon.py")
 
 ABOUT = """
@@ -40,11 +40,11 @@ print("ABOUT", json.dumps({
 
 
 class BlenderFailed(AssertionError):
-    """A Blender whose script failed, or which hangs."""
+    """The error of a Blender whose script failed, or which hangs."""
 
 
 class Blender:
-    """Runs Python in Blender processes that share one empty folder of the user's."""
+    """A Blender that runs Python in several processes, which share an empty user folder."""
 
     hang = HANG
 
@@ -60,10 +60,10 @@ class Blender:
         self.extends = self.about["version"] >= [4, 2]
 
     def install(self, package):
-        """Returns what was installed, a line each."""
+        """Installs the package and the add-on; returns one line for each installed part."""
         installed = self.run("--python", HERE / "install.py", "--", package)
         if self.about["module"]:
-            # It starts without the preferences that have just been saved (program.py).
+            # Name the add-on, because program.py starts without the saved preferences.
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
         return installed
 
@@ -76,7 +76,7 @@ class Blender:
         if self.about["windows"]:
             options = ["--platform", "windows-x64"]
         elif python not in ("3.11", "3.13"):
-            # It came with this Blender (scripts/blender_with_window).
+            # This Python came with Blender (scripts/blender_with_window).
             options += ["--python", str(Path(shutil.which(f"python{python}")).resolve())]
         made = package_of(*options)
         (found,) = (path for path in made if path.suffix == ".zip" and "legacy" not in path.name)
@@ -109,7 +109,7 @@ class Blender:
         return json.loads(lines[0].removeprefix("WINDOW "))
 
     def no_window(self):
-        """Returns the reason why there is no window here, or None."""
+        """Returns the reason why no window is possible here, or None."""
         if self.about["module"]:
             return "This Blender is a Python module, which has no window."
         if shutil.which("xvfb-run") is None:
@@ -145,7 +145,7 @@ class Blender:
         return process.returncode, said
 
     def check(self, results, *arguments, **variables):
-        """Runs inside/run.py, which writes what came of each check to a file of results.
+        """Runs inside/run.py, which writes the result of each check to a file.
 
         arguments: of pytest; variables: of the environment.
         """

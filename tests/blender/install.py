@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --background --python install.py -- ZIP: installs the package as its user does.
+"""blender --background --python install.py -- ZIP: installs the package as a user does.
 
-Blender says "Installed" of an extension whose wheels are not for its Python, too, and then fails to
-enable it; so this looks.
+Blender reports "Installed" even if the wheels do not fit its Python, and then cannot enable the
+extension. Therefore this checks the result.
 """
 
 import sys

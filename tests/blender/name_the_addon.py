@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --python name_the_addon.py --python SCRIPT: lets a script import the installed add-on as
-leaflight_addon, its name where no extension has another, and the modules of window/.
+leaflight_addon, the name of its legacy package, and the modules of window/.
 """
 
 import importlib

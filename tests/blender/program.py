@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender as a program, made of Blender as a Python module: PyPI's bpy comes without a program.
+"""A program like Blender's, made of the Python module bpy of PyPI, which has no program.
 
-Takes those arguments of the program that background work needs, with the same effect. It starts
-with factory settings, as the module does (4.2.23 crashes when it reads preferences): name the
-add-ons with --addons.
+It supports the arguments that background work needs. It starts with factory settings, as the module
+does (4.2.23 crashes when it reads preferences): name add-ons with --addons.
 """
 
 import os
@@ -20,7 +19,7 @@ def main(arguments):
     given = iter(arguments[: arguments.index("--")] if "--" in arguments else arguments)
     import bpy
 
-    import addon_utils  # one of bpy's
+    import addon_utils  # a module of bpy
 
     status = 0
     for argument in given:
@@ -43,7 +42,9 @@ def main(arguments):
 
 
 def _attempt(status, call, *arguments, **options):
-    """A script that fails ends the program with this status, unless it is 0."""
+    """Runs a part of the command line; if a script fails, ends the program with this status, unless
+    it is 0.
+    """
     try:
         call(*arguments, **options)
     except SystemExit as end:
@@ -55,7 +56,7 @@ def _attempt(status, call, *arguments, **options):
 
 
 def _leave(status):
-    """Ends at once: the module's own end is not that of the program, and may crash."""
+    """Ends the process at once, because the normal end of the module may crash."""
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs each file of checks of inside/ in a separate Blender, with this Python's pytest."""
+"""Runs each file of inside/ in a separate Blender, with this Python's pytest."""
 
 import json
 import zipfile
@@ -9,8 +9,8 @@ import pytest
 
 INSIDE = Path(__file__).resolve().parent / "inside"
 FILES = sorted(INSIDE.glob("check_*.py"))
-# The work from import to lit isovalues, and what may differ between versions of Blender: readers,
-# stages, lights and materials, bakes, scrubbing, rendering, saved files, lit walls.
+# The files of the short suite. They cover all steps from import to lit isovalues, and the parts
+# that differ between versions of Blender.
 SHORT = {
     *("check_import.py", "check_stage.py", "check_meshes.py", "check_lights.py"),
     *("check_materials.py", "check_bake.py", "check_shader.py", "check_scrub.py"),
@@ -21,10 +21,11 @@ CHECKS = [
 ]
 assert {path.name for path in FILES} > SHORT
 
-# Processor seconds of importing NumPy, and of enabling the add-on after it and the package.
+# Program that prints processor seconds of importing NumPy, and of enabling the add-on after the
+# package.
 ENABLE = """
 import addon_utils, bpy, json, resource, sys
-# --factory-startup leaves this folder out.
+# --factory-startup excludes this folder.
 sys.path.append(bpy.utils.user_resource("SCRIPTS", path="modules"))
 def seconds():
     used = resource.getrusage(resource.RUSAGE_SELF)
@@ -51,7 +52,7 @@ def test_in_blender(blender, results, checks):
     assert "passed" in output
 
 
-# Switches an extension off and on again, as in the preferences.
+# Program that disables and enables an extension, as in the preferences.
 OFF_AND_ON = """
 import bpy
 for switch in (bpy.ops.preferences.addon_disable, bpy.ops.preferences.addon_enable):
@@ -67,8 +68,8 @@ print("STARTED", hasattr(bpy.types.Object, "leaflight"))
 
 @pytest.mark.slow
 def test_starts_after_it_was_off_and_on(blender):
-    """Blender for Windows cannot remove a module in use, and removes its package at its next start
-    instead, though it is installed again by then. Then the one after installs it.
+    """Checks Blender for Windows, which removes a module in use at its next start, even if it was
+    reinstalled. The following start installs it again.
     """
     if not blender.extends:
         pytest.skip("the legacy add-on has its package in a folder of modules")
@@ -82,7 +83,7 @@ def test_starts_after_it_was_off_and_on(blender):
 
 @pytest.mark.machine
 def test_seconds_in_blender(blender, tmp_path):
-    """Runs the checks of all files that judge the machine."""
+    """Runs the checks that measure time or memory."""
     file = tmp_path / "results.json"
     output = blender.check(file, *FILES, "-m", "machine", LEAFLIGHT_MACHINE="1")
     print(output)
@@ -101,7 +102,7 @@ def test_zip_holds_the_addon_with_its_core(legacy_zip):
 
 
 def enable(blender):
-    """Returns (seconds of NumPy, seconds of the add-on, the modules that are loaded then)."""
+    """Returns (seconds of NumPy, seconds of the add-on, loaded modules)."""
     if blender.extends:
         pytest.skip("as an extension it is named by its repository")
     output = blender.run("--factory-startup", "--python-expr", ENABLE)
@@ -117,9 +118,9 @@ def test_the_addon_loads_no_readers_when_it_is_enabled(blender):
 
 @pytest.mark.machine
 def test_the_addon_is_enabled_at_once(blender):
-    """Compares the add-on's own 0.15 s with NumPy's import, 0.08 s beside the same other work.
+    """Compares the add-on's own 0.15 s with NumPy's import, 0.08 s, to cancel out other work.
 
-    It does not count the module of the core, whose OpenVDB takes 0.45 s to load.
+    The core's module, with 0.45 s for OpenVDB, is not counted.
     """
     runs = [enable(blender) for _ in range(3)]
     assert min(enabled for _, enabled, _ in runs) < 3 * min(numpy for numpy, _, _ in runs)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake and the core's path tracer against Cycles, which builds the same scenes for itself.
+"""Compares the bake and the core's path tracer with Cycles in the same scenes.
 
-Smaller than what docs/validation.md reports, so that the volumes are coarse: 32 or 48 nodes a side.
+Volumes are coarser than in docs/validation.md: 32 or 48 nodes per axis.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512
 POINTS = 800
 SAMPLING = Sampling(POINTS, SAMPLES)
-# Tolerance of the mean radiance, a share of it, beyond three standard errors.
+# Tolerance of the mean radiance, as a share of it, beyond three standard errors.
 MEAN_TOLERANCE = 0.01
 
 pytestmark = pytest.mark.slow
@@ -35,7 +35,9 @@ def baked(scene, sources, n, **settings):
 
 
 def assert_agrees(bake, c, most, **where):
-    """most: RMS error of the bake over the mean radiance, without the noise of Cycles."""
+    """Checks the difference. most: RMS error of the bake over the mean radiance, without the noise
+    of Cycles.
+    """
     result = leaflight.compare(bake, c, points=POINTS, spp=SAMPLES, reference="cycles", **where)
     assert abs(result["mean_ratio"] - 1) < MEAN_TOLERANCE + 3 * result["mean_ratio_error"]
     noise = result["reference_noise_percent"] / 100 / result["mean_radiance"]
@@ -64,15 +66,15 @@ def test_two_fields():
     bake = baked("nucleons.json", ["nucleons:0", "nucleons:1"], 48, walls=False)
     fields = [volume.field() for volume in bake.volumes]
     for volume in (0, 1):
-        # The mesh of a ball of two voxels is no ball, unless its cells are cut.
+        # The coarse mesh of such a small ball differs from it, unless cells are subdivided.
         found = measure(bake.scene, fields, 0.5, Target(volume), SAMPLING, detail=2)
         truth = Truth.measured(found)
         traced = bake.reference(truth.points, 0.5, SAMPLES, volume=volume)
         assert_same_mean(Truth.traced(truth.points, *traced), truth)
-        # The nucleons are balls of two voxels here, lit from one side. A texel mixes both sides:
-        # 10 % are missing at this size, 7 to 9 % at 64 nodes (docs/validation.md).
+        # The nucleons are balls of two voxels here, lit from one side. A texel mixes both sides: at
+        # this size, 10 % of the light are missing, and 7 to 9 % at 64 nodes (docs/validation.md).
         other = fields[1 - volume].sample(truth.points)
-        seen = other < bake.isovalue_of(1 - volume, 0.5)  # not inside the other volume
+        seen = other < bake.isovalue_of(1 - volume, 0.5)  # outside the other volume
         errors = errors_of(bake.radiance(truth.points, volume), truth, 1.0, seen)
         assert abs(errors["mean_ratio"] - 1) < 0.12 and errors["relative_rms"] < 0.6
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scripts of examples/ as their users run them, on small volumes."""
+"""Tests the scripts of examples/ on small volumes."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def scans(tmp_path_factory):
-    """Two scans and what is none."""
+    """Writes two scans and an unreadable file."""
     nibabel = pytest.importorskip("nibabel")
     folder = tmp_path_factory.mktemp("scans")
     for name, n in (("left", 20), ("right", 24)):
@@ -35,7 +35,7 @@ def test_a_sweep_becomes_a_video(blender, scans, tmp_path):
     assert f"Wrote {out}" in output and "Baked into" in output
     frames = tmp_path / "frames"
     frames.mkdir()
-    # Blender itself reads it back.
+    # Let Blender read the result.
     read = f"""
 import bpy
 scene = bpy.context.scene

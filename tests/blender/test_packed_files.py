@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""With nothing but the package, Blender imports what compiled libraries read."""
+"""Tests that Blender with only the package imports files that compiled libraries read."""
 
 import json
 import subprocess
@@ -31,7 +31,7 @@ for kind in json.loads((Path(folder) / "kinds.json").read_text()):
     values = source_files.read(obj.leaflight).values
     right = np.load(f"{path}.npy")
     assert values.shape == right.shape, kind
-    # Decoders of JPEG round otherwise.
+    # JPEG decoders differ in rounding.
     difference = np.abs(values.astype(np.float64) - right).max()
     assert difference <= (1 if kind == "jpeg.tif" else 0), f"{kind}: {difference}"
     print("RIGHT", kind)
@@ -78,7 +78,7 @@ def test_nothing_must_be_installed(blender, folder, tmp_path):
     )
     kinds = json.loads((folder / "kinds.json").read_text())
     assert [line.split()[1] for line in output.splitlines() if line.startswith("RIGHT ")] == kinds
-    # Blender's own process has loaded none of them, and the other none but those of the package.
+    # Blender's process has loaded none of them, and the reading process only those of the package.
     assert "LOADED []" in output
     places = next(line for line in output.splitlines() if line.startswith("PLACES "))
     for name, place in json.loads(places.removeprefix("PLACES ")).items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""leaflight render: frames of a .blend by workers whose Blenders have no window."""
+"""Tests `leaflight render`: frames of a .blend, rendered by workers without a window."""
 
 import os
 import subprocess
@@ -64,14 +64,14 @@ def test_frames_and_a_video(blender, animated, tmp_path):
     assert all(picture.shape == (64, 96, 3) and picture.mean() > 20 for picture in pictures)
     assert len({picture.tobytes() for picture in pictures}) == 5
     assert b"ftyp" in video.read_bytes()[:16]
-    # Again, only what is missing is rendered, and the same.
+    # A second run renders only missing frames, with the same result.
     (folder / names[2]).unlink()
     done = render(blender, animated, "--out", folder, "--frames", 2, 4)
     assert done.returncode == 0 and "3 frames, 2 of them" in done.stdout
     np.testing.assert_array_equal(
         np.asarray(Image.open(folder / names[2]).convert("RGB")), pictures[2]
     )
-    # A .blend that has changed is rendered again.
+    # After a change of the .blend, all frames are rendered again.
     os.utime(animated)
     done = render(blender, animated, "--out", folder, "--frames", 1, 1)
     assert "1 frames, 0 of them" in done.stdout

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An exported USD file, read by Blender's own importer, if that Blender has one."""
+"""Tests an exported USD file with Blender's own importer, if there is one."""
 
 import leaflight
 import numpy as np
@@ -43,6 +43,6 @@ def test_colors_and_places_arrive(blender, tmp_path):
     np.testing.assert_allclose(found["places"], surface.vertices, atol=1e-5)
     expected = surface.radiance * bake.scene.exposure
     assert expected.max() > 0.2
-    # Some versions keep eight bits of sRGB.
+    # Some versions store eight bits of sRGB.
     within = np.clip(expected, 0, 1)[found["vertices"]]
     np.testing.assert_allclose(np.clip(found["colors"][:, :3], 0, 1), within, atol=0.01)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: the slider of the isovalue is dragged with the mouse, and pictures are counted."""
+"""Tests the isovalue slider in a window: it is dragged with the mouse, and pictures are counted."""
 
 import json
 
@@ -9,13 +9,13 @@ import pytest
 from volume_recipes import COLIN27
 
 
-# How many pictures there are in a drag is a matter of the machine, too.
+# The number of pictures during a drag depends on the machine, too.
 pytestmark = [pytest.mark.slow, pytest.mark.machine]
 
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
-    """Returns (path, low, high): Colin27, or what is as large, and a window of isovalues."""
+    """Returns (path, lowest, highest isovalue) of Colin27, or of a volume of similar size."""
     path = tmp_path_factory.mktemp("volume") / "volume.npy"
     if COLIN27.exists():
         np.save(path, leaflight.read_volume(str(COLIN27)).values.astype(np.uint8))
@@ -45,7 +45,7 @@ def test_the_slider_was_dragged(drags):
 
 
 def test_pictures_follow_the_hand(drags):
-    """Beside the same drag in its whole detail, which takes turns with it."""
+    """Compares drags with coarse surfaces and with full detail, which alternate."""
     coarse, whole = (
         [_gap(drags[name + again]) for again in ("", " again")] for name in ("coarse", "whole")
     )
@@ -64,7 +64,7 @@ def test_the_whole_detail_comes_at_rest(drags):
 
 
 def test_a_bake_leaves_the_viewport_alone(drags):
-    """The bake reports its progress, and shows its passes, in no more pictures than these."""
+    """Checks that a bake updates its progress and passes with few pictures."""
     alone = drags["bake alone"]
     assert alone["statuses"] > 3
     assert alone["pictures"] <= 2 * alone["passes"] + 2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window while a comparison renders, and while Esc ends it or an import."""
+"""Tests a comparison in a window, and Esc during a comparison and an import."""
 
 import pytest
 
@@ -13,10 +13,10 @@ def found(blender, tmp_path_factory):
 
 @pytest.mark.machine
 def test_the_window_stays_free_while_it_compares(found):
-    """The isovalue is moved all the while; a render alone takes seconds."""
+    """Checks that the isovalue can be moved during a comparison; one render alone takes seconds."""
     compare = found["compare"]
     assert compare["seconds"] > 2.0 and compare["gap"] < 0.3 * compare["seconds"]
-    # On a machine with other work, too.
+    # Allow for other work on the machine.
     assert compare["begun"] < 5.0 and compare["gap"] < 5.0
 
 
@@ -42,5 +42,5 @@ def test_escape_ends_an_import(found):
 @pytest.mark.machine
 def test_escape_ends_either_soon(found):
     assert found["cancel"]["seconds"] < 5.0
-    # On a machine with other work, too.
+    # Allow for other work on the machine.
     assert found["import"]["seconds"] < 10.0

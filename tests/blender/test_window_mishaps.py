@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: what once wedged or misled a user there, pressed as that user did."""
+"""Tests former bugs in a window, with the same clicks and keys."""
 
 import json
 
@@ -10,7 +10,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def shown(blender, tmp_path_factory):
-    """Returns (what was found, what Blender said)."""
+    """Returns (results, output of Blender)."""
     status, said = blender.show("mishaps.py", tmp_path_factory.mktemp("mishaps"), size=(960, 600))
     line = next((line for line in said.splitlines() if line.startswith("WINDOW ")), "")
     assert status == 0 and line, said

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: from the factory scene to a lit isosurface in four clicks, and what follows."""
+"""Tests a newcomer's steps in a window: from the factory scene to a lit isosurface in four clicks,
+and beyond.
+"""
 
 from pathlib import Path
 
@@ -10,11 +12,11 @@ import pytest
 from leaflight.volume.particles import neuron
 from PIL import Image
 
-# The viewport of Blender 3.4 after the bake, a tenth as wide, of the brain.
+# The expected viewport after the bake of the brain in Blender 3.4, reduced to a tenth.
 REFERENCE = Path(__file__).resolve().parent / "window" / "newcomer.png"
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
-# Levels of 255: white, and a level too dark to look lit.
+# 8-bit levels: white, and too dark to look lit.
 WHITE, BLACK = 250, 8
 
 pytestmark = pytest.mark.slow
@@ -22,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module")
 def volume(tmp_path_factory):
-    """Returns a NIfTI file: Colin27's brain at a third of its fineness, or a generated neuron."""
+    """Returns a NIfTI file: Colin27's brain at a third of its resolution, or a generated neuron."""
     path = tmp_path_factory.mktemp("volume") / "brain.nii.gz"
     if BRAIN.exists():
         values = leaflight.read_volume(str(BRAIN)).values[:180, :216, :180].astype(np.float32)
@@ -64,7 +66,7 @@ def test_the_picture_improves_while_it_bakes(found):
 
 @pytest.fixture(scope="module")
 def shown(found, pictures):
-    """Returns (the picture, where it shows the volume)."""
+    """Returns (picture, mask of the volume in it)."""
     whole, empty = (
         np.asarray(Image.open(pictures / name).convert("RGB"), np.int64)
         for name in ("with.png", "without.png")
@@ -75,7 +77,7 @@ def shown(found, pictures):
 
 
 def test_the_viewport_shows_what_it_did(shown, pictures):
-    """In every Blender: another look of light or color, of the stage or of the camera is seen."""
+    """Compares with the expected picture, so that changes of light, color, stage or camera show."""
     if not BRAIN.exists():
         pytest.skip("There is no Colin27: install the Debian package mricron-data.")
     reference = Image.open(REFERENCE).convert("RGB")
@@ -88,14 +90,14 @@ def test_nothing_is_burnt_out(shown):
     picture, mask = shown
     assert picture[mask].min(axis=1).max() < WHITE
     assert picture[~mask].min(axis=1).max() < WHITE
-    # Nor is it dim.
+    # It must not be dim, either.
     assert 90 < picture[mask].mean() < 220
 
 
 def test_no_black_hole_around_the_volume(shown):
     picture, mask = shown
     brightness = picture.max(axis=2)
-    # Beyond the seam of the volume's own outline.
+    # Look outside the volume's own edge.
     grown = mask.copy()
     for _ in range(3):
         grown[1:] |= grown[:-1]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: every operator of the add-on is pressed as a user does it (window/rows.py).
+"""Tests every operator of the add-on in a window, as a user presses it (window/rows.py).
 
-Each is pressed four times: on its happy path, cancelled halfway, with its object deleted meanwhile,
-and with a new file opened meanwhile. Work in the background also runs while the step before it is
-undone, and while its window is closed. The part `window` of scripts/test writes the seconds for
-which the window stood still to build/test/window.md. It needs a Blender with a window and xvfb-run.
+Each is pressed four times: normally, cancelled halfway, with its object deleted meanwhile, and with
+a new file opened meanwhile. Background work also runs while the previous step is undone, and while
+its window is closed. The part `window` of scripts/test writes to build/test/window.md how long the
+window was frozen. It needs a Blender with a window and xvfb-run.
 """
 
 import json
@@ -26,7 +26,7 @@ assert len(SHORT) == 12
 
 # Pattern of errors that Python and Blender write to the console.
 WRONG = re.compile(r"Traceback \(most recent|WARN \(bpy|rna_uiItemR|unknown operator|: not found:")
-# Seconds for which nobody notices that the window stands still.
+# Seconds for which a frozen window goes unnoticed.
 UNNOTICED = 0.5
 
 
@@ -36,7 +36,7 @@ def _params(presses):
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """Returns a folder of small files to import: of a patient, a second one, a series, an image."""
+    """Writes small files to import: of a patient, a second one, a series, an image."""
     folder = tmp_path_factory.mktemp("files")
     head = leaflight.bump_box(24).values.T
     other = head[::-1]
@@ -55,9 +55,9 @@ def files(tmp_path_factory):
 
 
 def press(blender, folder, presses):
-    """{press: its result} and the operators that there are, of as many Blenders as it takes.
+    """Returns {press: result} and all operators, from as many Blenders as needed.
 
-    A result has the failures and what Blender said. One ends with the row that fails.
+    A result has the failures and Blender's output. A Blender ends after a failed press.
     """
     results, operators, left = {}, [], list(presses)
     while left:
@@ -115,7 +115,7 @@ def test_pressed(pressed, which):
 
 
 def table(results, version):
-    """Returns a page of how long the window stood still for each press, the longest first."""
+    """Returns a page with the longest time that the window was frozen for each press."""
     lines = [
         f"# How long Blender {version}'s window stood still",
         "",

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: a .blend is opened whose bake, or volume, takes long to read. The window works on,
-and all that had to wait is shown once the file is read.
+"""Tests a .blend in a window, whose bake or volume takes long to read.
+
+The window keeps working, and shows everything once the file is read.
 """
 
 import pytest
 
 pytestmark = pytest.mark.slow
 
-# Isovalues as saved, and as dragged while the file is read (window/reads.py).
+# Isovalues in the saved file, and after a drag while the file is read (window/reads.py).
 SAVED, DRAGGED = 50.0, 60.0
 LIT = {"isovalue": DRAGGED, "lit": True, "problems": []}
 
@@ -22,7 +23,7 @@ def _part(row, keys):
 
 
 def test_the_isovalue_moves_before_its_light_is_read(found):
-    """Isosurface, walls and histogram follow."""
+    """Checks that isosurface, walls and histogram follow the isovalue before the light is read."""
     row = found["dragged"]
     held = row["held"]
     assert held["reads"] == ["thread"] and held["sidebar"]
@@ -79,7 +80,7 @@ def test_opening_another_file_ends_the_reading(found):
 
 
 def test_what_cannot_be_read_is_read_but_once(found):
-    """The bake, and then the volume, whose isosurface is shown unlit."""
+    """Checks a bake that cannot be read, and then a volume, whose isosurface is shown unlit."""
     for row, why in zip(found["damaged"], ("The file is damaged.", "a bug in Leaflight ended")):
         (problem,) = row["problems"]
         assert why in problem and row["reads"] == ["thread", "thread"]

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: an isovalue goes among noise, which has many times the triangles; a bake that was
-read from its file is used before its walls have their light.
+"""Tests that the window does not freeze when the isovalue moves into noise, which has many more
+triangles, and while walls get their light after a bake is read.
 """
 
 import pytest
 
 pytestmark = pytest.mark.slow
 
-# While an isovalue moves (show/surface_object.py).
+# Limit of triangles while the isovalue moves (show/surface_object.py).
 MOVING_TRIANGLES = 150_000
 
 
@@ -17,8 +17,8 @@ def found(blender, tmp_path_factory):
 
 
 def test_the_window_does_not_wait_for_the_light_of_walls(found):
-    """A clip box, a page's size, pictures of walls as they were lit, Live, Show Lit Walls; a
-    picture alone waits for walls that have no light yet.
+    """Checks a clip box, the size of a page, pictures of walls, Live and Show Lit Walls. Only
+    pictures wait for the light of walls.
     """
     row = found["beside walls"]["found"]
     assert row["waited"] == ["dark picture"] and row["box"] and row["live"]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""write_packed_files.py FOLDER: a file of each kind that compiled libraries read, and its values.
+"""write_packed_files.py FOLDER: writes a file of each kind that compiled libraries read, and its
+values.
 
-Run by build/tools-venv, none of whose libraries the packages contain: Debian's h5py, zarr and
-Pillow, and tensorstore and pyjpegls from PyPI.
+Uses build/tools-venv, whose libraries are not in the packages: Debian's h5py, zarr and Pillow, and
+tensorstore and pyjpegls from PyPI.
 """
 
 import io
@@ -22,7 +23,7 @@ from pydicom.uid import CTImageStorage, JPEG2000Lossless, JPEGLSLossless, genera
 
 
 def values_of(shape, most, kind):
-    """Smooth, with a little noise, so that every compression has something to do."""
+    """Returns smooth values with a little noise, so that every compression has work."""
     z, y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in shape), indexing="ij")
     noise = np.random.default_rng(5).random(shape)
     return ((np.exp(-2 * (x**2 + y**2 + z**2)) + 0.01 * noise) / 1.02 * most).astype(kind)
@@ -45,7 +46,7 @@ def zarr_2(path):
 
 
 def zarr_3(path):
-    """With shards."""
+    """Writes a Zarr 3 array with shards."""
     codecs = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "zstd"}]
     shards = {"chunk_shape": [2, 10, 12], "codecs": codecs}
     metadata = {
@@ -65,7 +66,7 @@ def tiff(compression, values):
         pages = [Image.fromarray(plane) for plane in values]
         options = {"save_all": True, "append_images": pages[1:], "compression": compression}
         pages[0].save(path, "TIFF", **options)
-        # JPEG loses something.
+        # JPEG is lossy, so store the decoded values.
         with Image.open(path) as file:
             return np.stack([np.array(page) for page in ImageSequence.Iterator(file)])
 

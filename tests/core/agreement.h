@@ -14,8 +14,8 @@
 
 namespace leaflight::test {
 
-// Sanitized builds look for errors of memory and undefined behavior, some ten times slower. They
-// run the same code with fewer photons and paths, and leave the statistics to the other builds.
+// True in builds with sanitizers, which are about ten times slower. Such builds trace fewer photons
+// and paths, and skip statistical tests.
 #ifdef LEAFLIGHT_SANITIZE
 inline constexpr bool sanitized = true;
 #else
@@ -65,21 +65,21 @@ Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
                  [&](std::size_t i) { return lookup_world(scene, baked, points[i]); });
 }
 
-// Every `step`-th vertex of the isosurface, moved off the grid's edges and back onto the
+// Returns every `step`-th vertex of the isosurface, moved off the grid's edges and back onto the
 // isosurface.
 inline std::vector<Vec3> isosurface_points(const Field<3>& field, double isovalue,
                                            std::size_t step) {
   const IsosurfaceMesh mesh = contour(field, isovalue);
   std::vector<Vec3> points;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    Vec3 centre(0.0);
-    for (const int v : mesh.triangles[t]) centre += Vec3(mesh.vertices[v]) / 3;
-    points.push_back(project_to_isosurface(field, centre, isovalue));
+    Vec3 center(0.0);
+    for (const int v : mesh.triangles[t]) center += Vec3(mesh.vertices[v]) / 3;
+    points.push_back(project_to_isosurface(field, center, isovalue));
   }
   return points;
 }
 
-// Bakes, and compares the first volume's isosurface with the path tracer.
+// Bakes, and compares the isosurface c of the first volume with path tracing.
 inline void expect_agreement(const Scene<3>& scene, double c, EstimatorName estimator, int samples,
                              int photons, double mean_tolerance, double rms_tolerance) {
   const std::vector<Vec3> points =

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "bake/output/atlas.h"
-#include "math/error.h"
+#include "base/error.h"
 #include "scenes.h"
 
 namespace leaflight {
@@ -42,14 +42,14 @@ TEST(Bake, OtherResolutionsThanTheField) {
     Progress progress;
     const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
     EXPECT_EQ(grid.lattice.resolution, resolution);
-    // The top of the ball, in index coordinates of the field: lit by the lamp above it.
+    // Look up the top of the ball, in index coordinates. The lamp is above it.
     EXPECT_GT(lookup(grid.lattice, grid.radiance, {12, 12, 12 + 24 * 0.28}).y, 0.3);
   }
 }
 
 AreaLight<3>& lamp(Scene<3>& scene) { return std::get<AreaLight<3>>(scene.lights[0]); }
 
-// Returns the message of the error that a bake of the scene throws; empty without one.
+// Returns the error message of a bake of the scene; empty if there is no error.
 std::string message(const Scene<3>& scene) {
   Progress progress;
   try {
@@ -101,7 +101,7 @@ TEST(Bake, RefusesBadScenes) {
 }
 
 TEST(Bake, RefusesObjectsInTheWrongPlace) {
-  // The whole room as one mesh encloses lamp and volume alike: nothing is wrong.
+  // The whole room is one mesh around the lamp and the volume, which is valid.
   Scene<3> scene = small_scene();
   Mesh<3> room;
   room.name = "room";
@@ -116,7 +116,7 @@ TEST(Bake, RefusesObjectsInTheWrongPlace) {
   }
   scene.meshes = {room};
   EXPECT_EQ(message(scene), "");
-  // A lamp within a thick ceiling.
+  // Put the lamp inside a thick ceiling.
   Mesh<3> block = room;
   block.name = "ceiling";
   for (auto& v : block.vertices) {
@@ -124,12 +124,12 @@ TEST(Bake, RefusesObjectsInTheWrongPlace) {
   }
   scene.meshes = {block};
   EXPECT_NE(message(scene).find("'lamp' stands inside the mesh 'ceiling'"), std::string::npos);
-  // A room elsewhere, with its lamp.
+  // Put a room with the lamp elsewhere.
   scene.meshes = {room};
   for (auto& v : scene.meshes[0].vertices) v.x += 10;
   lamp(scene).corner.x += 10;
   EXPECT_NE(message(scene).find("stands inside the mesh 'room'"), std::string::npos);
-  // The same as separate walls.
+  // Do the same with separate walls.
   scene = small_scene();
   scene.volumes[0].name = "brain";
   for (Mesh<3>& mesh : scene.meshes) {

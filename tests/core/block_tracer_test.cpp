@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes in passes whose blocks are traced elsewhere.
+// Tests bakes in passes whose blocks are traced by BlockTracer.
 #include "bake/driver/block_tracer.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {
 namespace {
 
+using test::all_light;
 using test::expect_same_light;
 using test::in_passes;
-using test::of_all_light;
 using test::previous_light;
 using test::small_scene;
 using test::stopped_after;
 
-// Two tracers, of which one loses now and then what it has traced.
+// Two workers, one of which sometimes loses its result.
 class TwoTracers {
  public:
   TwoTracers(const Scene<3>& scene, BakeSettings<3> settings) {
@@ -59,7 +59,7 @@ class TwoTracers {
 
 TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   settings.error /= 4;
   Progress progress;
   TwoTracers others(scene, settings);
@@ -68,7 +68,7 @@ TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   expect_same_light(bakes);
   EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
   EXPECT_GT(others.lost(), 0);
-  // The blocks of a bake that continues another have other numbers.
+  // The blocks of a continued bake have higher numbers.
   const std::vector<PreviousLight<3>> previous = previous_light(stopped_after(1, scene, settings));
   TwoTracers again(scene, settings);
   bakes = {bake<3>(scene, settings, progress, {{}, &previous})};

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <thread>
 
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight::test {
 

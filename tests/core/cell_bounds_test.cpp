@@ -13,7 +13,7 @@ namespace {
 
 enum class Kind { smooth, rough, whole, masked };
 
-// Sides that are no multiple of a brick's.
+// A field whose sides are no multiples of a brick's side.
 template <int D>
 Field<D> field_of(Kind kind, double factor = 1) {
   Index<D> dims;
@@ -78,11 +78,11 @@ void expect_bounds_hold(const Field<D>& field, double c) {
       }
       const std::size_t b = linear_number<D>(brick, bounds.dims[level]);
       if (level > 0 && !std::isnan(h)) {
-        const auto& of = bounds.bricks[level - 1][b];
+        const auto& children = bounds.bricks[level - 1][b];
         if (h >= c) {
-          ASSERT_GE(of.high[child], limits.may_be_above);
+          ASSERT_GE(children.high[child], limits.may_be_above);
         } else {
-          ASSERT_LT(of.low[child], limits.may_be_below);
+          ASSERT_LT(children.low[child], limits.may_be_below);
         }
       }
       const auto& slab = bounds.slabs[level][b];
@@ -136,8 +136,8 @@ TEST(CellBounds, SmoothDataHavePlanesAndNoiseHasNone) {
   EXPECT_LT(planes(Kind::rough), 0.1);
 }
 
-// Corners read from 8 bits are those of the voxels: twice as large values are too many for 8 bits,
-// and have the same hits, to the bit.
+// Fields of whole numbers below 256 are read from 8-bit bounds. Doubled values exceed 8 bits, but
+// must give identical hits.
 TEST(CellBounds, WholeNumbersGiveTheSameHits) {
   const Field<3> whole = field_of<3>(Kind::whole), doubled = field_of<3>(Kind::whole, 2);
   ASSERT_TRUE(whole.cell_bounds().is_exact && !doubled.cell_bounds().is_exact);

@@ -22,7 +22,7 @@ TEST(CellCrossing, TouchingFromAboveIsNoCrossing) {
   // -(s - 1/2)^2 reaches zero from below: the touching point is above.
   const auto touch = first_crossing({-0.25, 1, -1, 0}, false);
   ASSERT_TRUE(touch);
-  EXPECT_NEAR(*touch, 0.5, 1e-7);  // a double root is known to half the digits
+  EXPECT_NEAR(*touch, 0.5, 1e-7);  // a double root has half of the digits
 }
 
 TEST(CellCrossing, ThreeRootsGiveTheFirst) {
@@ -33,7 +33,7 @@ TEST(CellCrossing, ThreeRootsGiveTheFirst) {
 }
 
 TEST(CellCrossing, GivenSideWinsOverRounding) {
-  // The start was judged above; the polynomial is below from its first point on.
+  // The starting side is given as above, although the polynomial is below from its first point on.
   const auto found = first_crossing({-1e-18, -1, 0, 0}, true);
   ASSERT_TRUE(found);
   EXPECT_LT(*found, 1e-15);

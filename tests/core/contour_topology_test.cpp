@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The topology of contours: against cells sampled finely, and as manifolds.
+// Tests the topology of contours: against densely sampled cells, and as manifolds.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -76,13 +76,13 @@ class SampledCell {
   std::vector<bool> above_;
 };
 
-// The surfaces within a cell, and the closed lines in which they meet its faces. Among regions of a
-// ball, or of a sphere, there is one boundary fewer than there are regions.
+// The number of surfaces in a cell, and of closed lines on its faces. n regions of
+// a ball, or of a sphere, have n - 1 boundaries.
 struct Topology {
   int surfaces, borders;
 };
 
-// Finds the topology of a cell by samples; less than zero if they do not decide.
+// Computes the topology of a cell from samples; negative if they are ambiguous.
 Topology sampled_topology(const Corners& g) {
   for (const int n : {12, 24, 40}) {
     const SampledCell cell(g, n);
@@ -104,14 +104,14 @@ Corners random_corners(Random& random, int kind) {
   Corners g;
   for (int i = 0; i < 8; ++i) {
     const double size = kind < 2 ? random.uniform() : std::exp(4 * random.uniform());
-    // Neighbors differ in the last kind: every face alternates.
+    // Kind 2: the corners alternate on every face.
     const bool above = kind == 2 ? __builtin_parity(i) != 0 : random.uniform() < 0.5;
     g[i] = (above ? 1 : -1) * size;
   }
   return g;
 }
 
-// The lines in which the isosurface intersects the faces of the cell.
+// Returns the lines in which the isosurface intersects the faces of the cell.
 std::vector<std::vector<int>> polygons_of(const Corners& g) {
   unsigned above = 0;
   for (int corner = 0; corner < 8; ++corner) above |= (g[corner] >= 0) << corner;
@@ -129,7 +129,7 @@ TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
   for (int i = 0; drawn < cells; ++i) {
     Corners g = random_corners(random, i % 3);
     for (double& h : g) h = static_cast<float>(h);
-    // Mostly those in which there could be a tunnel, few of the others.
+    // Test mostly cells in which a tunnel is possible.
     const bool undecided = polygons_of(g).size() > 1 && cell_saddles(g).count > 0;
     if (!undecided && i % 20 != 0) continue;
     ++drawn;
@@ -141,7 +141,7 @@ TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
     const test::Parts found = test::parts_of(mesh);
     ASSERT_EQ(found.surfaces, truth.surfaces) << "cell " << i;
     ASSERT_EQ(found.borders, truth.borders) << "cell " << i;
-    // Neither handles nor holes but those.
+    // The mesh has no other handles or holes.
     ASSERT_EQ(test::euler_characteristic(mesh), 2 * truth.surfaces - truth.borders) << "cell " << i;
     test::expect_manifold(mesh);
     if (testing::Test::HasFatalFailure()) FAIL() << "cell " << i;
@@ -151,7 +151,7 @@ TEST(ContourTopology, OfRandomCellsIsThatOfTheTrilinearInterpolant) {
   EXPECT_GT(tunnels, 30);
 }
 
-// Chernyaev's cases with a tunnel, drawn until each has occurred often.
+// Draws cells until each of Chernyaev's cases with a tunnel has occurred often.
 TEST(ContourTopology, EveryKindOfTunnelOccurs) {
   Random random(3);
   std::map<std::multiset<std::size_t>, int> kinds;
@@ -176,7 +176,7 @@ TEST(ContourTopology, EveryKindOfTunnelOccurs) {
   EXPECT_EQ(kinds.size(), 6u);
 }
 
-// Every case and every way in which cells can meet occurs here many times.
+// Every case of a cell, and of two adjacent cells, occurs here many times.
 TEST(ContourTopology, NoiseIsAClosedManifold) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const IsosurfaceMesh mesh = contour(test::noise<3>(18, seed, -1.0), 0.5);
@@ -186,8 +186,8 @@ TEST(ContourTopology, NoiseIsAClosedManifold) {
   }
 }
 
-// Values that are integers, as in most files, make degenerate cells: saddles at the isovalue,
-// saddles that are lines, edges that meet at a corner.
+// Integer values, as in most files, make degenerate cells: saddles at the isovalue, saddles that
+// are lines, and edges that meet at a corner.
 TEST(ContourTopology, IntegersAreAClosedManifold) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Random random(seed);
@@ -239,7 +239,8 @@ TEST(ContourTopology, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// A filled mesh does not depend on its earlier content, and its triangles not on normals.
+// A reused mesh must not depend on its earlier content, nor its triangles on the computation of
+// normals.
 TEST(ContourTopology, MemoryIsUsedAgain) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   IsosurfaceMesh mesh;
@@ -253,7 +254,7 @@ TEST(ContourTopology, MemoryIsUsedAgain) {
   }
 }
 
-// The function sees all vertices of the mesh, each once and at its place.
+// The callback must receive each vertex of the mesh once, at its position.
 TEST(ContourTopology, VisitsEachVertexOnce) {
   const Field<3> field = test::noise<3>(18, 8, -1.0);
   const MarchingCubes cubes(field, 0.5);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Direct light of every isosurface from one number a texel and light point, against shadow rays.
+// Tests direct light from visibility maps against shadow rays.
 #include "bake/direct/direct_light.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ PointLight<D> point_light(const Vec<D>& position) {
   return light;
 }
 
-// Two bumps, so that isosurfaces throw shadows on themselves.
+// Returns a field with two bumps, so that isosurfaces cast shadows on themselves.
 template <int D>
 Field<D> bumps(int n) {
   return test::sampled<D>(n, [](const Vec<D>& x) {
@@ -70,9 +70,10 @@ test::Agreement against_rays(const Scene<D>& scene, bool back) {
     double truth = 0;
     for (const LightPoint<D>& light : split.points) {
       const LightSource<D>& source = light.source;
-      const Vec<D> way = source.infinite ? source.direction : point.position - source.position;
-      const double distance = source.infinite ? 1 : way.length();
-      const Vec<D> unit = way / way.length();
+      const Vec<D> direction =
+          source.infinite ? source.direction : point.position - source.position;
+      const double distance = source.infinite ? 1 : direction.length();
+      const Vec<D> unit = direction / direction.length();
       const double cosine = -unit.dot(point.shading_normal);
       if (!(cosine > 0 && unit.dot(point.geometric_normal) < 0)) continue;
       const bool hidden = source.infinite ? tracer.occluded(point, -unit)
@@ -131,13 +132,13 @@ TEST(DirectLightOfIsosurfaces, HasThoseOfMeshes) {
   scene.meshes.push_back(
       test::wall("plate", {0.1, 0.1, 1.1}, {0.35, 0, 0}, {0, 0.9, 0}, Rgb(0.5f)));
   expect_shadows("a plate before the light", scene, false, 0.1);
-  // Through the volume; a texel's width beside it is wrong.
+  // Put a wall through the volume. Results within a texel of it may be wrong.
   scene.meshes = {test::wall("wall", {0.75, -0.2, -0.2}, {0, 1.4, 0}, {0, 0, 1.4}, Rgb(0.5f))};
   expect_shadows("a wall within", scene, false, 0.15);
 }
 
 TEST(DirectLightOfIsosurfaces, HasThoseOfBacks) {
-  // A bowl: light falls into it from above.
+  // The field has the shape of a bowl, and light enters it from above.
   const Field<3> bowl =
       test::sampled<3>(41, [](const Vec3& x) { return 1.1 - (x - Vec3(0.5, 0.5, 0.9)).length(); });
   expect_shadows("bowl", lit<3>(bowl, {0.55, 0.9}, point_light<3>({0.5, 0.45, 1.3})), true, 0.1);
@@ -154,7 +155,7 @@ TEST(DirectLightOfIsosurfaces, HasThemWhereVoxelsAreNoCubes) {
 }
 
 TEST(DirectLightOfIsosurfaces, IsTheSameForAnyIsovalueUnits) {
-  // Bytes, and a common isovalue of other units.
+  // Test bytes, and common isovalues with an offset and a scale.
   const Field<3> field = bumps<3>(33);
   std::vector<std::uint8_t> bytes;
   for (const float h : test::values_of(field)) {
@@ -177,7 +178,7 @@ TEST(DirectLightOfIsosurfaces, PassesOverMaskedVoxels) {
   expect_shadows("masked", lit<3>(field, {0.2, 0.9}, lamp_above<3>()));
 }
 
-// A lamp above that moves, beside a point of light that does not.
+// Returns a scene with a lamp above the volume, which tests move, and a point light that stays.
 template <int D>
 std::vector<Light<D>> lights_after(double moved) {
   AreaLight<D> lamp = lamp_above<D>();
@@ -228,7 +229,7 @@ TEST(DirectLightOfIsosurfaces, TakesNothingElse) {
   Scene<3> scene = test::scene_of(bumps<3>(21), Rgb(0.5f), {0.2, 0.9});
   scene.lights = lights_after<3>(0);
   const DirectLight<3> alone = maps_of(scene, 1);
-  // Maps that are wrong, since a plate hides all light.
+  // Compute maps of another scene, in which a plate blocks all light. Reused maps are then wrong.
   Scene<3> other = scene;
   other.lights = lights_after<3>(0.2);
   other.meshes = {test::wall("plate", {-0.05, -1, -1}, {0, 3, 0}, {0, 0, 3}, Rgb(0.5f))};
@@ -245,12 +246,12 @@ TEST(DirectLightOfIsosurfaces, TakesItFromFinerMaps) {
   const DirectLight<3> fine = maps_of(scene, 1), coarse = maps_of(scene, 2, &fine);
   double difference = 0;
   for (std::size_t s = 0; s < coarse.lattice().active.size(); ++s) {
-    const Vec3 at = coarse.lattice().centre(coarse.lattice().active[s]);
+    const Vec3 at = coarse.lattice().center(coarse.lattice().active[s]);
     const std::int32_t slot = nearest_active_slot(fine.lattice(), at);
     ASSERT_NE(slot, TexelLattice<3>::inactive);
     EXPECT_EQ(coarse.code(0, s, false), fine.code(0, slot, false));
-    const Vec3 there = fine.lattice().centre(fine.lattice().active[slot]);
-    difference = std::max(difference, (there - at).length());
+    const Vec3 center = fine.lattice().center(fine.lattice().active[slot]);
+    difference = std::max(difference, (center - at).length());
   }
   EXPECT_LT(difference, 4);
 }
@@ -264,7 +265,7 @@ TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   EXPECT_EQ(direct.radiance(scene.volumes[0].field, {8, 8, 8}, true), Rgb(0));
 }
 
-// Checks that the light points of a light together are about as bright as the light.
+// Expects the light points of a light to have about its total brightness.
 template <class Kind>
 void expect_whole(const Kind& light) {
   Scene<3> scene = test::scene_of(bumps<3>(9), Rgb(0.5f), {0.2, 0.9});
@@ -272,15 +273,15 @@ void expect_whole(const Kind& light) {
   const SceneTracer<3> tracer(scene);
   const SplitLight<3> split = split_light(tracer);
   for (const Vec3& at : {Vec3(0.1, -0.2, 0.1), Vec3(-0.3, 0.2, -0.4), Vec3(0, 0, 0.3)}) {
-    double of_points = 0, truth = 0;
+    double from_points = 0, truth = 0;
     const auto add = [&](const LightSource<3>& source, double share, double& sum) {
-      const Vec3 way = source.infinite ? source.direction : at - source.position;
-      const double distance = source.infinite ? 1 : way.length();
-      sum += share * average(source.amount) * source.strength(way.normalized(), distance);
+      const Vec3 direction = source.infinite ? source.direction : at - source.position;
+      const double distance = source.infinite ? 1 : direction.length();
+      sum += share * average(source.amount) * source.strength(direction.normalized(), distance);
     };
     for (const LightPoint<3>& point : split.points) {
       EXPECT_EQ(point.light, 0);
-      add(point.source, 1, of_points);
+      add(point.source, 1, from_points);
     }
     Random random(3, 1, 4);
     constexpr int samples = 40'000;
@@ -288,7 +289,7 @@ void expect_whole(const Kind& light) {
       add(source_of(tracer.lights()[0], {random.uniform(), random.uniform()}), 1.0 / samples,
           truth);
     }
-    EXPECT_NEAR(of_points / truth, 1, 0.03) << light.name;
+    EXPECT_NEAR(from_points / truth, 1, 0.03) << light.name;
   }
 }
 
@@ -357,7 +358,7 @@ TEST(LightPoints, TakeTheSunOutOfAnImage) {
     EXPECT_TRUE(point.source.infinite);
     points += average(point.source.amount);
   }
-  // All light of the image is in one part or the other: over all directions.
+  // Integrate all directions: both parts together must contain all light of the image.
   const double all = EnvironmentSampler<3>(*scene.environment).power(tracer.bounds());
   const double wide = EnvironmentSampler<3>(*split.wide).power(tracer.bounds());
   EXPECT_NEAR(points * parallel_area(tracer.bounds()) / (all - wide), 1, 0.1);

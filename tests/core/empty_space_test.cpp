@@ -13,7 +13,7 @@ namespace {
 
 constexpr double below = 0.5;
 
-// A ball in the corner of a volume that else is empty.
+// Returns a volume that is empty except for a ball in a corner.
 Field<3> corner_ball() {
   return test::sampled<3>(41, [](const Vec3& x) { return 1 - 2 * x.length(); });
 }
@@ -34,7 +34,7 @@ TEST(EmptySpace, HoldsNoVoxelThatLinesNeed) {
     for_each_index<3>(first, last,
                       [&](const Index<3>& near) { ASSERT_LT(field.value(near), below); });
   });
-  // Most of it is empty.
+  // Most of the volume must be empty.
   EXPECT_GT(held, field.voxels() / 2);
   EXPECT_LT(held, field.voxels());
 }

@@ -11,10 +11,11 @@
 
 namespace leaflight::test {
 
-// The oracle works with 113 bits: the corners have 24, so that rounding is of no account.
+// Number type of the exact solution. It has 113 bits and corners have 24, so its rounding is
+// negligible.
 using Quad = __float128;
 
-// h - c along a segment, sum_i coefficient[i] * s^i.
+// The polynomial h - c along a segment, sum_i coefficient[i] * s^i.
 using ExactPolynomial = std::array<Quad, 4>;
 
 inline Quad magnitude(Quad x) { return x < 0 ? -x : x; }
@@ -39,7 +40,8 @@ ExactPoint<D> exact_point(const Vec<D>& v) {
   return p;
 }
 
-// Between two points of a cell, by linear interpolation along one axis after the other.
+// Returns the polynomial between two points of a cell, by linear interpolation along one axis after
+// another.
 template <int D>
 ExactPolynomial exact_polynomial(const CellCorners<D>& corners, double c, const ExactPoint<D>& from,
                                  const ExactPoint<D>& to) {
@@ -58,7 +60,7 @@ ExactPolynomial exact_polynomial(const CellCorners<D>& corners, double c, const 
   return p[0];
 }
 
-// The ends of [0, 1] and the critical points between them: from one to the next p is monotone.
+// Returns 0, 1 and the critical points between them, so that p is monotone between neighbors.
 inline std::vector<Quad> monotone_knots(const ExactPolynomial& p) {
   std::vector<Quad> knots{0};
   const auto add = [&](Quad s) {
@@ -75,25 +77,25 @@ inline std::vector<Quad> monotone_knots(const ExactPolynomial& p) {
   return knots;
 }
 
-// Bounds on the place of the first change of side. A value equal to the isovalue counts as above
-// it. Within the tolerance of the isovalue, rounding decides, and either side is right.
+// Bounds on the first change of side. Values equal to the isovalue count as above. Values within
+// the tolerance of the isovalue may be on either side, because of rounding.
 struct ExactCrossing {
   static constexpr double never = std::numeric_limits<double>::infinity();
 
-  double latest = never;    // there the other side has certainly been reached
-  double earliest = never;  // before, the first side has certainly not been left
+  double latest = never;    // from here on, the other side has certainly been reached
+  double earliest = never;  // before, the starting side has certainly not been left
 
   bool required() const { return latest < never; }
   bool possible() const { return earliest < never; }
   bool tie() const { return possible() && !required(); }
 };
 
-// Takes the knots one after the other, in ascending order.
+// The search for the first change of side, given the heights at ascending positions.
 class CrossingSearch {
  public:
   explicit CrossingSearch(bool above) : above_(above) {}
 
-  // Adds the height at the next place along the ray. Returns true if the search is over.
+  // Adds the height at the next position along the ray. Returns true when the search is over.
   bool add(double place, Quad height, Quad tolerance) {
     const bool clear = tolerance == 0 || magnitude(height) > tolerance;
     const bool same = (height >= 0) == above_;

@@ -6,8 +6,8 @@
 
 namespace leaflight::test {
 
-// A ray through a field in 113-bit arithmetic, without pyramid and traversal. The planes of the
-// grid cut it into pieces, and each piece lies in the cell of its midpoint.
+// A ray through a field in 113-bit arithmetic, without bounds or traversal. The planes of the grid
+// cut the ray into pieces, and each piece lies in the cell of its midpoint.
 template <int D>
 class ExactRay {
  public:
@@ -37,18 +37,18 @@ class ExactRay {
         cuts_.end());
   }
 
-  // A ray that only touches the domain at an edge or a corner is in it or not by rounding.
+  // False if the ray only touches the domain at an edge or a corner, where rounding decides.
   bool enters() const { return cuts_.size() > 1 && cuts_.back() - cuts_.front() > 1e-12; }
   Quad height_at_entry() const { return piece(0)[0]; }
 
-  // True if a ray that starts on its isosurface departs to higher values.
+  // True if a ray that starts on its isosurface leaves towards higher values.
   bool rises() const {
     std::size_t i = 0;
     while (i + 2 < cuts_.size() && cuts_[i + 1] - cuts_[i] < 1e-12) ++i;
     return piece(i)[1] > 0;
   }
 
-  // The first change of side; `tolerance` is of h.
+  // Finds the first change of side. `tolerance`: of h.
   ExactCrossing first_crossing(double tolerance) const {
     CrossingSearch search(ray_.starts_on_isosurface ? ray_.starts_above : height_at_entry() >= 0);
     for (std::size_t i = 0; i + 1 < cuts_.size(); ++i) {
@@ -63,7 +63,7 @@ class ExactRay {
     return search.crossing();
   }
 
-  // |h - c| at a distance along the ray.
+  // Returns |h - c| at a distance along the ray.
   double height(double t) const {
     std::size_t i = 0;
     while (i + 2 < cuts_.size() && t > cuts_[i + 1]) ++i;

@@ -3,16 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
 #include "field/texel_lattice.h"
 #include "fields.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {
 
-// Thesis Eq. 2.1 and Table 2.1, written out again.
+// Returns the bump box of thesis Eq. 2.1 and Table 2.1, computed independently of the core.
 double bump_box_at(const std::vector<double>& x) {
   const double table[5][5] = {{0.0125, 0.036, 0.75, 0.60, 0.5},
                               {0.0200, 0.036, 0.60, 0.51, 0.5},
@@ -31,7 +31,8 @@ double bump_box_at(const std::vector<double>& x) {
 
 TEST(BumpBox, IsTheThesisFunction) {
   const auto values = bump_box<3>(21);
-  // The raw range on a fine grid is 0.3378..1.209; here the grid's own extremes are mapped.
+  // The raw range on a fine grid is 0.3378 to 1.209. This grid's own extremes are mapped to 0 and
+  // 255.
   double low = 1e9, high = -1e9;
   std::vector<double> raw;
   for (int z = 0; z < 21; ++z) {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/random.h"
 #include "field/field.h"
-#include "math/random.h"
 
 namespace leaflight::test {
 
@@ -34,7 +34,7 @@ std::vector<float> values_of(const Field<D>& field) {
   return values;
 }
 
-// h(x) at n^D points of the unit cube.
+// Returns a field of h(x) at n^D points of the unit cube.
 template <int D>
 Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {
   std::size_t voxels = 1;
@@ -50,10 +50,11 @@ Field<D> sampled(int n, const std::function<double(const Vec<D>&)>& h) {
   return field_from<D>(std::move(values), dims, unit_cube<D>(n));
 }
 
-// Higher inside: the isosurface c is the sphere (circle) of radius 1 - c about the center.
+// Returns a field that is higher inside: isosurface c is the sphere (circle) of radius 1 - c about
+// the center.
 template <int D>
-Field<D> ball(int n, const Vec<D>& centre = Vec<D>(0.5)) {
-  return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - centre).length(); });
+Field<D> ball(int n, const Vec<D>& center = Vec<D>(0.5)) {
+  return sampled<D>(n, [&](const Vec<D>& x) { return 1 - (x - center).length(); });
 }
 
 inline Field<3> torus(int n) {
@@ -64,7 +65,8 @@ inline Field<3> torus(int n) {
   });
 }
 
-// Uniform noise, `low` on the border so that every isosurface above it is closed.
+// Returns uniform noise that is `low` on the border, so that every isosurface above `low` is
+// closed.
 template <int D>
 Field<D> noise(int n, std::uint64_t seed, double border) {
   Random random(seed);

@@ -20,7 +20,7 @@ inline std::int64_t trials(std::int64_t usual, std::int64_t large) {
   return sanitized ? std::max<std::int64_t>(2, usual / 32) : usual;
 }
 
-// A measured figure, for docs/validation/numerics.md.
+// Prints a measured figure for docs/validation/numerics.md.
 template <class Number>
 void figure(const std::string& name, const Number& number) {
   std::cout << "    " << name << ": " << number << '\n';

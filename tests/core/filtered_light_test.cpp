@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Noise taken from indirect light along isosurfaces.
+// Tests the filter that removes noise from indirect light along isosurfaces.
 #include "bake/indirect/filtered_light.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 Progress ignored;
 
-// Texels of a volume, and light of them that is known but for noise.
+// A volume with known light at its texels, to which tests add noise.
 struct Filtering {
   Scene<3> scene;
   SceneTracer<3> tracer{scene};
@@ -34,8 +34,8 @@ struct Filtering {
     Random random(5, 2, 1);
     Found found;
     for (std::size_t s = 0; s < count; ++s) {
-      exact[s] = truth(texels.lattice.centre(texels.lattice.active[s]));
-      // Sum of twelve uniform numbers, nearly normal.
+      exact[s] = truth(texels.lattice.center(texels.lattice.active[s]));
+      // Approximate a normal distribution by the sum of twelve uniform numbers.
       const auto normal = [&] {
         double sum = -6;
         for (int i = 0; i < 12; ++i) sum += random.uniform();
@@ -73,7 +73,7 @@ TEST(FilteredLight, LosesNoiseWhereLightIsSmooth) {
   const auto found = filtering.filter([](const Vec3& x) { return 1 + 0.01 * x.z; }, 0.1);
   EXPECT_LT(found.after, 0.4 * found.before);
   EXPECT_NEAR(found.mean, 0, 0.005);
-  // Noise that looks like light counts as error, too.
+  // The estimate must include noise that the filter takes for light.
   EXPECT_GT(found.estimated, 0.9 * found.after);
   EXPECT_LT(found.estimated, 1.6 * found.after);
   EXPECT_GT(found.within, 0.93);
@@ -81,7 +81,7 @@ TEST(FilteredLight, LosesNoiseWhereLightIsSmooth) {
 
 TEST(FilteredLight, KeepsWhatIsNoNoise) {
   const Filtering filtering{ball_scene()};
-  // An edge of a shadow.
+  // Test the edge of a shadow.
   const auto edge = [](const Vec3& x) { return x.x < 15.3 ? 1.0 : 0.0; };
   const auto quiet = filtering.filter(edge, 0.003);
   EXPECT_LT(quiet.after, 1.01 * quiet.before);
@@ -89,12 +89,12 @@ TEST(FilteredLight, KeepsWhatIsNoNoise) {
   EXPECT_LT(loud.after, 0.75 * loud.before);
   EXPECT_NEAR(loud.estimated / loud.after, 1, 0.2);
   EXPECT_NEAR(loud.within, 0.95, 0.03);
-  // Without noise it changes nothing.
+  // Without noise, the filter must change nothing.
   EXPECT_LT(filtering.filter(edge, 0).after, 1e-7);
 }
 
 TEST(FilteredLight, DoesNotMixTheFacesOfAThinShell) {
-  // h has a ridge: isosurfaces about it face both ways, two voxels apart.
+  // h has a ridge: on both sides of it isosurfaces face opposite directions, two voxels apart.
   const Scene<3> shell = test::scene_of(
       test::sampled<3>(33, [](const Vec3& x) { return 1 - std::abs(x.z - 0.5) * 16; }), Rgb(0.5f),
       {0.2, 0.8});
@@ -103,7 +103,7 @@ TEST(FilteredLight, DoesNotMixTheFacesOfAThinShell) {
       filtering.filter([](const Vec3& x) { return x.z < 16   ? 0.0
                                                   : x.z > 16 ? 1.0
                                                              : 0.5; }, 0.1);
-  // The ridge itself, a third of the texels, faces nowhere and keeps its noise.
+  // The ridge, a third of the texels, has no normal and keeps its noise.
   EXPECT_LT(found.after, 0.65 * found.before);
   EXPECT_NEAR(found.mean, 0, 0.005);
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes with fixed samples, and the passes that their estimators need.
+// Tests bakes with fixed samples, and the passes that their estimators need.
 #include "thesis/fixed_samples.h"
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "cancelling.h"
-#include "math/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {
@@ -55,7 +55,7 @@ TEST(FixedSamples, DependOnTheSeed) {
 double seconds_to_cancel_a_bake(EstimatorName estimator) {
   const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   FixedSettings<3> settings = quick();
-  settings.samples = 4096;  // some ten minutes
+  settings.samples = 4096;  // takes about ten minutes
   settings.estimator = estimator;
   return test::seconds_to_cancel(
       [&](Progress& progress) { bake_with_fixed_samples(scene, settings, progress); });
@@ -104,7 +104,7 @@ TEST(Plan, SaysWhatItSkipsAndWhy) {
 
 TEST(Plan, BackIsNeededWhereAnIsosurfaceIsOpen) {
   Scene<3> open = small_scene();
-  open.isovalue_range = {0.1, 0.9};  // the lowest isosurfaces meet the border of the domain
+  open.isovalue_range = {0.1, 0.9};  // the lowest isosurfaces reach the border of the domain
   EXPECT_TRUE(plan_for(open, EstimatorName::gather).back_side);
   Scene<3> lit_inside = small_scene();
   lit_inside.lights.push_back(
@@ -112,8 +112,8 @@ TEST(Plan, BackIsNeededWhereAnIsosurfaceIsOpen) {
   EXPECT_TRUE(plan_for(lit_inside, EstimatorName::gather).back_side);
 }
 
-// A lamp reaches with an edge of its box into a domain that lies askew; the lowest and highest
-// corners of the box are beside it.
+// Part of an edge of the lamp's box is inside a tilted domain, although the lowest and highest
+// corners of the box are outside it.
 TEST(Plan, BackIsNeededWhereALampReachesIn) {
   Scene<3> scene = small_scene();
   Affine<3> askew;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The transport instantiated for fields of the plane (thesis ch. 3).
+// Tests light transport in two dimensions (thesis ch. 3).
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "agreement.h"
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 #include "statistics.h"
 #include "surface/project.h"
 #include "transport/reference.h"
@@ -18,7 +18,7 @@ using Point = Vec<2>;
 
 constexpr double c = 0.72;
 
-// The walls of the square [-0.3, 1.3]^2, anticlockwise, so that their left is inside.
+// A wall of the square [-0.3, 1.3]^2, counter-clockwise, so that its left side is inside.
 struct Wall {
   Point corner, edge;
 };
@@ -49,8 +49,9 @@ Scene<2> furnace(double albedo) {
   return scene;
 }
 
-// Open below, colored left and right, a lamp above that shines downwards.
-Scene<2> coloured_box() {
+// Returns a box that is open at the bottom and has colored walls left and right. A lamp above
+// shines down.
+Scene<2> colored_box() {
   Scene<2> scene = disc_scene(Rgb(0.75f));
   add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));
   add_wall(scene, walls[2], Rgb(0.7f));
@@ -91,8 +92,8 @@ TEST(Flatland, FurnaceIsExact) {
   }
 }
 
-// A segment seen under the angles theta from the normal gives the irradiance L (sin a - sin b); the
-// BRDF of the plane is albedo / 2 (thesis 3.3.7).
+// A segment between the angles a and b from the normal gives the irradiance L (sin a - sin b). The
+// BRDF in 2D is albedo / 2 (thesis 3.3.7).
 TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
   Scene<2> scene = test::scene_of(test::sampled<2>(33, [](const Point& x) { return x.y; }),
                                   Rgb(0.8f), {0.2, 0.8});
@@ -117,7 +118,7 @@ TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
 }
 
 TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
-  const Scene<2> scene = coloured_box();
+  const Scene<2> scene = colored_box();
   const std::vector<Point> points = disc_points(test::field_of(scene), 200);
   Progress progress;
   const auto reference =
@@ -132,7 +133,7 @@ TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
 }
 
 TEST(CosineHemicircle, HasItsDensity) {
-  // sin(theta) is uniform: 16 bins.
+  // sin(theta) must be uniform; count it in 16 bins.
   Random random(2);
   const Point n = Point(0.6, -0.8);
   std::array<int, 16> bins{};

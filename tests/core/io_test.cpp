@@ -8,14 +8,14 @@
 #include <fstream>
 
 #include "bake/driver/bake.h"
+#include "base/error.h"
+#include "base/platform.h"
 #include "io/bake_file.h"
 #include "io/exr.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
 #include "io/vdb_volume.h"
-#include "math/error.h"
-#include "math/platform.h"
 #include "scenes.h"
 
 namespace leaflight {
@@ -101,7 +101,7 @@ TEST_F(Files, BakeComesBack) {
   EXPECT_EQ(again.lattice.resolution, grid.lattice.resolution);
   for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
     for (int k = 0; k < 3; ++k) {
-      // Half precision on disk.
+      // The file stores half precision.
       ASSERT_NEAR(again.radiance[s][k], grid.radiance[s][k], grid.radiance[s][k] / 2000 + 1e-7);
     }
   }
@@ -164,7 +164,7 @@ TEST_F(Files, SeveralAreReplacedTogether) {
     ReplacedFiles files({path("a"), path("b.txt")});
     EXPECT_EQ(files.temporary(1).extension(), ".txt");
     std::ofstream(files.temporary(0)) << "new";
-    // The second was not written.
+    // The second file was not written.
     EXPECT_NE(message_of([&] { files.commit(); }).find("b.txt"), std::string::npos);
   }
   EXPECT_EQ(content("a"), "old");
@@ -214,7 +214,7 @@ TEST_F(Files, SealTellsEveryChange) {
 }
 
 TEST_F(Files, SmallVoxelsAreSaved) {
-  // 10 micrometers in meters, sheared: OpenVDB takes no cell below 3e-15.
+  // Voxels of 10 micrometers in a file in meters, sheared. OpenVDB accepts no cell below 3e-15.
   const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   const Baked<3> baked = small_bake(scene);
   Affine<3> placed;
@@ -262,7 +262,7 @@ TEST_F(Files, ExrTakesNoMemoryForRowsThatItDoesNotHave) {
   const std::string small = isovalue_range({0, 0, 11, 8}),
                     large = isovalue_range({0, 0, 11'999, 15'999});
   for (std::size_t at; (at = bytes.find(small)) != bytes.npos;) bytes.replace(at, 16, large);
-  // Room for the places of so many rows.
+  // Leave space for the offsets of as many rows as the header claims.
   write("j.exr", bytes + std::string(9000, '\0'));
   const std::uint64_t before = peak_memory();
   EXPECT_NE(message_of([&] { read_exr(path("j.exr")); }).find("EXR"), std::string::npos);

@@ -10,7 +10,7 @@
 namespace leaflight {
 namespace {
 
-// Balls whose isosurface 0.5 has the radii 0.3 and 0.05.
+// Returns the isosurface of two balls with the radii 0.3 and 0.05.
 IsosurfaceMesh large_and_small_ball() {
   const auto field = test::sampled<3>(41, [](const Vec3& x) {
     const double large = 0.3 - (x - Vec3(0.35)).length(), small = 0.05 - (x - Vec3(0.85)).length();

@@ -28,7 +28,7 @@ Vec<D> random_unit(Random& random) {
   return d.normalized();
 }
 
-// The first sign change found by stepping finely, without pyramid and polynomials.
+// Finds the first sign change by small steps, without bounds and polynomials.
 template <int D>
 double marched(const Field<D>& field, const IsosurfaceRay<D>& ray, double step) {
   bool known = false, above = false;
@@ -59,10 +59,10 @@ void expect_agreement_with_marching(const Field<D>& field, double c, double step
     const double expected = marched(field, ray, step);
     if (hit) {
       ++hits;
-      // The hit lies on the isosurface, wherever it is.
+      // Any hit must lie on the isosurface.
       EXPECT_NEAR(clamped_value(field, ray.position + ray.direction * hit->t), c, 1e-9);
     }
-    // Marching may step over a sliver; it never sees a crossing that is not there.
+    // Small steps may miss a thin part, but never find a crossing that does not exist.
     const bool agrees = expected < 0 ? !hit || marched(field, ray, step / 64) >= 0
                                      : hit && hit->t <= expected + 1e-9 &&
                                            (hit->t > expected - step - 1e-9 ||
@@ -120,8 +120,8 @@ TEST(IsosurfaceRay, NoisyClosedIsosurfaceHoldsRays) {
   EXPECT_GT(started, 10'000);
 }
 
-// Crossings alternate between the sides, and a ray from outside through a closed isosurface crosses
-// it an even number of times: restarting at each hit neither repeats nor skips one.
+// Crossings must alternate between the sides. A ray from outside must cross a closed isosurface an
+// even number of times. Restarts at each hit must neither repeat nor skip a crossing.
 TEST(IsosurfaceRay, RestartingVisitsEachCrossingOnce) {
   const Field<3> field = noise<3>(12, 6, -1.0);
   Random random(23);
@@ -173,7 +173,8 @@ TEST(IsosurfaceRay, ConvexIsosurfaceIsNeverHitAgainFromOutside) {
     next.position = hit->point.index_position();
     next.isovalue = 0.6;
     next.direction = test::random_direction(random);
-    if (next.direction.dot(outward.normalized()) < 0.1) continue;  // clear of the facets
+    // Exclude grazing rays, which may hit facets.
+    if (next.direction.dot(outward.normalized()) < 0.1) continue;
     ++left;
     ASSERT_FALSE(intersect(field, next)) << "ray " << i;
   }
@@ -181,7 +182,7 @@ TEST(IsosurfaceRay, ConvexIsosurfaceIsNeverHitAgainFromOutside) {
 }
 
 TEST(IsosurfaceRay, IntegerDataAtIntegerIsovalue) {
-  // A slab of value 2 in a field of 1: at isovalue 2 the isosurface lies on the slab's own voxels.
+  // The field is 1 with a slab of value 2. At isovalue 2, the isosurface lies on the slab's voxels.
   const Field<3> field =
       test::sampled<3>(9, [](const Vec3& x) { return x.z > 0.4 && x.z < 0.6 ? 2.0 : 1.0; });
   IsosurfaceRay<3> ray;
@@ -192,8 +193,8 @@ TEST(IsosurfaceRay, IntegerDataAtIntegerIsovalue) {
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 9, 1e-12);
   EXPECT_FALSE(hit->from_above);
-  // From there outwards nothing is hit; inwards the other side of the slab, which is h == 2 on one
-  // layer of voxels only.
+  // From this surface, rays outwards hit nothing. Rays inwards hit the other side of the slab,
+  // which is h == 2 on one layer of voxels.
   IsosurfaceRay<3> back;
   back.starts_on_isosurface = true;
   back.origin = hit->point;
@@ -203,8 +204,8 @@ TEST(IsosurfaceRay, IntegerDataAtIntegerIsovalue) {
   EXPECT_FALSE(intersect(field, back));
 }
 
-// The isosurface is a plane through voxels that have the isovalue exactly. Starting points in
-// cells, on their edges and at their corners see the whole half space on either side.
+// The isosurface is a plane through voxels that have exactly the isovalue. Rays from points in
+// cells, on their edges and at their corners must see the whole half space.
 TEST(IsosurfaceRay, StartsOnEdgesAndCornersOfCells) {
   const Field<3> field = test::sampled<3>(17, [](const Vec3& x) { return x.z; });
   Random random(31);
@@ -229,7 +230,7 @@ TEST(IsosurfaceRay, AxisParallelAndDegenerateDirections) {
   const Field<3> field = ball<3>(21);
   for (const double tiny : {0.0, 5e-324, 1e-310, 1e-30}) {
     IsosurfaceRay<3> ray;
-    ray.position = {10, 10, -3};  // through voxels, along cell edges
+    ray.position = {10, 10, -3};  // passes through voxels, along edges of cells
     ray.direction = {tiny, -tiny, 1};
     ray.isovalue = 0.75;
     const auto hit = intersect(field, ray);
@@ -244,7 +245,7 @@ TEST(IsosurfaceRay, AxisParallelAndDegenerateDirections) {
 }
 
 TEST(IsosurfaceRay, MaskedCellsHaveNoIsosurface) {
-  // h = x, with the layer of cells that holds the isosurface masked.
+  // h = x. The layer of cells with the isosurface is masked.
   std::vector<float> values(8 * 8 * 8);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const int x = static_cast<int>(i % 8);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each lamp against a closed form, and its photons against its shadow rays.
+// Tests each lamp against a closed form, and its photons against its shadow rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
 #include "transport/photon_tracer.h"
@@ -13,13 +13,13 @@
 namespace leaflight {
 namespace {
 
-// h = z: the isosurfaces are planes whose outside faces -z, towards lights below.
+// Returns a scene with h = z: isosurfaces are planes whose outside faces -z, towards lights below.
 Scene<3> plane(const Rgb& albedo) {
   return test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return x.z; }), albedo,
                         {0.2, 0.8});
 }
 
-// Direct radiance over albedo / pi at a point of the isosurface 0.5, the reference's mean and
+// The path-traced radiance over albedo / pi at a point of the isosurface 0.5, and its standard
 // error.
 struct Irradiance {
   double mean, error;
@@ -43,7 +43,7 @@ TEST(Lights, PointHasTheInverseSquareLaw) {
   const Vec3 lamp(0.7, 0.5, -0.4);
   const double d = (lamp - place).length(), cosine = 0.9 / d;
   for (const double radius : {0.0, 0.3}) {
-    // A sphere wholly above the horizon illuminates like its center.
+    // A sphere that is entirely above the horizon lights like a point at its center.
     scene.lights = {PointLight<3>{"bulb", lamp, radius, Rgb(1, 2, 3), {}}};
     expect_irradiance(scene, place, 2 * cosine / (d * d));
   }
@@ -86,7 +86,7 @@ TEST(Lights, EllipseIsADisc) {
 }
 
 TEST(Lights, EmissiveMeshIsItsArea) {
-  // The same rectangle as a lamp and as a mesh without albedo.
+  // Compare a rectangle as a lamp with a black mesh of the same emission.
   Scene<3> lamp = plane(Rgb(1)), mesh = plane(Rgb(1));
   const Vec3 corner(0.1, 0.3, -0.4), u(0.5, 0, 0), v(0, 0.3, 0);
   lamp.lights = {AreaLight<3>{"lamp", corner, {u, v}, Rgb(4)}};
@@ -97,7 +97,8 @@ TEST(Lights, EmissiveMeshIsItsArea) {
   EXPECT_GT(a.mean, 10 * a.error);
 }
 
-// Radiance max(0, cos)^4 about an axis, seen over the half space of directions w.z < 0.
+// The image has the radiance max(0, cos)^4 about an axis. Directions with w.z < 0 reach the
+// isosurface.
 TEST(Lights, EnvironmentImageIntegratesToItsIrradiance) {
   auto image = std::make_shared<Texture>();
   image->width = 256;
@@ -126,7 +127,7 @@ TEST(Lights, EnvironmentImageIntegratesToItsIrradiance) {
   }
   const Irradiance found = irradiance_at(scene, place);
   EXPECT_NEAR(found.mean, expected, test::z_limit() * found.error + 2e-3 * expected);
-  // Turned by a quarter about z with its image, the light comes from elsewhere.
+  // Rotate the image by 90 degrees about z; the light must come from the rotated direction.
   scene.environment->world_to_image.column = {Vec3(0, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)};
   double turned = 0;
   for (int i = 0; i < n; ++i) {
@@ -146,13 +147,13 @@ TEST(Lights, ConstantEnvironmentIsAFurnace) {
   FixedSettings<3> settings;
   Progress progress;
   const Baked<3> baked = bake_with_fixed_samples(scene, settings, progress);
-  // A convex body sees nothing but the environment: radiance is albedo times 2.
+  // A convex body sees only the environment, so its radiance is albedo times 2.
   const auto radiance = test::lookup_world<3>(scene, baked, Vec3(0.5, 0.5, 0.78));
   EXPECT_NEAR(radiance.x, 1.0, 1e-3);
   EXPECT_NEAR(radiance.z, 1.8, 1e-3);
 }
 
-// Photons bring the same direct irradiance as shadow rays: the flux that lands on an isosurface.
+// Expects photons to deliver the same irradiance on an isosurface as shadow rays.
 template <int D>
 void expect_photons_agree(const Scene<D>& scene) {
   const SceneTracer<D> tracer(scene);
@@ -168,7 +169,7 @@ void expect_photons_agree(const Scene<D>& scene) {
           landed2 += flux * flux;
         }
       });
-  // Integral over the volume of irradiance |grad c| dV.
+  // Integrate irradiance |grad c| over the volume.
   Random random(3);
   double gathered = 0, gathered2 = 0;
   std::uint64_t rays = 0;
@@ -194,7 +195,7 @@ void expect_photons_agree(const Scene<D>& scene) {
     gathered += flux;
     gathered2 += flux * flux;
   }
-  // Both are sums of many small independent parts.
+  // Both are sums of many small independent terms, so they are normally distributed.
   EXPECT_NEAR(landed, gathered, test::z_limit() * std::sqrt(landed2 + gathered2));
   EXPECT_LT(std::sqrt(landed2 + gathered2), (test::sanitized ? 0.3 : 0.03) * gathered);
 }
@@ -244,7 +245,7 @@ TEST(Lights, SeveralShareTheSamples) {
                     irradiance_at(first, place).mean + irradiance_at(second, place).mean);
 }
 
-// A bake with all lamps at once against the path tracer.
+// Bakes a scene with all kinds of lamps and compares it with path tracing.
 TEST(Lights, BakeOfAllAgreesWithPaths) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   scene.lights.push_back(PointLight<3>{"bulb", {0.1, -0.1, 0.3}, 0.05, Rgb(0.2f), {}});

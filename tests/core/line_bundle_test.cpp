@@ -8,11 +8,11 @@
 namespace leaflight {
 namespace {
 
-// All lines of a set read the field wherever it is not empty, in bundles that are full and in the
-// last ones of their rows, which are not.
+// Expects lines to read the field's values wherever it is not empty. Some bundles are full; the
+// last ones of a row are not.
 void expect_values(int nodes, int voxels_per_texel, int spacing) {
   constexpr double below = 0.5;
-  // A ball in the last corner, where rows end; else empty.
+  // The field is empty except for a ball in the last corner, where rows of bundles end.
   const Field<3> field =
       test::sampled<3>(nodes, [](const Vec3& x) { return 1 - 8 * (x - Vec3(1)).length(); });
   const EmptySpace<3> empty(field, below);
@@ -42,7 +42,7 @@ void expect_values(int nodes, int voxels_per_texel, int spacing) {
     }
   }
   EXPECT_GT(checked, 0u);
-  // Lines that are far apart ask for too many bricks.
+  // Lines that are far apart read too many bricks for this test.
   if (voxels_per_texel == 1) {
     EXPECT_GT(skipped, checked);
   }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 #include "meshes.h"
 #include "surface/split_edges.h"
 
@@ -48,7 +48,7 @@ TEST(MarchingCubes, Torus) {
   EXPECT_NEAR(signed_volume(mesh), 2 * pi * pi * 0.25 * 0.01, 1e-3);
 }
 
-// Every sign pattern and every ambiguous face occurs here many times.
+// All sign patterns and all ambiguous faces occur here many times.
 TEST(MarchingCubes, NoiseHasNoCracks) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const IsosurfaceMesh mesh = contour(test::noise<3>(18, seed, -1.0), 0.5);
@@ -58,7 +58,7 @@ TEST(MarchingCubes, NoiseHasNoCracks) {
   }
 }
 
-// Integer data at an integer isovalue: vertices coincide, but the topology stays closed.
+// At an integer isovalue of integer data, vertices coincide, but the mesh must stay closed.
 TEST(MarchingCubes, IntegerDataAtIntegerIsovalue) {
   Random random(4);
   const Field<3> field = test::sampled<3>(16, [&](const Vec3& x) {
@@ -101,7 +101,7 @@ TEST(MarchingCubes, NothingOutsideTheData) {
   EXPECT_TRUE(contour(test::ball<3>(9), 5.0).triangles.empty());
 }
 
-// Cut on a part of the surface only, so that triangles have none, one, two and three edges cut.
+// Split edges on a part of the surface only, so that triangles have 0, 1, 2 or 3 split edges.
 TEST(SplitEdges, LeavesNoCracksAndFollowsTheIsosurface) {
   const Field<3> field = test::ball<3>(21);
   const IsosurfaceMesh mesh = contour(field, 0.7);
@@ -124,7 +124,7 @@ TEST(SplitEdges, LeavesNoCracksAndFollowsTheIsosurface) {
       ASSERT_NEAR(interpolate(load_corners(field, at.cell), at.local), 0.7, 1e-5);
       ASSERT_GT((p - Vec3(0.5)).normalized().dot(Vec3(split.normals[v])), 0.99);
     }
-    // The isosurface bulges out beyond chords.
+    // The isosurface bulges beyond the chords, so the volume grows.
     const double gained = signed_volume(split) - signed_volume(mesh);
     EXPECT_GE(gained, share * 1e-5) << share;
     EXPECT_LE(gained, 4.0 / 3 * pi * 0.027 - signed_volume(mesh)) << share;

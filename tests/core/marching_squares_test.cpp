@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -23,7 +23,7 @@ Degrees degrees(const IsolineMesh& mesh) {
   return d;
 }
 
-// Every vertex has one segment in and one out.
+// True if every vertex has one segment in and one out.
 bool closed(const IsolineMesh& mesh) {
   const Degrees d = degrees(mesh);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
@@ -40,7 +40,7 @@ double length(const IsolineMesh& mesh) {
   return sum;
 }
 
-// Positive when the inside lies to the right of the segments.
+// Returns the enclosed area; positive if the inside is on the right of the segments.
 double enclosed_area(const IsolineMesh& mesh) {
   double area = 0;
   for (const auto& s : mesh.segments) {
@@ -90,7 +90,7 @@ TEST(MarchingSquares, SaddlesFollowTheBilinearInterpolant) {
     const double saddle = (corners.h[0] * corners.h[3] - corners.h[1] * corners.h[2]) /
                           (corners.h[0] + corners.h[3] - corners.h[1] - corners.h[2]);
     if (std::abs(saddle - 0.5) < 1e-3) continue;
-    // Each segment then cuts off a lower corner, the one whose two edges it joins.
+    // Each segment then cuts off a lower corner.
     for (const auto& s : mesh.segments) {
       const Point from(mesh.vertices[s[0]]), to(mesh.vertices[s[1]]);
       int cut = 0;
@@ -112,7 +112,7 @@ TEST(MarchingSquares, TiesCountAsAbove) {
   ASSERT_EQ(mesh.segments.size(), 2u);
   for (const auto& s : mesh.segments) {
     const Point middle = (Point(mesh.vertices[s[0]]) + Point(mesh.vertices[s[1]])) / 2;
-    EXPECT_LT((middle.x - 0.5) * (middle.y - 0.5), 0);  // around the lower corners
+    EXPECT_LT((middle.x - 0.5) * (middle.y - 0.5), 0);  // lines go around the lower corners
   }
 }
 
@@ -125,7 +125,7 @@ TEST(MarchingSquares, OpenAtTheBorder) {
     const float x = mesh.vertices[v].x;
     starts += d.in[v] == 0;
     ends += d.out[v] == 0;
-    // The inside, above, is on the right.
+    // The inside, which is above, must be on the right.
     if (d.in[v] == 0) {
       EXPECT_EQ(x, 1);
     }

@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <set>
 
+#include "base/error.h"
+#include "base/low_discrepancy.h"
+#include "base/ranked_set.h"
+#include "base/sampling.h"
 #include "fields.h"
-#include "math/error.h"
-#include "math/low_discrepancy.h"
-#include "math/ranked_set.h"
-#include "math/sampling.h"
 #include "statistics.h"
 
 namespace leaflight {
 namespace {
 
-// Any 2^k first points hold one point in each elementary interval of area 2^-k.
+// Each elementary interval of area 2^-k must contain one of the first 2^k points.
 TEST(Sobol, IsAZeroTwoSequence) {
   for (std::uint64_t seed : {1ull, 99ull, 0x123456789abcdefull}) {
     for (int log2_n = 0; log2_n <= 10; ++log2_n) {
@@ -31,7 +31,7 @@ TEST(Sobol, IsAZeroTwoSequence) {
   }
 }
 
-// chi-square over 8 x 8 equal bins of (cos^2, phi).
+// Tests chi-square over 8 x 8 equal bins of (cos^2, phi).
 TEST(CosineHemisphere, HasItsDensity) {
   Random random(1);
   const Vec3 n = Vec3(-0.3, 0.5, -0.8).normalized();

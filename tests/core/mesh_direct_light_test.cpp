@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "agreement.h"
+#include "base/low_discrepancy.h"
 #include "exact.h"
-#include "math/low_discrepancy.h"
 #include "scenes.h"
 #include "transport/light_sampler.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 Progress ignored;
 
-// A floor or, in the plane, a segment beneath the unit cube, seen from both sides.
+// Returns a floor below the unit cube, or a segment in 2D, lit on both sides.
 template <int D>
 Mesh<D> floor_beneath() {
   if constexpr (D == 3) {
@@ -38,8 +38,8 @@ Scene<D> over_floor(const Light<D>& light) {
   return scene;
 }
 
-// Compares direct light at vertices of a mesh, beside some isosurfaces, with shadow rays to points
-// all over the lights.
+// Compares direct light at the vertices of a mesh, for some isovalues, with shadow rays to random
+// points on the lights.
 template <int D>
 test::Agreement against_rays(const Scene<D>& scene, int mesh = 0) {
   const SceneTracer<D> tracer(scene);
@@ -118,7 +118,7 @@ TEST(MeshDirectLight, KnowsShadowsOfMeshesAndLightOfMeshes) {
   expect_agreement<3>("glow", scene, 0.06);
 }
 
-// Each of two volumes casts a shadow, with its own isovalue for the common isovalue.
+// Both of two volumes must cast shadows, each with its own isovalue of the common isovalue.
 TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
   Scene<3> scene = over_floor<3>(
       AreaLight<3>{"lamp", {0.2, 0.2, 1.8}, {Vec3(0, 0.3, 0), Vec3(0.3, 0, 0)}, Rgb(1)});
@@ -134,7 +134,8 @@ TEST(MeshDirectLight, KnowsShadowsOfAllVolumes) {
 // Isosurfaces that end at the border let light in at one end and out at the other.
 TEST(MeshDirectLight, LightPassesThroughOpenIsosurfaces) {
   const auto tube = test::sampled<3>(41, [](const Vec3& x) {
-    return 1 - std::hypot(x.x - 0.5, x.y - 0.5);  // open at the floor and at the ceiling
+    // Isosurfaces are open at the floor and at the ceiling.
+    return 1 - std::hypot(x.x - 0.5, x.y - 0.5);
   });
   Scene<3> scene = over_floor<3>(
       AreaLight<3>{"lamp", {0.4, 0.4, 1.5}, {Vec3(0, 0.2, 0), Vec3(0.2, 0, 0)}, Rgb(3.0f)});
@@ -172,22 +173,22 @@ TEST(MeshDirectLight, TakesWhatHasNotMovedFromEarlierWays) {
   scene.lights = lights(0.3);
   std::swap(scene.lights[0], scene.lights[1]);
   const MeshDirectLight<3> alone = direct(1, nullptr), after = direct(1, &before);
-  ASSERT_EQ(after.ways(0).ways.size(), 2 * after.ways(0).sets.size());
-  for (std::size_t i = 0; i < after.ways(0).ways.size(); ++i) {
-    EXPECT_EQ(after.ways(0).ways[i].greatest, alone.ways(0).ways[i].greatest);
-    EXPECT_EQ(after.ways(0).ways[i].share, alone.ways(0).ways[i].share);
+  ASSERT_EQ(after.rays(0).rays.size(), 2 * after.rays(0).sets.size());
+  for (std::size_t i = 0; i < after.rays(0).rays.size(); ++i) {
+    EXPECT_EQ(after.rays(0).rays[i].greatest, alone.rays(0).rays[i].greatest);
+    EXPECT_EQ(after.rays(0).rays[i].share, alone.rays(0).rays[i].share);
   }
   EXPECT_EQ(after.radiance(0, 0.7, false), alone.radiance(0, 0.7, false));
-  // With few ways of the moved point, all are there of the other.
+  // The moved point has traced only some shadow rays; the other point must keep all of them.
   const MeshDirectLight<3> some = direct(light_point_sets, &before);
-  for (std::size_t v = 0; v < some.ways(0).sets.size(); ++v) {
-    EXPECT_EQ(some.ways(0).ways[2 * v].greatest, alone.ways(0).ways[2 * v].greatest);
-    EXPECT_EQ(some.ways(0).ways[2 * v + 1].share, alone.ways(0).ways[2 * v + 1].share);
+  for (std::size_t v = 0; v < some.rays(0).sets.size(); ++v) {
+    EXPECT_EQ(some.rays(0).rays[2 * v].greatest, alone.rays(0).rays[2 * v].greatest);
+    EXPECT_EQ(some.rays(0).rays[2 * v + 1].share, alone.rays(0).rays[2 * v + 1].share);
   }
 }
 
-// A sharp lamp has one point, and only one vertex of seven traces the way to it. Beside a wide lamp
-// each counts as much as with all ways.
+// A point light has one light point, and one vertex in seven traces a shadow ray to it. Points of a
+// wide lamp must count as much as with all shadow rays.
 template <int D>
 void expect_few_ways_to_show_shadows() {
   PointLight<D> bulb{"bulb", place<D>(0.3, 1.5), 0, Rgb(1), {}};
@@ -235,7 +236,7 @@ TEST(MeshDirectLight, LiesBetweenTheVerticesOfIndirectLight) {
   }
 }
 
-// Facets that meet at 5 degrees are one surface, those at 45 degrees are not.
+// Facets that meet at 5 degrees form one curved surface; those at 45 degrees do not.
 TEST(SubdividedMesh, SharesVerticesAcrossACurve) {
   for (const bool curved : {true, false}) {
     const double angle = (curved ? 5 : 45) * pi / 180;
@@ -254,7 +255,7 @@ TEST(SubdividedMesh, SharesVerticesAcrossACurve) {
       }
     }
     ASSERT_EQ(tilts.size(), curved ? 1u : 2u);
-    // Two of the three facets there are the steeper ones.
+    // Two of the three facets at this vertex are the steeper ones.
     EXPECT_NEAR(tilts.back(), curved ? angle * 2 / 3 : angle, 0.01 * angle);
   }
 }

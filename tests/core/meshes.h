@@ -13,7 +13,7 @@
 
 namespace leaflight::test {
 
-// Number of uses of each directed edge of the triangles.
+// Number of triangles that use each directed edge.
 using EdgeCount = std::map<std::pair<int, int>, int>;
 
 inline EdgeCount directed_edges(const IsosurfaceMesh& mesh) {
@@ -24,7 +24,7 @@ inline EdgeCount directed_edges(const IsosurfaceMesh& mesh) {
   return edges;
 }
 
-// Each edge is used as often in one direction as in the other.
+// True if each edge is used as often in one direction as in the other.
 inline bool closed(const IsosurfaceMesh& mesh) {
   const EdgeCount edges = directed_edges(mesh);
   for (const auto& [edge, count] : edges) {
@@ -43,7 +43,7 @@ inline int euler_characteristic(const IsosurfaceMesh& mesh) {
          static_cast<int>(mesh.triangles.size());
 }
 
-// Sets that are joined.
+// Disjoint sets that can be merged.
 class Groups {
  public:
   explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -60,7 +60,7 @@ class Groups {
   std::vector<int> parent_;
 };
 
-// The parts of a mesh that hang together, and the closed lines that bound them.
+// The connected parts of a mesh, and the closed lines that bound them.
 struct Parts {
   int surfaces = 0, borders = 0;
 };
@@ -81,15 +81,15 @@ inline Parts parts_of(const IsosurfaceMesh& mesh) {
   return parts;
 }
 
-// No edge is used twice in one direction; no triangle has the corners of another, or one of them
-// twice; about each vertex the triangles form one fan.
+// Expects a manifold: no directed edge is used twice, and no triangle twice or with a repeated
+// corner. The triangles at each vertex form one fan.
 inline void expect_manifold(const IsosurfaceMesh& mesh) {
   for (const auto& [edge, count] : directed_edges(mesh)) {
     ASSERT_EQ(count, 1) << "edge " << edge.first << ' ' << edge.second;
     ASSERT_NE(edge.first, edge.second);
   }
   std::set<std::array<std::int32_t, 3>> triangles;
-  // Sides opposite each vertex in its triangles.
+  // Collect, for each vertex, the opposite edges of its triangles.
   std::vector<std::vector<std::pair<int, int>>> across(mesh.vertices.size());
   for (auto t : mesh.triangles) {
     for (int k = 0; k < 3; ++k) across[t[k]].push_back({t[(k + 1) % 3], t[(k + 2) % 3]});

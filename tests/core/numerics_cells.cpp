@@ -9,8 +9,8 @@ namespace {
 using test::ExactPolynomial;
 using test::Quad;
 
-// Values nearer to the isovalue than this, relative to the range of the corners, may be taken for
-// equal to it: 64 roundings of doubles, each of 1.1e-16.
+// Tolerance for ties: values closer to the isovalue than this, relative to the range of the
+// corners, may count as equal. It is 64 roundings of doubles, of 1.1e-16 each.
 constexpr double tie = 7e-15;
 
 template <int D>
@@ -34,8 +34,8 @@ struct Count {
   double worst_residual = 0;
 };
 
-// Compares the crossing with the exact one. With exact arithmetic at the ends of the segment it
-// also tests the rule for ties there.
+// Compares a crossing with the exact one. If the ends of the segment are exact, tests the rule for
+// ties there, too.
 template <int D>
 void compare(const Segment<D>& segment, bool exact_ends, Count& count) {
   const ExactPolynomial p = segment.exact();
@@ -54,12 +54,12 @@ void compare(const Segment<D>& segment, bool exact_ends, Count& count) {
       first_crossing(along_segment<D>(segment.corners, segment.c, segment.from, segment.to), above);
   count.hits += truth.required();
   count.ties += truth.tie();
-  // The critical points by which a root is bracketed have half the digits where two almost meet.
+  // Critical points bracket the roots. They have half of the digits where two nearly coincide.
   constexpr double slack = 1e-7;
   count.missed += truth.required() && !(found && *found <= truth.latest + slack);
   count.invented += found && !(truth.possible() && *found >= truth.earliest - slack);
   if (!found) return;
-  // In h, since the position of a grazing root is ill-conditioned.
+  // Compare h, because the position of a grazing root is ill-conditioned.
   const Quad residual = test::magnitude(test::value(p, static_cast<Quad>(*found))) / range;
   count.worst_residual = std::max(count.worst_residual, static_cast<double>(residual));
 }
@@ -112,7 +112,7 @@ Segment<D> plateau_cell(Random& random) {
   return segment_of<D>(random, c, [&](int) { return static_cast<int>(random.uniform() * 3) - 1; });
 }
 
-// Corners alternate about the isovalue, which is close to the value of the saddle point.
+// Corners alternate about the isovalue, which is close to the value of the saddle.
 template <int D>
 Segment<D> saddle_cell(Random& random) {
   const double noise = any_magnitude(random, 6);
@@ -123,7 +123,7 @@ Segment<D> saddle_cell(Random& random) {
   });
 }
 
-// The isovalue is a critical value along the segment, or near it.
+// The isovalue is equal or close to a critical value along the segment.
 template <int D>
 Segment<D> double_root_cell(Random& random) {
   for (;;) {
@@ -136,7 +136,8 @@ Segment<D> double_root_cell(Random& random) {
   }
 }
 
-// Small integers and eighths: doubles hold every intermediate result.
+// Values are small integers and multiples of 1/8, so that doubles hold every intermediate result
+// exactly.
 template <int D>
 Segment<D> exact_cell(Random& random) {
   const double c = static_cast<int>(random.uniform() * 9) * 0.5 - 2;
@@ -160,7 +161,7 @@ void expect_none_missed(const std::string& kind, Cell cell, double least_hits, d
   EXPECT_EQ(count.invented, 0);
   EXPECT_GE(count.hits, least_hits * cells);
   EXPECT_LE(count.ties, most_ties * cells);
-  // A root is a change of side of the rounded polynomial.
+  // A root is a sign change of the rounded polynomial.
   EXPECT_LT(count.worst_residual, tie);
   test::figure(kind + ": cells", count.cells);
   test::figure(kind + ": hits", count.hits);
@@ -195,7 +196,7 @@ TEST(NumericsCells, DoubleRoot) {
   expect_none_missed("double root 2D", double_root_cell<2>, 0.2, 0.2);
 }
 
-// No tolerance at the ends of the segment: equal is above.
+// Ends of the segment have no tolerance: values equal to the isovalue are above.
 TEST(NumericsCells, TiesFollowTheRule) {
   expect_none_missed("exact ties 3D", exact_cell<3>, 0.15, 0.1, true);
   expect_none_missed("exact ties 2D", exact_cell<2>, 0.15, 0.1, true);

@@ -7,8 +7,8 @@ namespace leaflight {
 namespace {
 
 constexpr int voxels = 9;
-// Tolerance of h for ties. Positions in index coordinates are rounded to 1.1e-16 of 3 times the
-// size of the domain. h changes by at most the range, 1, along each axis of a cell.
+// Tolerance of h for ties. Index coordinates are rounded by 1.1e-16 of 3 times the size of the
+// domain. h changes by at most its range, 1, along each axis of a cell.
 constexpr double tie = 3 * 3 * voxels * 1.2e-16 * 4;
 
 struct Count {
@@ -73,7 +73,7 @@ Count count_rays(const Field<3>& field, double isovalue, std::uint64_t seed, int
 
 int rays_of(int usual) { return static_cast<int>(test::trials(usual, 10 * usual)); }
 
-// Along an edge of the grid, from outside or within.
+// Aims a ray along an edge of the grid, from outside or inside.
 void along_edge(Random& random, IsosurfaceRay<3>& ray) {
   const int axis = any(random, 3);
   for (int a = 0; a < 3; ++a) ray.position[a] = any(random, voxels);
@@ -82,18 +82,18 @@ void along_edge(Random& random, IsosurfaceRay<3>& ray) {
   ray.direction[axis] = sign(random);
 }
 
-// In a face of the grid.
+// Aims a ray along a face of the grid.
 void in_face(Random& random, IsosurfaceRay<3>& ray) {
   const int axis = any(random, 3);
   for (int a = 0; a < 3; ++a) {
     ray.position[a] = 3 * along_axis(random) - (voxels - 1);
     ray.direction[a] = along_axis(random) - ray.position[a];
   }
-  ray.position[axis] = 1 + any(random, voxels - 2);  // within the domain
+  ray.position[axis] = 1 + any(random, voxels - 2);  // inside the domain
   ray.direction[axis] = 0;
 }
 
-// Aims a ray from one voxel through another: exactly through corners, and edges between.
+// Aims a ray from a grid point at a voxel, so that it passes exactly through corners.
 void through_corners(Random& random, IsosurfaceRay<3>& ray) {
   do {
     for (int a = 0; a < 3; ++a) {
@@ -123,8 +123,8 @@ TEST(NumericsRays, AlongEdgesFacesAndThroughCorners) {
   count_rays(field, 0.5, 4, rays, tie, towards_edge).expect_none("towards edges", tie);
 }
 
-// 8-bit data at one of their own values. Along edges between voxels, from integer positions, every
-// step is exact, and so is the rule of ties: equal is above.
+// Test 8-bit data at one of their values. Along edges between voxels, from integer positions, every
+// step is exact, so ties must follow the rule: equal is above.
 TEST(NumericsRays, TiesFollowTheRuleOnEdges) {
   const Field<3> field = values_of(true);
   const Count count =
@@ -147,7 +147,7 @@ TEST(NumericsRays, IntegersAtAnIntegerIsovalue) {
       .expect_none("integers, towards edges", most, 0.5);
 }
 
-// A component so small that it moves the ray nowhere changes nothing.
+// A component too small to move the ray must change nothing.
 TEST(NumericsRays, ZeroAndDenormalComponents) {
   const Field<3> field = values_of(false);
   Random random(67);
@@ -182,7 +182,7 @@ TEST(NumericsRays, ZeroAndDenormalComponents) {
   test::figure("denormal components: largest change of t", worst);
 }
 
-// The same with -0.0 and with lengths of the direction far from 1.
+// Test -0.0, and directions of very small and very large length.
 TEST(NumericsRays, LengthOfTheDirection) {
   const Field<3> field = values_of(false);
   Random random(71);
@@ -207,8 +207,8 @@ TEST(NumericsRays, LengthOfTheDirection) {
   test::figure("length of the direction: largest change of t", worst);
 }
 
-// Points of the isosurface within cells, on their faces and on their edges. A hit is never
-// the start.
+// The place where a ray starts on the isosurface: inside cells, on their faces or on their edges. A
+// hit must never be the start.
 enum class Start { cell, face, edge };
 
 IsosurfaceRay<3> start_on_isosurface(const Field<3>& field, Random& random, Start start) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/sampling.h"
 #include "figures.h"
-#include "math/sampling.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {
@@ -18,7 +18,7 @@ std::string name_of(const Place& place) {
   return text.str();
 }
 
-// A sheared domain, about as large as the scale.
+// Returns the transform of a sheared domain of about this scale.
 Affine<3> transform(const Place& place, int voxels) {
   Affine<3> m;
   const double step = place.scale / (voxels - 1);
@@ -33,13 +33,14 @@ Scene<3> placed(const Field<3>& field, const Place& place, const IsovalueRange& 
       isovalue_range);
 }
 
-// h = i + 2j + 3k, which single precision holds exactly: the isosurfaces are planes.
+// Returns the field h = i + 2j + 3k, which single precision stores exactly. Its isosurfaces are
+// planes.
 Field<3> linear() {
   return test::sampled<3>(9,
                           [](const Vec3& x) { return std::round(8 * x.x + 16 * x.y + 24 * x.z); });
 }
 
-// Away from a plane: by the cosine, or within 10^-12 of it.
+// Returns a direction away from a plane: cosine-weighted, or within 10^-12 of the plane.
 Vec3 departure(const Vec3& normal, Random& random) {
   const Vec3 d = sample_cosine_hemisphere<3>(normal, {random.uniform(), random.uniform()});
   if (random.uniform() < 0.5) return d;
@@ -61,7 +62,7 @@ TEST(NumericsReintersection, PlaneIsosurfaceIsNotMetAgain) {
       const Vec3 direction = test::random_direction(random);
       const Hit<3> hit = tracer.intersect(direction * -3, direction, c);
       if (hit.kind != HitKind::isosurface) continue;
-      // Either side, as after a reflection and after a refraction.
+      // Test both sides, as after a reflection and after a refraction.
       const bool above = random.uniform() < 0.5;
       const SurfacePoint<3> from = tracer.isosurface_point(0, hit.isosurface.point, c, above);
       ++started;
@@ -75,7 +76,7 @@ TEST(NumericsReintersection, PlaneIsosurfaceIsNotMetAgain) {
   }
 }
 
-// A triangle as wide as the domain, and one a thousand times as wide.
+// Tests a triangle as wide as the domain, and one a thousand times as wide.
 TEST(NumericsReintersection, WallIsNotMetAgain) {
   const Field<3> field = linear();
   for (const Place& place : places) {
@@ -98,7 +99,7 @@ TEST(NumericsReintersection, WallIsNotMetAgain) {
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const SurfacePoint<3> from = tracer.facet_point(0, 0, u, v, i % 2, 20);
         const Hit<3> hit = tracer.intersect(from, departure(from.geometric_normal, random));
-        again += hit.kind == HitKind::walls;
+        again += hit.kind == HitKind::mesh;
       }
       EXPECT_EQ(again, 0) << name_of(place) << ", width " << width;
       test::figure("wall, " + name_of(place) + ": rays", rays);
@@ -107,7 +108,7 @@ TEST(NumericsReintersection, WallIsNotMetAgain) {
   }
 }
 
-// The point of the isosurface on a ray, and the next one on a ray from there.
+// The hit of a ray with the isosurface, and the next hit of a ray from there.
 struct Pair {
   Hit<3> first, second;
   double first_cosine = 1, second_cosine = 1;
@@ -128,8 +129,8 @@ Pair two_hits(const SceneTracer<3>& tracer, Random& random, double c) {
   return pair;
 }
 
-// Rays hit the same points everywhere. A displacement of 1e5 sizes leaves 2e-11 of the size to
-// rounding, which a cosine divides.
+// Hits must be the same at any scale and place. A displacement of 1e5 sizes has a rounding error of
+// 2e-11 of the size, divided by the cosine.
 TEST(NumericsReintersection, IsTheSameAtAnyScaleAndPlace) {
   const Field<3> field = test::noise<3>(12, 13, -1.0);
   const Scene<3> plain = placed(field, places[0], {0.1, 0.9});

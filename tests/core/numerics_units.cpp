@@ -8,11 +8,11 @@ namespace {
 
 constexpr int voxels = 17;
 
-// The same scene in other units: data a h + b, lengths s x + d, light l L.
+// Units of a scene: data a h + b, lengths s x + d, light l L.
 struct Units {
   std::string name;
-  double scale = 1, offset = 0;       // of values
-  double size = 1, displacement = 0;  // of lengths
+  double scale = 1, offset = 0;       // of the values
+  double size = 1, displacement = 0;  // of the lengths
   double light = 1;
 };
 
@@ -20,8 +20,8 @@ Vec3 converted(const Units& units, const Vec3& p) {
   return p * units.size + Vec3(1, -1, 1) * units.displacement;
 }
 
-// A ball of 256 levels in a room with a lamp, all of it at multiples of 1/64. No level is an end of
-// the isovalue range, which rounding could leave out.
+// Returns a ball of 256 levels in a room with a lamp; all coordinates are multiples of 1/64. No
+// level is an end of the isovalue range, where rounding could exclude it.
 Scene<3> scene_in(const Units& units, bool glowing = false) {
   Field<3> field = test::sampled<3>(voxels, [&](const Vec3& x) {
     const double level = std::round(256 * (1 - (x - Vec3(0.45, 0.5, 0.55)).length()));
@@ -64,7 +64,7 @@ RadianceGrid<3> baked(const Scene<3>& scene, EstimatorName estimator) {
 
 struct Difference {
   bool same_texels = false;
-  double mean = 0, rms = 0, most = 0;  // over the plain mean
+  double mean = 0, rms = 0, most = 0;  // relative to the mean in the original units
 };
 
 Difference difference(const RadianceGrid<3>& plain, const RadianceGrid<3>& other, double light) {
@@ -113,7 +113,7 @@ void expect_alike(const Units& units, double most_rms, bool glowing = false) {
   }
 }
 
-// Powers of two scale without rounding: every bit is the same. 2^100 is 1.3e30.
+// Powers of two scale without rounding, so every bit must be the same. 2^100 is 1.3e30.
 constexpr double huge = 0x1p100, tiny = 0x1p-100;
 
 TEST(NumericsUnits, HugeAndTinyValuesChangeNothing) {
@@ -141,22 +141,23 @@ TEST(NumericsUnits, LengthsChangeNothing) {
   expect_alike(units, 0);
 }
 
-// Single precision holds the walls' coordinates of multiples of 1/64 there.
+// Single precision stores the walls' displaced coordinates exactly, because they are multiples of
+// 1/64.
 TEST(NumericsUnits, DisplacementChangesNothing) {
   Units units{"displaced by 1.3e5 sizes"};
   units.displacement = 0x1p17;
   expect_alike(units, 0);
 }
 
-// At 1e6 a double resolves the isovalue to 6e-11, and the isosurface to as much of the domain;
-// radiance is rounded to 6e-8.
+// Near 1e6, double precision resolves the isovalue to 6e-11, and so the isosurface. Radiance is
+// rounded to 6e-8.
 TEST(NumericsUnits, Offset) {
   expect_alike({"values - 1000", 1, -1000}, 0);
   expect_alike({"values + 1e6", 1, 1e6}, 1e-6);
 }
 
-// Single precision rounds values and the walls' vertices to 6e-8 here. About one of 20,000 photons
-// with 5 hits each hits another texel. That changes boxes of some 100 photons by 1 %.
+// Single precision rounds values and walls to 6e-8 here. About one in 20,000 photons, each with 5
+// hits, hits another texel. That changes boxes of about 100 photons by 1 %.
 TEST(NumericsUnits, DecimalUnits) {
   constexpr double most = test::sanitized ? 1 : 1e-2;
   expect_alike({"values * 0.1", 0.1}, most);

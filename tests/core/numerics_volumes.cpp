@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "base/sampling.h"
 #include "figures.h"
-#include "math/error.h"
-#include "math/sampling.h"
 
 namespace leaflight {
 namespace {
 
-// h at voxels, the longest side of the box about them being 1.
+// Returns a field of h at voxels, scaled so that the longest side of its box is 1.
 Field<3> field_of(const Index<3>& dims, const std::function<double(int, int, int)>& h,
                   Affine<3> transform = {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}) {
   std::vector<float> values;
@@ -58,7 +58,7 @@ std::vector<Case> cases() {
       {"values 1e-30", field_of(cube, scaled(1e-30, 0)), {0.6e-30, 0.9e-30}},
       {"values 1e30", field_of(cube, scaled(1e30, 0)), {0.6e30, 0.9e30}},
       {"negative values", field_of(cube, scaled(1, -7)), {-6.4, -6.1}},
-      // Single precision has 8 values in this isovalue range.
+      // This isovalue range contains 8 numbers of single precision.
       {"1e6 and 0.5", field_of(cube, scaled(1, 1e6)), {1e6 + 0.5, 1e6 + 1}},
       {"1000 and 1e-3", field_of(cube, scaled(1e-3, 1000)), {1000.0006, 1000.0009}},
       {"values 1e-30 to 1e30",
@@ -85,7 +85,7 @@ std::vector<Case> cases() {
   };
 }
 
-// Under a lamp and a dim sky.
+// Returns a scene of the field under a lamp and a dim sky.
 Scene<3> lit(const Field<3>& field, const IsovalueRange& isovalue_range) {
   Scene<3> scene = test::scene_of(field, Rgb(0.75f), isovalue_range);
   scene.lights = {
@@ -113,7 +113,7 @@ bool is_light(const std::vector<Vec<3, float>>& radiance) {
   });
 }
 
-// Finite and not negative, with light somewhere, on one side or the other.
+// Expects finite light that is not negative, and not zero everywhere.
 void expect_light(const Scene<3>& scene, const std::string& name) {
   for (const EstimatorName estimator : estimators) {
     Progress progress;
@@ -136,7 +136,7 @@ TEST(NumericsVolumes, BakesAreFinite) {
   for (const Case& hard : cases()) expect_light(lit(hard.field, hard.isovalue_range), hard.name);
 }
 
-// All the isosurfaces at once of two volumes whose values are 60 decades apart.
+// Bakes all isosurfaces of two volumes whose values differ by 60 decades.
 TEST(NumericsVolumes, TwoRangesAreFinite) {
   std::vector<Case> all = cases();
   Scene<3> scene = lit(all[0].field, {0.6, 0.9});
@@ -154,7 +154,8 @@ TEST(NumericsVolumes, InfiniteValuesAreRefused) {
   }
 }
 
-// Around 1e6 single precision has steps of 1/16: a variation of 1e-3 is lost, and that is said.
+// Near 1e6, single precision has steps of 1/16, so a variation of 1e-3 is lost. An error must
+// report it.
 TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
   const auto h = [](int i, int j, int k) { return 1e6 + 1e-3 * ball(i, j, k); };
   try {
@@ -166,7 +167,7 @@ TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
   }
 }
 
-// The lamp lies in an isosurface, shines from within one, or touches it with its edge.
+// The lamp lies on an isosurface, inside one, or touches one with its edge.
 TEST(NumericsVolumes, LightOnAnIsosurface) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
   Scene<3> scene = lit(field, {0.2, 0.8});
@@ -188,7 +189,7 @@ TEST(NumericsVolumes, LightOnAnIsosurface) {
   }
 }
 
-// An isosurface in the plane of a wall, on one side of it and on the other, and across it.
+// An isosurface lies in the plane of a wall, on either side of it, or crosses it.
 TEST(NumericsVolumes, IsosurfaceOnAWall) {
   const Field<3> field = test::sampled<3>(13, [](const Vec3& x) { return x.z; });
   Scene<3> scene = lit(field, {0.499, 0.501});
@@ -209,8 +210,8 @@ std::vector<std::pair<std::string, Affine<3>>> any_transform() {
           {"sheared, mirrored, 1:1:100", {{-x, x * 5 + y, (x - y * 3 + z) * 100}}}};
 }
 
-// In a closed white box of radiance 1 and albedo 1/2 everything white has the radiance 2: planes,
-// as they have no shading of their own.
+// In a closed box of radiance 1 and albedo 1/2, everything white has the radiance 2. The
+// isosurfaces are planes, whose shading normals equal the geometric ones.
 Scene<3> furnace_of_planes(const Affine<3>& transform) {
   const auto h = [](int i, int j, int k) { return i + 2 * j + 3 * k; };
   return test::furnace(field_of({9, 9, 9}, h, transform), {20, 28}, 1, static_cast<Real>(0.5));
@@ -225,7 +226,7 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
     const RadianceGrid<3> grid = bake_with_fixed_samples(scene, settings, progress).grids[0];
     double sum = 0, variance = 0, texels = 0;
     for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
-      // Black texels are corners of the isovalue range's bounds that no isosurface of it reaches.
+      // Black texels are active, but no isosurface of the isovalue range reaches their box.
       texels += grid.radiance[s].x > 0;
       sum += grid.radiance[s].x;
       variance += grid.radiance_error[s] * grid.radiance_error[s];
@@ -233,7 +234,7 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
     const double z_score = (sum - 2 * texels) / std::sqrt(variance);
     if (!test::sanitized) {
       EXPECT_GT(texels, 0.9 * static_cast<double>(grid.radiance.size())) << name;
-      // Six tests at a level of 1e-4 together.
+      // Six tests share a significance of 1e-4.
       EXPECT_LT(std::abs(z_score), 4.3) << name;
     }
     test::figure("furnace, " + name + ": mean radiance over 2", sum / texels / 2);
@@ -241,9 +242,9 @@ TEST(NumericsVolumes, FurnaceInAnyTransform) {
   }
 }
 
-// The photons' density is one over the area of isosurfaces, which follows from gradients: in the
-// wrong space they are off by the ratio of the axes. The mean of four seeds has a noise of about 2
-// %.
+// The photon density divides by the area of isosurfaces, which depends on gradients. Gradients in
+// the wrong space would change it by the ratio of the axes. The mean of four seeds has a noise of
+// about 2 %.
 TEST(NumericsVolumes, PhotonsInAnyTransform) {
   constexpr int seeds = 4;
   for (const auto& [name, transform] : any_transform()) {
@@ -268,7 +269,7 @@ TEST(NumericsVolumes, PhotonsInAnyTransform) {
   }
 }
 
-// An isovalue range is as narrow as its owner likes: the radiance is 2 on the isosurfaces of all.
+// In any narrow isovalue range, the radiance must be 2 on all isosurfaces.
 TEST(NumericsVolumes, FurnaceInNarrowRanges) {
   for (const double height : {1e-2, 1e-3, 1e-12}) {
     for (const EstimatorName estimator : estimators) {
@@ -291,7 +292,8 @@ TEST(NumericsVolumes, FurnaceInNarrowRanges) {
       const double mean = sum / n, error = std::sqrt((square / n - mean * mean) / n);
       std::ostringstream what;
       what << "furnace, isovalue range of " << height << ", " << traits_of(estimator).name;
-      // Neighboring points share texels and photons: eight count as one. Shading normals cost 1 %.
+      // Neighboring points share texels and photons, so eight count as one. Shading normals cost 1
+      // %.
       if (!test::sanitized) {
         EXPECT_LT(std::abs(mean - 2), 4 * std::sqrt(8) * error + 0.02) << what.str();
       }
@@ -301,17 +303,16 @@ TEST(NumericsVolumes, FurnaceInNarrowRanges) {
   }
 }
 
-// The same ball stored from right to left: the same texels are lit, by the same light but for
-// noise.
+// A mirrored ball must have the same lit texels, with the same light except for noise.
 TEST(NumericsVolumes, StoredTheOtherWayRound) {
   Affine<3> mirror{{Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}};
-  const auto off_centre = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
-  const auto reversed = [&](int i, int j, int k) { return off_centre(12 - i, j, k); };
+  const auto off_center = [](int i, int j, int k) { return ball(i + 2, j, k - 1); };
+  const auto reversed = [&](int i, int j, int k) { return off_center(12 - i, j, k); };
   FixedSettings<3> settings = quick(EstimatorName::path);
   settings.samples = test::fewer(64);
   Progress first, second;
   const RadianceGrid<3> a =
-      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, off_centre), {0.6, 0.9}),
+      bake_with_fixed_samples(test::cornell(field_of({13, 13, 13}, off_center), {0.6, 0.9}),
                               settings, first)
           .grids[0];
   const RadianceGrid<3> b =

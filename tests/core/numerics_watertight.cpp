@@ -5,15 +5,15 @@
 namespace leaflight {
 namespace {
 
-// The unit cube far from the origin: coordinates keep 36 of their 53 bits.
+// Returns a scene of the unit cube far from the origin, where coordinates keep 36 of their 53 bits.
 Scene<3> displaced(Field<3> field) {
   field.index_to_world.origin += Vec3(1e5, -1e5, 1e5);
   return test::scene_of(make_field<3>(field.values, field.dims, field.index_to_world, field.owner),
                         Rgb(1), {0, 1});
 }
 
-// Returns any point, or a point of a face, an edge or a corner of the grid. Rays leak through
-// cracks where cells meet.
+// Returns a random point, or a point of a face, an edge or a corner of the grid. Through cracks
+// between cells, rays would leak at such points.
 Vec3 target(Random& random, int voxels) {
   Vec3 p;
   const int on_grid = static_cast<int>(4 * random.uniform());
@@ -24,8 +24,8 @@ Vec3 target(Random& random, int voxels) {
   return p;
 }
 
-// Rays from points above the isovalue: none leaves the closed isosurface, and each hits it from
-// above.
+// Expects rays that start above the isovalue to hit the closed isosurface from above, and none to
+// leave it.
 void expect_closed(const std::string& name, Field<3> field, double c, std::int64_t rays) {
   const Scene<3> scene = displaced(std::move(field));
   const SceneTracer<3> tracer(scene);
@@ -51,8 +51,8 @@ void expect_closed(const std::string& name, Field<3> field, double c, std::int64
   test::figure(name + ": leaks", leaks);
 }
 
-TEST(NumericsWatertight, BallOffCentre) {
-  expect_closed("ball off centre", test::ball<3>(24, {0.43, 0.56, 0.47}), 0.71,
+TEST(NumericsWatertight, BallOffCenter) {
+  expect_closed("ball off center", test::ball<3>(24, {0.43, 0.56, 0.47}), 0.71,
                 test::trials(1'000'000, 100'000'000));
 }
 
@@ -60,7 +60,7 @@ TEST(NumericsWatertight, Noise) {
   expect_closed("noise", test::noise<3>(12, 5, -1.0), 0.5, test::trials(1'000'000, 100'000'000));
 }
 
-// 8-bit data at one of their own values.
+// Test 8-bit data at one of their values.
 TEST(NumericsWatertight, IntegersAtAnIntegerIsovalue) {
   Random random(89);
   const Field<3> field = test::sampled<3>(12, [&](const Vec3& x) {

@@ -9,7 +9,7 @@ namespace leaflight {
 namespace {
 
 TEST(PassBlocks, LeaveTheNoiseToReach) {
-  // The variance falls as blocks grow.
+  // The variance is inversely proportional to the number of blocks.
   for (const int now : {4, 7, 16}) {
     for (const double more : {1.3, 1.6, 1.9}) {
       const int next = next_blocks(now, 1, 1 / more);

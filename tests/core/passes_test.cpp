@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes in passes of lines through the volume.
+// Tests bakes in passes of lines.
 #include "bake/driver/passes.h"
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "base/sampling.h"
 #include "cancelling.h"
-#include "math/error.h"
-#include "math/sampling.h"
 #include "whole_passes.h"
 
 namespace leaflight {
 namespace {
 
+using test::all_light;
 using test::expect_same_light;
 using test::in_passes;
-using test::of_all_light;
 using test::previous_light;
 using test::same_bits;
 using test::small_scene;
@@ -22,7 +22,7 @@ using test::stopped_after;
 
 TEST(Passes, AreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 5}) {
     settings.threads = threads;
@@ -36,14 +36,14 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   const Scene<3> scene = small_scene();
   BakeSettings<3> settings = in_passes();
   settings.resolution = {9, 9, 9};
-  settings.error = 0.02;  // it takes several passes
+  settings.error = 0.02;  // takes several passes
   std::vector<RadianceGrid<3>> passes;
-  Progress whole;
+  Progress first_progress;
   const auto look = [&](Baked<3>&& baked) {
     EXPECT_EQ(baked.statistics.passes, static_cast<int>(passes.size()) + 1);
     passes.push_back(std::move(baked.grids[0]));
   };
-  const Baked<3> all = bake<3>(scene, settings, whole, {look});
+  const Baked<3> all = bake<3>(scene, settings, first_progress, {look});
   passes.push_back(all.grids[0]);
   EXPECT_FALSE(all.statistics.stopped);
   ASSERT_GE(passes.size(), 2u);
@@ -53,14 +53,14 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   EXPECT_TRUE(stopped.statistics.stopped);
   EXPECT_EQ(stopped.statistics.passes, 1);
   EXPECT_TRUE(same_bits(passes[0], stopped.grids[0]));
-  // Nobody needs to look on.
+  // A bake without a callback.
   Progress alone;
   EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
 }
 
 TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
-  BakeSettings<3> settings = of_all_light(17);
+  BakeSettings<3> settings = all_light(17);
   Progress progress;
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
@@ -73,23 +73,23 @@ TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   expect_same_light(bakes);
 }
 
-// The mean difference of two grids, of both sides, over the mean of the second; and how the means
-// differ.
+// The mean difference of two grids over both sides, relative to the mean of the second, and the
+// relative difference of the means.
 struct Difference {
-  double of_texels = 0, of_means = 0;
+  double per_texel = 0, in_mean = 0;
 
   Difference(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
     add(a.radiance, b.radiance);
     add(a.radiance_back, b.radiance_back);
-    of_texels /= all;
-    of_means /= all;
+    per_texel /= all;
+    in_mean /= all;
   }
 
  private:
   void add(const std::vector<Vec<3, float>>& a, const std::vector<Vec<3, float>>& b) {
     for (std::size_t s = 0; s < a.size(); ++s) {
-      of_texels += std::abs(a[s].y - b[s].y);
-      of_means += a[s].y - b[s].y;
+      per_texel += std::abs(a[s].y - b[s].y);
+      in_mean += a[s].y - b[s].y;
       all += b[s].y;
     }
   }
@@ -113,7 +113,7 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     settings.resolution = Index<3>{texels, texels, texels};
     settings.seed = 9;
     const Baked<3> truth = stopped_after(5, scene, settings);
-    // A single bake may be nearer by chance.
+    // A single bake may be closer by chance.
     constexpr int seeds = 4;
     double now = 0, then = 0, means = 0, noise = 0;
     for (int seed = 0; seed < seeds; ++seed) {
@@ -124,9 +124,9 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
       const Baked<3> continued = stopped_after(1, scene, settings, &previous);
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
-      now += one.of_texels / seeds;
-      then += other.of_texels / seeds;
-      means += (one.of_means - other.of_means) / seeds;
+      now += one.per_texel / seeds;
+      then += other.per_texel / seeds;
+      means += (one.in_mean - other.in_mean) / seeds;
       noise += continued.statistics.noise_percent / uninterrupted.statistics.noise_percent / seeds;
     }
     EXPECT_LT(now, 1.1 * then) << name;
@@ -145,12 +145,13 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   const std::vector<PreviousLight<3>> previous =
       previous_light(stopped_after(1, glowing, settings));
   const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
-  // Within the ball most light is reflected more than once.
-  EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).of_means, 0,
+  // Inside the ball, most light is reflected more than once.
+  EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).in_mean, 0,
               test::sanitized ? 0.05 : 0.02);
 }
 
-// Compares the error that bakes report with their difference from the mean of other bakes.
+// Compares the errors that continued bakes report with their differences from the mean of other
+// bakes.
 TEST(Passes, ContinuedKnowTheirError) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
@@ -159,7 +160,7 @@ TEST(Passes, ContinuedKnowTheirError) {
   Progress progress;
   constexpr int bakes = 8;
   std::vector<Vec<3, float>> sum_of_others;
-  std::vector<float> variance;  // of that sum
+  std::vector<float> variance;  // variance of the sum
   for (int i = 0; i < bakes; ++i) {
     settings.seed = 9 + i;
     const RadianceGrid<3> other = bake(scene, settings, progress).grids[0];
@@ -187,7 +188,7 @@ TEST(Passes, ContinuedKnowTheirError) {
     const std::vector<PreviousLight<3>> previous =
         previous_light(stopped_after(1, scene, settings));
     const Baked<3> continued = stopped_after(1, scene, settings, &previous);
-    // Once more.
+    // Continue a second time.
     const std::vector<PreviousLight<3>> again = previous_light(continued);
     const double twice = coverage(stopped_after(1, scene, settings, &again));
     sum += (coverage(continued) + twice) / 2;
@@ -203,7 +204,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   coarse.resolution = {9, 9, 9};
   Progress progress;
   const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
-  // A first picture has other texels, too, so the bake starts from the beginning.
+  // A first picture has other texels, so a bake that continues it starts from the beginning.
   EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
                         bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
@@ -213,7 +214,7 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
 TEST(Passes, EndInTime) {
   BakeSettings<3> settings = in_passes();
   settings.error = 1e-4;
-  settings.seconds = 1e-9;  // over before the second pass
+  settings.seconds = 1e-9;  // is over before the second pass
   Progress progress;
   const Baked<3> baked = bake(small_scene(), settings, progress);
   EXPECT_TRUE(baked.statistics.stopped);
@@ -235,7 +236,7 @@ TEST(Passes, ExpectTheirWorkAndThatOfTheWalls) {
 double seconds_to_cancel_passes() {
   const Scene<3> scene = test::cornell(test::ball<3>(65), {0.3, 0.9});
   BakeSettings<3> settings = in_passes();
-  settings.error = 1e-4;  // not reached
+  settings.error = 1e-4;  // is not reached
   return test::seconds_to_cancel([&](Progress& progress) { bake(scene, settings, progress); });
 }
 
@@ -245,32 +246,32 @@ TEST(Passes, AreCancelledWithinHalfASecond) {
   EXPECT_LT(seconds_to_cancel_passes(), test::sanitized ? 5 : 0.5);
 }
 
-// The radiance of each texel's center, whose isosurface is that of the center.
+// Calls check(position, value) for the center of each texel.
 template <class Check>
-void for_each_centre(const Scene<3>& scene, const Baked<3>& baked, Check check) {
+void for_each_center(const Scene<3>& scene, const Baked<3>& baked, Check check) {
   const RadianceGrid<3>& grid = baked.grids[0];
   const Field<3>& field = test::field_of(scene);
   std::size_t checked = 0;
   for (std::size_t s = 0; s < grid.lattice.active.size(); ++s) {
-    const Vec3 centre = grid.lattice.centre(grid.lattice.active[s]);
-    const CellPoint<3> at = locate(field, centre);
+    const Vec3 center = grid.lattice.center(grid.lattice.active[s]);
+    const CellPoint<3> at = locate(field, center);
     const double c = interpolate(load_corners(field, at.cell), at.local);
     if (!scene.isovalue_range.contains(c)) continue;
-    check(field.index_to_world.point(centre), c, s);
+    check(field.index_to_world.point(center), c, s);
     ++checked;
   }
   EXPECT_GT(checked, 100u);
 }
 
 TEST(Passes, PlanesInTheSunAreExact) {
-  // h falls with z, so that isosurfaces are planes which face up.
+  // h decreases with z, so isosurfaces are planes that face up.
   Scene<3> scene = test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return 1 - x.z; }),
                                   Rgb(0.5f), {0.2, 0.8});
   const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
   scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
   Progress progress;
   const Baked<3> baked = bake(scene, in_passes(), progress);
-  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double factor = 0.5 / pi * -down.z;
     const auto& radiance = baked.grids[0].radiance[s];
     EXPECT_NEAR(radiance.x, 2 * factor, 1e-5);
@@ -288,19 +289,19 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   light.intensity = Rgb(3.0f);
   scene.lights.push_back(light);
   BakeSettings<3> settings = in_passes();
-  settings.resolution = {65, 65, 65};  // by default, but with sanitizers too
+  settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
-  for_each_centre(scene, baked, [&](const Vec3& x, double, std::size_t s) {
-    const Vec3 way = lamp - x;
-    const double expected = 0.8 / pi * 3 * way.z / std::pow(way.length(), 3);
-    // The tolerance is for the width of a texel.
+  for_each_center(scene, baked, [&](const Vec3& x, double, std::size_t s) {
+    const Vec3 to_lamp = lamp - x;
+    const double expected = 0.8 / pi * 3 * to_lamp.z / std::pow(to_lamp.length(), 3);
+    // The tolerance covers the width of a texel.
     EXPECT_NEAR(baked.grids[0].radiance[s].x, expected, 0.02 * expected);
   });
 }
 
 TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
-  // Spheres of radius 0.4 to 0.1 about the light.
+  // Isosurfaces are spheres of radius 0.4 to 0.1 about the light.
   Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
   PointLight<3> light;
   light.position = Vec3(0.5);
@@ -313,8 +314,8 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   ASSERT_TRUE(baked.grids[0].has_back());
   double ratio = 0;
   int count = 0;
-  for_each_centre(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
-    if (c > 0.8) return;  // texels are wide for so small a sphere
+  for_each_center(scene, baked, [&](const Vec3& x, double c, std::size_t s) {
+    if (c > 0.8) return;  // texels are too wide for such a small sphere
     // The inside receives I / r^2. A sphere also lights itself equally everywhere, so that it
     // reflects a / (1 - a) I / (pi r^2). The albedo a is a half.
     const double expected = 1 / (pi * (x - Vec3(0.5)).length2());
@@ -323,8 +324,8 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
     ++count;
   });
   if (test::sanitized) return;
-  // Lines look indirect light up half a texel nearer to the light than the isosurface that they
-  // meet.
+  // Lines look up indirect light half a texel closer to the light than the isosurface that they
+  // hit.
   EXPECT_NEAR(ratio / count, 1, 0.08);
 }
 
@@ -332,12 +333,12 @@ TEST(Passes, FurnaceIsUniform) {
   if (test::sanitized) GTEST_SKIP() << "statistics are for other builds";
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
-  settings.exposure = 0.2;  // so that no color is white, whose noise would not count
+  settings.exposure = 0.2;  // so that no color is white, whose noise would be ignored
   Progress progress;
   const Baked<3> baked = bake(scene, settings, progress);
   double sum = 0, square = 0;
   int count = 0;
-  for_each_centre(scene, baked, [&](const Vec3&, double, std::size_t s) {
+  for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double off = baked.grids[0].radiance[s].y / 2 - 1;  // emission / (1 - albedo) = 2
     sum += off;
     square += off * off;

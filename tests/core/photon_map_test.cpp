@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/error.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/sampling.h"
 #include "surface/project.h"
 #include "thesis/thesis_estimator.h"
 #include "transport/isosurface_cache.h"
@@ -26,7 +26,7 @@ TEST(DensityRegion, WithoutClippingTheClosedFormIsTheSpheres) {
   }
   EXPECT_NEAR(clipped_sphere_volume<3>(d, kappa, 0, d), sphere_volume<3>(d, kappa) / 2, 1e-15);
   EXPECT_NEAR(clipped_sphere_volume<2>(d, kappa, 0, d), sphere_volume<2>(d, kappa) / 2, 1e-15);
-  // On a steep field the ellipsoid of the isosurfaces is the sphere.
+  // On a steep field the ellipsoid becomes the sphere.
   EXPECT_NEAR(graph_volume<3>(d, kappa, 1e9), sphere_volume<3>(d, kappa), 1e-15);
 }
 
@@ -42,7 +42,7 @@ TEST(KdTree, FindsTheNearest) {
     for (float& x : p) x = static_cast<float>(random.uniform());
   }
   const KdTree<3> tree(points);
-  std::vector<Neighbour> found;
+  std::vector<Neighbor> found;
   for (int i = 0; i < 50; ++i) {
     const KdTree<3>::Query query{random.uniform(), random.uniform(), random.uniform()};
     std::vector<double> all;
@@ -53,7 +53,7 @@ TEST(KdTree, FindsTheNearest) {
     std::sort(all.begin(), all.end());
     tree.nearest(query, 20, 1e9, found);
     std::vector<double> distances;
-    for (const Neighbour& n : found) distances.push_back(n.distance2);
+    for (const Neighbor& n : found) distances.push_back(n.distance2);
     std::sort(distances.begin(), distances.end());
     ASSERT_EQ(distances.size(), 20u);
     for (int k = 0; k < 20; ++k) ASSERT_DOUBLE_EQ(distances[k], all[k]);
@@ -64,8 +64,8 @@ TEST(KdTree, FindsTheNearest) {
   EXPECT_TRUE(found.empty());
 }
 
-// Photons on the isosurfaces of h = slope * (last coordinate), uniform, of irradiance 1 outside and
-// 3 inside.
+// Returns uniform photons on the isosurfaces of h = slope * (last coordinate), with the irradiance
+// 1 outside and 3 inside.
 template <int D>
 std::vector<StoredPhoton<D>> plane_photons(int n, double slope, std::uint64_t seed) {
   std::vector<StoredPhoton<D>> photons(2 * n);
@@ -83,7 +83,7 @@ std::vector<StoredPhoton<D>> plane_photons(int n, double slope, std::uint64_t se
   return photons;
 }
 
-// The mean of estimates of 1 in the middle of the domain.
+// Returns the mean of irradiance estimates in the middle of the domain; the true irradiance is 1.
 template <int D>
 double mean_irradiance(const PhotonMap<D>& map, double slope, bool back) {
   Random random(9);
@@ -111,7 +111,7 @@ void check_plane(double g, DensityRegion region, double expected, double toleran
   EXPECT_NEAR(mean_irradiance(map, slope, true), 3 * expected, 3 * tolerance);
 }
 
-// 4000 estimates of 200 photons each, which overlap: a standard error of about 0.3 %.
+// Computes 4000 overlapping estimates of 200 photons each; the standard error is about 0.3 %.
 template <class Dimension>
 class PlanePhotons : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -127,7 +127,8 @@ TYPED_TEST(PlanePhotons, HaveTheBiasesStated) {
     check_plane<D>(slope, DensityRegion::box, 1, 0.015);
     check_plane<D>(slope, DensityRegion::cylinder, 1, 0.015);
   }
-  // Clipping at the photons found instead of the true ends leaves the volume a little small.
+  // The clip uses the isovalues of the found photons instead of the true ends, so the volume is
+  // slightly too small.
   check_plane<D>(10, DensityRegion::clipped_sphere, 1.01, 0.015);
 }
 
@@ -178,16 +179,16 @@ struct Expected {
   DensityRegion region;
   double ratio;
 };
-// The last photon counts, which adds 0.5 %; the sphere is 0.5 % too large where kappa |grad h| is
-// 10; clipping at the photons found instead of the true ends adds 1 %.
+// Stated biases: the last photon adds 0.5 %; the sphere is 0.5 % too large at kappa |grad h| = 10;
+// the clip at the found photons adds 1 %.
 const std::vector<Expected> stated{{DensityRegion::sphere, 1},
                                    {DensityRegion::clipped_sphere, 1.015},
                                    {DensityRegion::box, 1},
                                    {DensityRegion::cylinder, 1},
                                    {DensityRegion::graph, 1.005}};
 
-// The ratio of the mean indirect radiance over many isosurfaces to that of IsosurfaceCache with the
-// same photons.
+// Returns the ratio of the mean indirect radiance over many isosurfaces to that of IsosurfaceCache
+// with the same photons.
 template <int D>
 void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
   if (test::sanitized) count /= 32;

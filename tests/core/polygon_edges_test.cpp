@@ -14,7 +14,7 @@ namespace {
 
 using Edge = std::array<std::int32_t, 2>;
 
-// The same by a map.
+// Compares the edges with those that a std::map finds.
 void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t vertices) {
   const std::size_t polygons = corners.size() / sides;
   const PolygonEdges edges = polygon_edges(corners.data(), polygons, sides, vertices);
@@ -32,9 +32,9 @@ void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::s
     expected.push_back(edge);
   }
   EXPECT_EQ(edges.vertices, expected);
-  ASSERT_EQ(edges.of_corner.size(), corners.size());
+  ASSERT_EQ(edges.corner_edge.size(), corners.size());
   for (std::size_t corner = 0; corner < corners.size(); ++corner) {
-    EXPECT_EQ(edges.of_corner[corner], numbers.at(edge_from(corner)));
+    EXPECT_EQ(edges.corner_edge[corner], numbers.at(edge_from(corner)));
   }
 }
 
@@ -43,7 +43,7 @@ TEST(PolygonEdges, OfTwoQuads) {
   const PolygonEdges edges = polygon_edges(corners.data(), 2, 4, 6);
   const std::vector<Edge> expected{{0, 1}, {0, 3}, {1, 2}, {2, 3}, {2, 5}, {3, 4}, {4, 5}};
   EXPECT_EQ(edges.vertices, expected);
-  EXPECT_EQ(edges.of_corner, (std::vector<std::int32_t>{0, 2, 3, 1, 3, 4, 6, 5}));
+  EXPECT_EQ(edges.corner_edge, (std::vector<std::int32_t>{0, 2, 3, 1, 3, 4, 6, 5}));
 }
 
 TEST(PolygonEdges, OfAClosedSurface) {
@@ -59,7 +59,7 @@ TEST(PolygonEdges, OfAClosedSurface) {
 TEST(PolygonEdges, OfAnyPolygons) {
   std::mt19937 random(1);
   for (const int sides : {3, 4}) {
-    // Few vertices, so that many polygons share an edge and many edges a vertex.
+    // Use few vertices, so that many polygons share an edge and many edges share a vertex.
     for (const int vertices : {5, 40, 1000}) {
       std::uniform_int_distribution<std::int32_t> any(0, vertices - 1);
       std::vector<std::int32_t> corners(300 * sides);
@@ -71,7 +71,7 @@ TEST(PolygonEdges, OfAnyPolygons) {
 
 TEST(PolygonEdges, OfNothing) {
   const PolygonEdges edges = polygon_edges(nullptr, 0, 3, 0);
-  EXPECT_TRUE(edges.vertices.empty() && edges.of_corner.empty());
+  EXPECT_TRUE(edges.vertices.empty() && edges.corner_edge.empty());
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes in passes of rays: of several volumes, beside mirrors, of glass.
+// Tests bakes in passes of rays: several volumes, mirrors and glass.
 #include "bake/driver/ray_bake.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "whole_passes.h"
 
 namespace leaflight {
@@ -16,7 +16,7 @@ using test::previous_light;
 using test::same_bits;
 using test::stopped_after;
 
-// Two balls in boxes that overlap. The upper ball throws a shadow on the lower one.
+// Returns two balls in overlapping boxes. The upper one casts a shadow on the lower one.
 Scene<3> two_balls(int voxels = 17) {
   Scene<3> scene = test::cornell(test::ball<3>(voxels), {0.6, 0.9});
   scene.volumes.push_back(scene.volumes[0]);
@@ -26,7 +26,7 @@ Scene<3> two_balls(int voxels = 17) {
   return scene;
 }
 
-// Two balls that overlap.
+// Returns two overlapping balls.
 Scene<3> merged_balls() {
   Scene<3> scene = two_balls(33);
   Field<3>& field = scene.volumes[1].field;
@@ -41,13 +41,13 @@ Scene<3> beside_a_mirror() {
   return scene;
 }
 
-Scene<3> of_glass() {
+Scene<3> glass_scene() {
   Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
   scene.volumes[0].scattering = Scattering::glass;
   return scene;
 }
 
-// Lighting walls at all nodes takes most of the time.
+// Keeps only one wall, because lighting walls at all nodes takes most of the time.
 Scene<3> with_one_wall(Scene<3> scene) {
   scene.meshes.resize(1);
   return scene;
@@ -87,7 +87,7 @@ TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
-  for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(of_glass())}) {
+  for (const Scene<3>& scene : {with_one_wall(two_balls()), with_one_wall(glass_scene())}) {
     BakeSettings<3> settings = by_rays(20);
     settings.walls = true;
     settings.resolution = {9, 9, 9};

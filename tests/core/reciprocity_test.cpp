@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Light may be followed from its source or to it, and none is lost on the way.
+// Tests that light paths are reversible, and that energy is conserved.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ template <int D>
 void expect_reversible() {
   Random random(1);
   SurfacePoint<D> point;
-  point.on = WallHit{};
+  point.on = MeshHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(0.9f, 0.5f, 0.2f);
   Vec<D> normal(0.0);
@@ -29,19 +29,19 @@ void expect_reversible() {
     Vec<D> direction(0.0);
     direction[0] = 2 * random.uniform() - 1;
     direction[D - 1] = -std::sqrt(1 - direction[0] * direction[0]);
-    const SpecularBounce<D> there = specular_bounce<D>(point, direction, random.uniform());
-    const bool refracted = there.direction[D - 1] < 0;
-    const SurfacePoint<D>& from = refracted ? there.from : point;
-    // The least u reflects and the greatest refracts, as long as both are possible.
+    const SpecularBounce<D> forward = specular_bounce<D>(point, direction, random.uniform());
+    const bool refracted = forward.direction[D - 1] < 0;
+    const SurfacePoint<D>& from = refracted ? forward.from : point;
+    // The smallest u reflects and the largest refracts, if both are possible.
     const SpecularBounce<D> back =
-        specular_bounce<D>(from, -there.direction, refracted ? 1 - 1e-12 : 0);
+        specular_bounce<D>(from, -forward.direction, refracted ? 1 - 1e-12 : 0);
     ASSERT_LT((back.direction + direction).length(), 1e-6);
-    ASSERT_NEAR(back.radiance_scale * there.radiance_scale, 1, 1e-6);
-    ASSERT_NEAR(back.weight.x, there.weight.x, 1e-6);
+    ASSERT_NEAR(back.radiance_scale * forward.radiance_scale, 1, 1e-6);
+    ASSERT_NEAR(back.weight.x, forward.weight.x, 1e-6);
     if (!refracted) continue;
     ++through;
-    EXPECT_NEAR(there.radiance_scale, std::pow(point.ior, 1 - D), 1e-6);
-    const double cosine = -direction[D - 1], other = -there.direction[D - 1];
+    EXPECT_NEAR(forward.radiance_scale, std::pow(point.ior, 1 - D), 1e-6);
+    const double cosine = -direction[D - 1], other = -forward.direction[D - 1];
     EXPECT_NEAR(fresnel_reflectance(cosine, point.ior), fresnel_reflectance(other, 1 / point.ior),
                 1e-9);
   }
@@ -52,8 +52,8 @@ TEST(Reciprocity, OfGlass) {
   expect_reversible<3>();
 }
 
-// A flat isosurface, whose shading normals are the geometric ones, in a box with a mirror on one
-// side, and two plates. The first plate, or the second, emits.
+// Returns a flat isosurface, whose shading normals are geometric, in a box with two plates and a
+// mirror on one side. The first or the second plate emits.
 constexpr double plate_area = 0.3 * 0.2;
 Scene<3> plates(int emitter, const Field<3>& isosurfaces) {
   Scene<3> scene = test::cornell(isosurfaces, {0.2, 0.8});
@@ -68,8 +68,8 @@ Scene<3> plates(int emitter, const Field<3>& isosurfaces) {
 Field<3> flat_isosurfaces() {
   return test::sampled<3>(9, [](const Vec3& x) { return x.z; });
 }
-// Folded at every plane of voxels by right angles, which central differences do not see: they are
-// shaded as flat ones are.
+// Returns isosurfaces with a right-angled fold at every plane of voxels. Central differences do not
+// see the folds, so the isosurfaces are shaded like flat ones.
 Field<3> creased_isosurfaces() {
   constexpr int n = 17;
   return test::sampled<3>(n, [](const Vec3& x) {
@@ -81,7 +81,8 @@ struct Flux {
   Imath::V3d mean{0}, variance{0};
 };
 
-// Flux over both sides of a plate, which emit alike, by paths from it.
+// Returns the flux that both sides of a plate receive, by path tracing from it. The plates emit
+// equally.
 Flux received(const Scene<3>& scene, int plate, int points) {
   const int mesh = static_cast<int>(scene.meshes.size()) - 2 + plate;
   Random random(3 + plate);
@@ -112,12 +113,12 @@ void expect_same(const Flux& a, const Flux& b, double most_error) {
   }
 }
 
-// Each of two plates receives the same light from the other (Helmholtz), over all paths.
+// Two plates must exchange the same flux in both directions, over all paths (Helmholtz).
 TEST(Reciprocity, OfTwoPlates) {
   constexpr int points = test::fewer(6000);
-  const Flux there = received(plates(0, flat_isosurfaces()), 1, points);
+  const Flux flux = received(plates(0, flat_isosurfaces()), 1, points);
   const Flux back = received(plates(1, flat_isosurfaces()), 0, points);
-  expect_same(there, back, 0.02);
+  expect_same(flux, back, 0.02);
 }
 
 // Photons follow paths in reverse. Shading normals that differ from the normals of the surface
@@ -128,7 +129,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     SCOPED_TRACE(i);
     Scene<3> scene = plates(0, fields[i]);
     const Flux paths = received(scene, 1, test::fewer(3000));
-    // All photons belong to the isosurface of the paths.
+    // All photons get the isovalue of the paths.
     const double c = 0.5, height = 1e-6;
     scene.isovalue_range = {c - height / 2, c + height / 2};
     const SceneTracer<3> tracer(scene);
@@ -140,7 +141,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
     for (int b = 0; b < batches; ++b) {
       trace_photons(tracer, lights, PhotonPaths::all, 100 + b, 0, count, count,
                     [&](const PhotonHit<3>& hit) {
-                      if (hit.point.kind() == HitKind::walls && hit.point.facet().mesh == plate) {
+                      if (hit.point.kind() == HitKind::mesh && hit.point.facet().mesh == plate) {
                         sums[b] += Imath::V3d(hit.flux_height);
                       }
                     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights at other strengths than those that were baked, against scenes that were baked with them.
+// Tests bakes whose lights have other strengths afterwards, against bakes with these strengths.
 #include <gtest/gtest.h>
 
 #include "scenes.h"
@@ -13,8 +13,8 @@ Progress ignored;
 
 const Rgb first_factor(3, 0.5f, 0), second_factor(0.25f, 2, 7);
 
-// A ball over a floor with an area light, a spot and a small mesh that glows. The light's strengths
-// are factors; zero leaves a light out.
+// Returns a ball over a floor with an area light, a spot light and a small emissive mesh. The
+// arguments scale the lights; zero removes one.
 Scene<3> room(const Rgb& first, const Rgb& second, const Rgb& glow) {
   Scene<3> scene = test::scene_of(test::ball<3>(25), Rgb(0.7f, 0.6f, 0.5f), {0.6, 0.9});
   scene.meshes.push_back(
@@ -51,7 +51,7 @@ void expect_equal(const Imath::V3d& found, const Imath::V3d& truth, double scale
 TEST(Relit, DirectLightIsThatOfTheOtherStrengths) {
   const Scene<3> scene = room(Rgb(1), Rgb(1), Rgb(1));
   const DirectLight<3> found = direct_light(scene).scaled({first_factor, second_factor});
-  // Points are where lights are, whatever their strengths: none of these is black.
+  // Light points depend on positions, so no light may be black here.
   const DirectLight<3> truth = direct_light(room(first_factor, second_factor, Rgb(1)));
   double most = 0;
   for_some_positions(test::field_of(scene), [&](const Vec3& position, bool back) {
@@ -69,16 +69,16 @@ TEST(Relit, DirectLightAddsUpOverLights) {
   const DirectLight<3> all = direct_light(scene);
   const DirectLight<3> dark = all.scaled({Rgb(0), Rgb(0)}), first = all.scaled({Rgb(1), Rgb(0)}),
                        second = all.scaled({Rgb(0), Rgb(1)});
-  double of_first = 0, of_second = 0, of_glow = 0;
+  double first_change = 0, second_change = 0, glow_light = 0;
   for_some_positions(field, [&](const Vec3& position, bool back) {
     const Imath::V3d glow(dark.radiance(field, position, back)),
         one(first.radiance(field, position, back)), other(second.radiance(field, position, back));
-    of_first = std::max(of_first, (one - glow).length());
-    of_second = std::max(of_second, (other - glow).length());
-    of_glow = std::max(of_glow, glow.length());
+    first_change = std::max(first_change, (one - glow).length());
+    second_change = std::max(second_change, (other - glow).length());
+    glow_light = std::max(glow_light, glow.length());
     expect_equal(one + other - glow, Imath::V3d(all.radiance(field, position, back)), 1);
   });
-  for (const double most : {of_first, of_second, of_glow}) EXPECT_GT(most, 0.001);
+  for (const double most : {first_change, second_change, glow_light}) EXPECT_GT(most, 0.001);
 }
 
 TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
@@ -89,12 +89,12 @@ TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
       direct(room(Rgb(1), Rgb(1), Rgb(1))).scaled({first_factor, second_factor});
   const MeshDirectLight<3> truth = direct(room(first_factor, second_factor, Rgb(1)));
   for (const bool back : {false, true}) {
-    const auto own = found.radiance(0, 0.75, back), other = truth.radiance(0, 0.75, back);
-    ASSERT_EQ(own.size(), other.size());
+    const auto relit = found.radiance(0, 0.75, back), other = truth.radiance(0, 0.75, back);
+    ASSERT_EQ(relit.size(), other.size());
     float most = 0;
-    for (std::size_t v = 0; v < own.size(); ++v) {
+    for (std::size_t v = 0; v < relit.size(); ++v) {
       most = std::max(most, other[v].length());
-      expect_equal(Imath::V3d(own[v]), Imath::V3d(other[v]), 1);
+      expect_equal(Imath::V3d(relit[v]), Imath::V3d(other[v]), 1);
     }
     if (!back) {
       EXPECT_GT(most, 0.1);
@@ -102,37 +102,37 @@ TEST(Relit, DirectLightOfMeshesIsThatOfTheOtherStrengths) {
   }
 }
 
-// Binary fractions, so that both scenes take the same decisions in floating point.
+// Use powers of two, so that both scenes take the same branches in floating point.
 TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
   const auto baked = [](Real brighter) {
     Scene<3> scene = test::small_scene();
     auto& lamp = std::get<AreaLight<3>>(scene.lights[0]);
     lamp.radiance *= brighter;
-    BakeSettings<3> settings = test::of_all_light(17);
+    BakeSettings<3> settings = test::all_light(17);
     settings.exposure = 1 / brighter;
     Progress progress;
     return bake(scene, settings, progress);
   };
   const Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);
-  const Baked<3> own = baked(1), truth = baked(4);
+  const Baked<3> original = baked(1), truth = baked(4);
   const std::vector<Rgb> factors{Rgb(4)};
   const Rgb indirect = indirect_shares(SceneTracer<3>(scene)).factor(factors);
   EXPECT_EQ(indirect, Rgb(4));
-  const RadianceGrid<3>& grid = own.grids[0];
+  const RadianceGrid<3>& grid = original.grids[0];
   const DirectLight<3> direct = grid.direct->scaled(factors);
   const ShownGrid<3> shown(grid, &direct, Vec<3, float>(indirect));
   for (const bool back : {false, true}) {
     if (back && !grid.has_back()) continue;
     for (const std::uint32_t texel : grid.lattice.active) {
-      const Vec3 position = grid.lattice.centre(texel);
+      const Vec3 position = grid.lattice.center(texel);
       const Imath::V3d expected(radiance_at(truth.grids[0], field, position, back));
       expect_equal(Imath::V3d(radiance_at(shown, field, position, back)), expected,
                    1 + expected.length());
     }
   }
   if (test::sanitized) return;
-  const auto walls = relit(own.walls, scene.meshes, factors, Vec<3, float>(indirect));
+  const auto walls = relit(original.walls, scene.meshes, factors, Vec<3, float>(indirect));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const auto found = radiance_at(walls, static_cast<int>(m), 0.75, false),
                expected = radiance_at(truth.walls, static_cast<int>(m), 0.75, false);
@@ -145,7 +145,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
 
 TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   Scene<3> scene = test::small_scene();
-  // Two lights at one place: equal power in red, three times the power in green.
+  // Put two lights at one place, with equal power in red and three times the power in green.
   const Vec3 place(0.1, 0.1, 1.1);
   scene.lights = {PointLight<3>{"first", place, 0, Rgb(1, 1, 0), {}},
                   PointLight<3>{"second", place, 0, Rgb(1, 3, 0), {}}};
@@ -154,11 +154,11 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   };
   expect_equal(factor({Rgb(3), Rgb(1)}), {2, 1.5, 2}, 1);
   expect_equal(factor({Rgb(0), Rgb(0)}), {0, 0, 0}, 1);
-  // A light behind the back wall lights nothing that is seen.
+  // A light behind the back wall lights nothing visible.
   scene.lights.emplace_back(PointLight<3>{"hidden", {0.5, 3, 0.5}, 0, Rgb(50), {}});
   expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
   scene.lights.pop_back();
-  // Another source has the strength that it had.
+  // Another emitter keeps its strength.
   scene.environment =
       Environment<3>{"world", Rgb(0.2f), nullptr, {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}};
   const Imath::V3d dark = factor({Rgb(0), Rgb(0)}), double_light = factor({Rgb(2), Rgb(2)});
@@ -171,14 +171,14 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   EXPECT_GT(dark.x, dark.y);
 }
 
-// An isosurface that glows keeps its own light, and all that comes from others is scaled.
+// An emissive isosurface keeps its own emission, while all light of lamps is scaled.
 TEST(Relit, OwnEmissionStays) {
   Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);
   const Rgb glow(0.5f, 0.25f, 1);
   scene.volumes[0].emission = ColorRamp(glow);
   Progress progress;
-  const Baked<3> baked = bake(scene, test::of_all_light(17), progress);
+  const Baked<3> baked = bake(scene, test::all_light(17), progress);
   const RadianceGrid<3>& grid = baked.grids[0];
   const std::vector<Rgb> factors{Rgb(0)};
   const DirectLight<3> direct = grid.direct->scaled(factors);
@@ -186,13 +186,13 @@ TEST(Relit, OwnEmissionStays) {
       half(grid, &direct, Vec<3, float>(0.5f)), all(grid, &direct, Vec<3, float>(1));
   double most = 0;
   for (const std::uint32_t texel : grid.lattice.active) {
-    const Vec3 position = grid.lattice.centre(texel);
-    const Imath::V3d own(radiance_at(alone, field, position, false)),
+    const Vec3 position = grid.lattice.center(texel);
+    const Imath::V3d emission(radiance_at(alone, field, position, false)),
         some(radiance_at(half, field, position, false)),
         whole(radiance_at(all, field, position, false));
-    expect_equal(own, Imath::V3d(glow), 1);
-    expect_equal(some, (own + whole) * 0.5, 1);
-    most = std::max(most, (whole - own).length());
+    expect_equal(emission, Imath::V3d(glow), 1);
+    expect_equal(some, (emission + whole) * 0.5, 1);
+    most = std::max(most, (whole - emission).length());
   }
   EXPECT_GT(most, 0.01);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The variance that averages report against the one that they have over many keys.
-#include "math/sample_average.h"
+// Tests reported variances against the true variances over many random keys.
+#include "base/sample_average.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "agreement.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/texels/texel_moments.h"
-#include "math/low_discrepancy.h"
+#include "base/low_discrepancy.h"
 #include "statistics.h"
 #include "transport/flux_accumulator.h"
 
@@ -18,7 +18,8 @@ namespace {
 
 constexpr int repeats = test::sanitized ? 1000 : 4000, samples = 32;
 
-// Over many averages: the variance of the mean, the mean of the variance reported, their errors.
+// Over many averages: the variance of the mean, the mean of the reported variance, and their
+// errors.
 struct Variances {
   double true_mean, true_error, reported_mean, reported_error;
 };
@@ -46,7 +47,7 @@ Variances variances(int block, double expected, Draw draw) {
 
 using Sample = std::pair<double, double>;  // value and weight
 
-// The variance of independent samples is right for any size of the blocks.
+// The reported variance must be right for independent samples and any block size.
 TEST(Moments, ReportTheVarianceOfIndependentSamples) {
   for (const int block : {1, 8}) {
     const Variances v = variances(block, 0.5, [](std::uint64_t key, int i) {
@@ -69,7 +70,8 @@ TEST(Moments, ReportTheVarianceOfARatio) {
               0.1 + test::z_limit(2) * std::hypot(v.true_error, v.reported_error) / v.true_mean);
 }
 
-// Blocks of a sequence account for most of its lower variance and never report too little.
+// Blocks of a low-discrepancy sequence must reveal most of its lower variance, but never report too
+// little.
 TEST(Moments, SeeTheSequenceByItsBlocks) {
   const auto smooth = [](std::uint64_t key, int i) {
     const auto u = sobol_point(i, key);
@@ -91,7 +93,7 @@ TEST(Moments, CountSamplesByTheirWeights) {
   EXPECT_EQ(Moments().average().samples, 0);
 }
 
-// The sum of the squares of fluxes is the variance of a sum of a Poisson number of them.
+// The sum of squared fluxes is the variance of the sum of a Poisson-distributed number of them.
 TEST(FluxAccumulator, KnowsItsVariance) {
   constexpr std::uint64_t photons = 1000;
   double sum = 0, sum2 = 0, reported = 0;
@@ -111,17 +113,17 @@ TEST(FluxAccumulator, KnowsItsVariance) {
     sum2 += total * total / repeats;
     reported += flux.variance(0) / repeats;
   }
-  // The variance of a variance is 2 / n of its square; 1 % are the photons that are not independent
-  // because their number is given.
+  // The variance of a variance is 2 / n of its square. The photons have a fixed number, so they are
+  // slightly dependent, which costs 1 %.
   EXPECT_NEAR(reported / (sum2 - sum * sum), 1, 0.01 + test::z_limit() * std::sqrt(2.0 / repeats));
 }
 
-TEST(PooledVariance, IsThatOfTheNeighboursSamples) {
+TEST(PooledVariance, IsThatOfTheNeighborsSamples) {
   const Field<3> field = test::sampled<3>(5, [](const Vec3& x) { return x.z; });
   const TexelLattice<3> lattice = make_lattice(field, {5, 5, 5}, -1, 2);
   std::vector<Average> averages(lattice.active.size());
   for (std::size_t s = 0; s < averages.size(); ++s) {
-    // In the middle there are fewer samples.
+    // The texel in the middle has fewer samples.
     averages[s] = {Rgb(static_cast<Real>(s % 2)), 0.5f, 10};
   }
   const auto middle = static_cast<std::size_t>(lattice.slot[lattice.linear({2, 2, 2})]);
@@ -132,9 +134,9 @@ TEST(PooledVariance, IsThatOfTheNeighboursSamples) {
   Progress progress;
   pool_variances(lattice, averages, progress);
   EXPECT_FLOAT_EQ(averages[0].variance, 0.5f);
-  // A single sample has the variance of ten times that of a mean of ten.
+  // One sample has ten times the variance of a mean of ten.
   EXPECT_FLOAT_EQ(averages[middle].variance, 5);
-  // Four of the corner's seven neighbors have an odd number and three an even one, or vice versa.
+  // Four of the corner's seven neighbors have odd numbers and three even ones, or vice versa.
   const double share = averages[empty].mean.x;
   EXPECT_TRUE(std::abs(share - 3 / 7.0) < 1e-6 || std::abs(share - 4 / 7.0) < 1e-6) << share;
   EXPECT_FLOAT_EQ(averages[empty].variance, static_cast<float>(12 / 49.0));

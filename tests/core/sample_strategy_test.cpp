@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.h"
 #include "field/bump_box.h"
 #include "fields.h"
-#include "math/error.h"
 #include "thesis/adaptive_isovalues.h"
 
 namespace leaflight {
@@ -43,7 +43,7 @@ double chi_square(const std::vector<int>& counts, double expected) {
   return sum;
 }
 
-// 64 bins of [0, extent]^2: 63 degrees of freedom, 99.99 % quantile 113.5.
+// Tests chi-square over 64 bins of [0, extent]^2: 63 degrees of freedom, 99.99 % quantile 113.5.
 template <class Position>
 void expect_uniform(const std::vector<Vec<2>>& points, Position position) {
   std::vector<int> counts(64);
@@ -74,7 +74,7 @@ TEST(SampleStrategy, StratifiedHasOnePerStratum) {
 }
 
 TEST(SampleStrategy, StrataFollowTheDomainsProportions) {
-  // 40 x 20 voxels, twice as far apart along y: a square.
+  // 40 x 20 voxels, twice as far apart along y, form a square.
   Random random(1);
   std::vector<float> values(41 * 21);
   for (float& h : values) h = static_cast<float>(random.uniform());
@@ -196,7 +196,7 @@ TEST(SampleStrategy, LevelSetTakesTheIsovaluesItIsGiven) {
     ASSERT_NEAR(h, h < 0.75 ? 0.7 : 0.8, 1e-9);
     low += h < 0.75;
   }
-  // Circles of radii 0.3 and 0.2.
+  // The isolines are circles of radius 0.3 and 0.2.
   EXPECT_NEAR(low, 600, 80);
   EXPECT_THROW(sample_positions(field, {0.75, 0.9}, settings), Error);
   settings.isovalues = std::vector<double>{};
@@ -243,8 +243,8 @@ TEST(SampleStrategy, NamesAreUnique) {
   EXPECT_THROW(sample_strategy_from("good"), Error);
 }
 
-// The greatest distance, in the unit square, from a voxel to the nearest of some isolines, taken
-// where they cross the grid's edges.
+// Returns the greatest distance in the unit square from a voxel to the nearest of some isolines,
+// given by their crossings with the grid's edges.
 double widest_gap(const Field<2>& field, const std::vector<double>& isovalues) {
   std::vector<Vec<2>> crossings;
   const auto edge = [&](const Index<2>& i, const Index<2>& j) {
@@ -289,7 +289,7 @@ TEST(AdaptiveIsovalues, LieCloserTogetherThanEquallySpacedOnes) {
   }
 }
 
-// The isosurfaces of a ramp are as far apart as their isovalues.
+// On a ramp, isosurfaces are as far apart as their isovalues, so they must be equally spaced.
 TEST(AdaptiveIsovalues, AreEquallySpacedOnARamp) {
   const auto field = test::sampled<3>(49, [](const Vec3& x) { return x.z; });
   const std::vector<double> isovalues = adaptive_isovalues(field, {0, 1}, 4);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every sampler against the density that it claims: chi-square over bins, the density integrated
-// over each. Densities are written down here once more, from the geometry.
+// Tests every sampler against its density: chi-square over bins, with the density integrated over
+// each bin. The densities are derived here independently, from the geometry.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,15 +27,15 @@ U pair(Random& random) {
   return {u, random.uniform()};
 }
 
-// Azimuth of v about n, in [0,1).
+// Returns the azimuth of v about n, in [0,1).
 double turn(const Vec3& v, const Vec3& n) {
   const auto [t, b] = tangents(n);
   const double phi = std::atan2(v.dot(b), v.dot(t)) / (2 * pi);
   return phi < 0 ? phi + 1 : phi;
 }
 
-// Directions within an angle of an axis, given 1 - its cosine, as points of the unit cube in which
-// the measure of directions is uniform.
+// Maps directions within an angle of an axis to the unit cube, so that uniform directions become
+// uniform points. The angle is given by 1 - its cosine.
 template <int D>
 struct Cap {
   Vec<D> axis;
@@ -45,7 +45,7 @@ struct Cap {
     if constexpr (D == 2) {
       return {std::atan2(direction.dot(tangents(axis)[0]), direction.dot(axis)) / measure() + 0.5};
     } else {
-      // 1 - cosine without cancellation.
+      // Compute 1 - cosine without cancellation.
       return {0.5 * (direction - axis).length2() / one_minus_cosine, turn(direction, axis)};
     }
   }
@@ -116,7 +116,7 @@ AreaLight<D> area_light() {
   }
 }
 
-// Below the front of that light, and not above its middle.
+// Returns a point in front of a light, beside its center.
 template <int D>
 Vec<D> lit_by(const AreaLight<D>& light) {
   return light.point({0.3, 0.8}) + light.normal() * 0.4;
@@ -167,7 +167,7 @@ TEST(Samplers, ConeAndDisc) {
   });
 }
 
-// Any point of the sequence, over its seeds; and the third dimension that texels pad it with.
+// Tests any point of the sequence over its seeds, with the third dimension that texels add.
 TEST(Samplers, SobolPointIsUniformOverItsSeeds) {
   for (const std::uint32_t index : {0u, 1u, 31u, 1000u}) {
     SCOPED_TRACE(index);
@@ -199,8 +199,8 @@ TEST(Samplers, DiscreteDistribution) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// Compares directions of shadow rays with `density` per angle, in a cap that holds them all. The
-// radiance of a sample must be the radiance of the light over the density.
+// Compares directions of shadow rays with `density` per angle, in a cap that contains them all. A
+// sample's radiance must be the light's radiance over the density.
 template <int D, class Sample, class Density, class Radiance>
 void expect_light_samples(const Cap<D>& cap, Sample sample, Density density, Radiance radiance) {
   Random random(5);
@@ -210,7 +210,7 @@ void expect_light_samples(const Cap<D>& cap, Sample sample, Density density, Rad
     ASSERT_NEAR(s.direction.length(), 1, 1e-12);
     histogram.add(cap.coordinates(s.direction));
     const double expected = radiance(s.direction);
-    // Rays along the very rim may be rounded to either side of it.
+    // Rounding may put rays along the very rim on either side of it.
     if (density(s.direction) > 0) {
       ASSERT_NEAR(s.radiance.x * density(s.direction), expected, 1e-4 * expected);
     }
@@ -220,7 +220,7 @@ void expect_light_samples(const Cap<D>& cap, Sample sample, Density density, Rad
       D == 2 ? 10'000 : 48));
 }
 
-// Density per angle of a point uniform on the light, from where the ray hits its plane.
+// Returns the density per angle of uniform points on the light, given a ray that hits its plane.
 template <int D>
 double area_density(const AreaLight<D>& light, const Vec<D>& from, const Vec<D>& direction) {
   const Vec<D> normal = light.normal();
@@ -272,7 +272,7 @@ TEST(Samplers, SphereLights) {
           {axis, 1.2 * (1 - cosine)},
           [&](Random& random) { return sample_light<D>(light, from, pair(random)); },
           [&](const Vec<D>& w) { return w.dot(axis) > cosine ? 1 / measure : 0; },
-          // Seen from afar its disk, or segment, has the intensity.
+          // From far away, its disk or segment has the given intensity.
           [&](const Vec<D>&) { return 3 / (D == 3 ? pi * 0.09 : 0.6); });
     }
   });
@@ -295,7 +295,7 @@ TEST(Samplers, Suns) {
   });
 }
 
-// A rectangle cut into triangles, or a segment into segments, of different sizes.
+// Returns a rectangle in triangles, or a segment in segments, of different sizes.
 template <int D>
 Mesh<D> uneven_mesh(const AreaLight<D>& like) {
   Mesh<D> mesh;
@@ -332,8 +332,8 @@ TEST(Samplers, MeshEmitters) {
   });
 }
 
-// An image with dark and bright places, the brightest at its border, where it is continued at the
-// opposite side, and at a pole.
+// Returns an image with dark and bright pixels. The brightest are at a pole and at the border,
+// where the image wraps around.
 std::shared_ptr<const Texture> sky_image() {
   auto image = std::make_shared<Texture>();
   image->width = 16;
@@ -348,8 +348,8 @@ std::shared_ptr<const Texture> sky_image() {
   return image;
 }
 
-// Density per angle of the sampled image: in proportion to the sum over a pixel and its neighbors,
-// rows by the cosine of their middle.
+// The density per angle of the sampled image. It is proportional to the sum over a pixel and its
+// neighbors, times the cosine of the row's center.
 class SkyDensity {
  public:
   explicit SkyDensity(const Texture& image) : width_(image.width), height_(image.height) {
@@ -408,7 +408,8 @@ TEST(Samplers, Environments) {
       [&](const Vec3& w) { return sampler.radiance(w).x; });
 }
 
-// Photons: places and directions together, so that they are known to be independent.
+// Tests the joint distribution of positions and directions of photons, so that dependence would
+// show.
 template <int D, class Emit, class Place, class Direction>
 void expect_emission(Emit emit, Place place, Direction direction) {
   Random random(7);
@@ -486,10 +487,10 @@ TEST(Emission, SpheresAndSpots) {
   });
 }
 
-// Parallel light starts in a disk before the bounds.
+// Parallel light starts on a disk outside the bounds.
 template <int D>
 std::vector<double> before(const BoundingSphere<D>& bounds, const EmittedPhoton<D>& photon) {
-  const Vec<D> beside = (photon.origin - bounds.centre) / bounds.radius + photon.direction;
+  const Vec<D> beside = (photon.origin - bounds.center) / bounds.radius + photon.direction;
   EXPECT_NEAR(beside.dot(photon.direction), 0, 1e-9);
   return disc_coordinates<D>(beside, photon.direction);
 }
@@ -534,12 +535,12 @@ TEST(Emission, SunsAndEnvironments) {
       [&](const std::vector<double>& u) { return density(all.direction(u)) * all.measure(); }, 48));
 }
 
-// Emission of all isosurfaces: 1 / density, as the flux-height has it, sums up to the volume of
-// each part of the field, and both sides are alike.
+// Samples of emissive isosurfaces: 1 / density must integrate to the volume of each part of the
+// field, equally for both sides.
 TEST(Emission, Isosurfaces) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
-    // 19 nodes: bricks of different sizes. The gradient is not constant.
+    // 19 nodes make bricks of different sizes. The gradient is not constant.
     Scene<D> scene = test::scene_of(
         test::sampled<D>(19, [](const Vec<D>& x) { return x[0] + x[0] * x[0] + 0.3 * x[1]; }),
         Rgb(0.5f), {-1, 3});
@@ -601,7 +602,7 @@ TEST(Emission, ChoosesByPower) {
     const double choice = random.uniform();
     const U position = pair(random);
     const auto start = lights.emit(0.5, choice, position, pair(random), random);
-    const Vec3 world = start.from.position / tracer.frame().scale + tracer.frame().centre;
+    const Vec3 world = start.from.position / tracer.frame().scale + tracer.frame().center;
     const AreaLight<3> lamp = area_light<3>();
     int light = 4;
     if ((start.from.position - bulb).length() < 1e-6) {
@@ -618,8 +619,8 @@ TEST(Emission, ChoosesByPower) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// The estimate of a shadow ray is the light's radiance over the probability of its choice. At a
-// point that lights without extent illuminate, each light has a distinct estimate.
+// The estimate of a shadow ray must be the light's radiance over the probability of its choice.
+// Lights without extent give distinct estimates at the point, which identify the chosen light.
 TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   Scene<3> scene =
       test::scene_of(test::sampled<3>(9, [](const Vec3& x) { return x.z; }), Rgb(1), {0.2, 0.8});
@@ -630,10 +631,10 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   const LightSampler<3> lights(tracer);
   const CellPoint<3> at = locate(test::field_of(scene), Vec3(4.2, 4.7, 4.0));
   const SurfacePoint<3> point = tracer.isosurface_point(0, at, 0.5, false);
-  std::vector<double> alone;  // what each light would give
+  std::vector<double> alone;  // contribution of each light alone
   for (const Vec3& place : places) {
-    const Vec3 way = tracer.frame().point(place) - point.position;
-    alone.push_back(way.normalized().dot(point.shading_normal) / way.length2() / pi);
+    const Vec3 to_point = tracer.frame().point(place) - point.position;
+    alone.push_back(to_point.normalized().dot(point.shading_normal) / to_point.length2() / pi);
   }
   alone.push_back(0.2 / pi);
   Random random(11);
@@ -644,7 +645,7 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
     ++found[static_cast<float>(lights.direct_radiance(point, choice, pair(random), rays).x)];
   }
   ASSERT_EQ(found.size(), alone.size());
-  // Estimates and lights are matched by the order in which the choice grows, which is the lights'.
+  // The choice selects lights in their order, so increasing choices identify them.
   std::vector<double> counts, expected;
   std::set<float> seen;
   for (int i = 0; i < draws && seen.size() < alone.size(); ++i) {
@@ -660,8 +661,8 @@ TEST(Samplers, LightChoiceHasTheProbabilityItDividesBy) {
   EXPECT_TRUE(test::agree(counts, expected));
 }
 
-// Points of a texel are uniform over its box of +-0.35 texels, clipped to the domain. A point of
-// a scrambled sequence is uniform over the scrambles, which are the texels' keys.
+// Points of a texel must be uniform over its box of +-0.35 texels, clipped to the domain. The test
+// uses one point of the sequence over many scrambles, which are keys of texels.
 TEST(Samplers, PointsOfATexel) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/error.h"
 #include "fields.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {
 
-// n^D texels, two voxels apart, all active.
+// Returns n^D active texels, two voxels apart.
 template <int D>
 TexelLattice<D> full_lattice(int n) {
   Index<D> dims, resolution;
@@ -51,7 +51,7 @@ class Scattered : public testing::Test {};
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(Scattered, Dimensions);
 
-// The weights sum to one: constants are kept, gaps included.
+// Weights sum to one, so constants are exact, also in gaps.
 TYPED_TEST(Scattered, IsExactOnConstants) {
   constexpr int D = TypeParam::value;
   const TexelLattice<D> lattice = full_lattice<D>(9);
@@ -84,7 +84,7 @@ TYPED_TEST(Scattered, ShepardReproducesASampleOnATexel) {
   }
 }
 
-// The sums written out again.
+// Compares with the weighted sums, computed directly.
 TYPED_TEST(Scattered, IsTheWeightedMeanOfTheSamplesInReach) {
   constexpr int D = TypeParam::value;
   const TexelLattice<D> lattice = full_lattice<D>(7);
@@ -157,7 +157,7 @@ TYPED_TEST(Scattered, ErrorOfASmoothFunctionFallsWithTheSamples) {
   }
 }
 
-// Samples in one half only: the other half takes the values at its edge.
+// Samples cover only one half; the other half must take the values at its edge.
 TYPED_TEST(Scattered, GapsTakeTheNearestTexels) {
   constexpr int D = TypeParam::value;
   const TexelLattice<D> lattice = full_lattice<D>(9);
@@ -186,7 +186,7 @@ TEST(Scattered2D, GapsBetweenEquallyNearTexelsTakeTheirMean) {
   EXPECT_EQ(texels.value[lattice.linear({2, 4})], Rgb(2));
 }
 
-// A wide Shepard filter reaches across gaps by itself, and only as far as it should.
+// A wide Shepard filter reaches across gaps without filling, but not beyond its radius.
 TEST(Scattered2D, WideShepardFiltersReachAcrossGaps) {
   const TexelLattice<2> lattice = full_lattice<2>(41);
   const auto positions = random_positions<2>(500, 30, 7);

@@ -22,7 +22,7 @@ const Field<D>& field_of(const Scene<D>& scene) {
   return scene.volumes[0].field;
 }
 
-// Radiance of the first volume's front at a point of the world.
+// Returns the radiance of the first volume's front at a world position.
 template <int D>
 Vec<3, float> lookup_world(const Scene<D>& scene, const Baked<D>& baked, const Vec<D>& point) {
   const Field<D>& field = field_of(scene);
@@ -37,7 +37,7 @@ inline ReferenceSettings reference_settings(double c, int samples, std::uint64_t
   return settings;
 }
 
-// A rectangle as two triangles.
+// Returns a rectangle of two triangles.
 inline Mesh<3> wall(const std::string& name, const Vec3& corner, const Vec3& u, const Vec3& v,
                     const Rgb& albedo) {
   Mesh<3> mesh;
@@ -50,7 +50,7 @@ inline Mesh<3> wall(const std::string& name, const Vec3& corner, const Vec3& u, 
   return mesh;
 }
 
-// The six walls of the cube [low, high]^3, each as corner and edges with edge_u x edge_v inwards.
+// A wall of the cube [low, high]^3, as a corner and edges; edge_u x edge_v points inwards.
 struct Side {
   Vec3 corner, u, v;
 };
@@ -72,7 +72,7 @@ inline Scene<3> furnace(Field<3> field, const IsovalueRange& isovalue_range, Rea
   return scene;
 }
 
-// A box open towards -y with a colored wall on each side and a lamp below its ceiling.
+// Returns a box open towards -y, with colored walls left and right and a lamp below its ceiling.
 inline Scene<3> cornell(Field<3> field, const IsovalueRange& isovalue_range) {
   Scene<3> scene = scene_of(std::move(field), Rgb(0.75f), isovalue_range);
   const std::vector<Side> sides = cube_sides(-0.3, 1.3);

@@ -11,7 +11,7 @@ namespace {
 constexpr float noise = 0.1f;  // standard deviation of the mean of both halves
 constexpr int nodes = 2;
 
-// A square of the plane z = 0 in some 16,000 pieces.
+// Returns a square of the plane z = 0 in about 16,000 pieces.
 FineMesh<3> square() {
   Mesh<3> mesh;
   for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0)}) {
@@ -39,7 +39,7 @@ Halves noisy(const FineMesh<3>& mesh, float deviation, Truth truth) {
   return halves;
 }
 
-// RMS of the red from the truth, of the vertices that count.
+// Returns the RMS error of the red channel over the vertices that `counts` accepts.
 template <class Truth, class Counts>
 float rms(const FineMesh<3>& mesh, const std::vector<Vec<3, float>>& radiance, Truth truth,
           Counts counts) {

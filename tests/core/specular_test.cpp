@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mirrors and glass, as walls and as isosurfaces (thesis Eq. 1.5: specular light and caustics).
+// Tests mirrors and glass, as walls and as isosurfaces (thesis Eq. 1.5: specular light and
+// caustics).
 #include "transport/specular.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "transport/photon_tracer.h"
 
@@ -47,7 +48,7 @@ TEST(Specular, GlassIsDenserFromOutsideThanFromInside) {
 template <int D>
 void expect_snell() {
   SurfacePoint<D> point;
-  point.on = WallHit{};
+  point.on = MeshHit{};
   point.scattering = Scattering::glass;
   point.albedo = Rgb(1);
   Vec<D> normal(0.0);
@@ -73,8 +74,8 @@ TEST(Specular, ObeysSnellsLaw) {
   expect_snell<3>();
 }
 
-// An octahedron cut finer `times` times, its vertices on the sphere.
-Mesh<3> sphere_mesh(const std::string& name, const Vec3& centre, double radius, int times) {
+// Returns an octahedron, subdivided `times` times, with its vertices on a sphere.
+Mesh<3> sphere_mesh(const std::string& name, const Vec3& center, double radius, int times) {
   std::vector<Vec3> v{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<Vec3, 3>> faces;
   for (const int x : {0, 1}) {
@@ -100,7 +101,7 @@ Mesh<3> sphere_mesh(const std::string& name, const Vec3& centre, double radius, 
     typename Mesh<3>::Facet facet;
     for (int i = 0; i < 3; ++i) {
       facet[i] = static_cast<std::uint32_t>(mesh.vertices.size());
-      mesh.vertices.emplace_back(centre + face[i] * radius);
+      mesh.vertices.emplace_back(center + face[i] * radius);
     }
     mesh.facets.push_back(facet);
   }
@@ -114,7 +115,7 @@ Scene<3> mirror_box() {
   return scene;
 }
 
-// A glass ball between the lamp and the isosurfaces.
+// Returns a scene with a glass ball between the lamp and the isosurfaces.
 Scene<3> glass_ball() {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   Mesh<3> ball = sphere_mesh("glass ball", {0.5, 0.5, 1.08}, 0.15, 4);
@@ -123,7 +124,8 @@ Scene<3> glass_ball() {
   return scene;
 }
 
-// A perfect mirror and clear glass change nothing where radiance is the same everywhere.
+// Returns a furnace with a perfect mirror and clear glass. They change nothing where radiance is
+// the same everywhere.
 Scene<3> specular_furnace() {
   Scene<3> scene = test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, 0.5f);
   scene.meshes[0].scattering = Scattering::mirror;
@@ -161,12 +163,12 @@ TEST(Specular, MirrorAgreesWithPaths) {
 
 TEST(Specular, GlassCausticAgreesWithPaths) {
   const Scene<3> scene = glass_ball();
-  // The photons' density blurs the caustic: what a box of texels holds is right on average.
+  // The photon density blurs the caustic, but the mean over a box of texels is right.
   test::expect_agreement(scene, 0.72, EstimatorName::gather, 64, 4'000'000, 0.02, 0.25);
   test::expect_agreement(scene, 0.72, EstimatorName::path, 512, 1, 0.02, 0.25);
 }
 
-// Nothing is lost between lights, surfaces and the open: 0.5 %.
+// Expects the energy from lights to be absorbed or to leave the scene, within 0.5 %.
 template <int D>
 void expect_balance(const Scene<D>& scene) {
   const SceneTracer<D> tracer(scene);

@@ -13,9 +13,9 @@
 
 namespace leaflight::test {
 
-// The chance that a test fails though the code is right, for another seed; seeds are fixed, so a
-// test that passes goes on passing. With some hundred tests about one in a hundred changes of the
-// random numbers would cause a false alarm.
+// Chance that a test of correct code fails with another seed. Seeds are fixed, so a passing test
+// keeps passing. With some hundred tests, about one in a hundred changes of the random numbers
+// causes a false alarm.
 inline constexpr double significance = 1e-4;
 
 // Returns the significance of each of n tests, such that any fails with chance alpha (Sidak 1967).
@@ -75,7 +75,7 @@ inline testing::AssertionResult agree(const std::vector<double>& counts,
                                      << ", " << bins << " bins, " << drawn << " samples";
 }
 
-// Counts of points in the unit cube of any dimension, cut into so many bins along each axis.
+// The counts of points in bins of the unit cube, with equally many bins along each axis.
 class Histogram {
  public:
   explicit Histogram(std::vector<int> bins) : bins_(std::move(bins)) {
@@ -87,7 +87,7 @@ class Histogram {
     std::size_t bin = 0;
     for (std::size_t a = 0; a < bins_.size(); ++a) {
       const int i = static_cast<int>(std::floor(u[a] * bins_[a]));
-      // A number that rounding puts on the border belongs to the last bin; others are outside.
+      // Rounding may put a number on the border: it belongs to the last bin. Others are outside.
       if (!(u[a] > -1e-6 && u[a] < 1 + 1e-6)) ++outside_;
       bin = bin * bins_[a] + std::clamp(i, 0, bins_[a] - 1);
     }
@@ -99,7 +99,7 @@ class Histogram {
   testing::AssertionResult uniform() const {
     return against([](const std::vector<double>&) { return 1.0; }, 1);
   }
-  // `density` over the unit cube, integrated over each bin at `fine` points along each axis.
+  // Compares the counts with `density`, integrated over each bin at `fine` points along each axis.
   testing::AssertionResult against(const std::function<double(const std::vector<double>&)>& density,
                                    int fine) const {
     if (outside_ > 0) return testing::AssertionFailure() << outside_ << " samples outside";
@@ -119,7 +119,7 @@ class Histogram {
     }
     double sum = 0;
     for (const double e : expected) sum += e;
-    // The density is one: it integrates to 1 within the error of the points.
+    // A density must integrate to 1 within the error of the points.
     if (std::abs(sum / drawn_ - 1) > 0.01) {
       return testing::AssertionFailure() << "the density integrates to " << sum / drawn_;
     }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Each texel of a bake against the path-traced truth of the same texel.
+// Tests each texel of bakes against path tracing of the same texel.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
 
 #include "agreement.h"
+#include "base/parallel.h"
 #include "io/exr.h"
-#include "math/parallel.h"
 #include "statistics.h"
 #include "transport/indirect_estimator.h"
 #include "transport/light_sampler.h"
@@ -15,16 +15,15 @@
 namespace leaflight {
 namespace {
 
-// Mean and variance of the mean of a texel's radiance, per channel.
+// The mean of a texel's radiance, and its variance, per channel.
 struct Estimate {
   Imath::V3d mean{0}, variance{0};
-  double freedom = 0;  // of the variance; 0: nothing is known
+  double freedom = 0;  // degrees of freedom of the variance; 0: unknown
 };
 
-// Estimates the radiance of a texel by its definition, without the code of a bake. Independent
-// points, uniform over its box of +-0.35 texels, are weighted with |grad c| and have one path each.
-// Returns nothing if the box leaves the isovalue range: there a bake takes samples from farther
-// away, and the distance depends on its samples.
+// Estimates the radiance of a texel by its definition, independently of the bake's code. Points are
+// uniform over its box of +-0.35 texels, weighted by |grad c|, and have one path each. Returns
+// nothing if the box leaves the isovalue range, because a bake then samples farther away.
 template <int D>
 Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights,
                      const IndirectEstimator<D>& paths, const TexelLattice<D>& lattice,
@@ -67,7 +66,7 @@ Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights
   return truth;
 }
 
-// Bakes that differ in their seed: their mean and its variance, whatever the estimator.
+// The mean of bakes with different seeds, and its variance.
 template <int D>
 std::vector<Estimate> over_seeds(const Scene<D>& scene, FixedSettings<D> settings, int seeds) {
   std::vector<std::vector<Vec<3, float>>> radiance;
@@ -89,8 +88,8 @@ std::vector<Estimate> over_seeds(const Scene<D>& scene, FixedSettings<D> setting
   return estimates;
 }
 
-// The z of the part of a difference that a bias within the bound does not explain: of Welch's t,
-// with both variances and the degrees of freedom after Satterthwaite.
+// Returns z of the part of a difference that exceeds the bound of the bias (Welch's t with
+// Satterthwaite's degrees of freedom).
 double z_of(double difference, double bound, double variance_a, double freedom_a, double variance_b,
             double freedom_b) {
   const double variance = variance_a + variance_b;
@@ -103,7 +102,7 @@ double z_of(double difference, double bound, double variance_a, double freedom_a
   return std::copysign(test::z_of_t(rest / std::sqrt(variance), freedom), difference);
 }
 
-// Writes z of the middle slice, and the whole of a flat lattice, as an image; returns its name.
+// Writes z of the middle slice, or of all of a flat lattice, as an image; returns its name.
 template <int D>
 std::string write_slice(const TexelLattice<D>& lattice, const std::vector<Imath::V3d>& z,
                         const std::string& name) {
@@ -129,9 +128,9 @@ std::string write_slice(const TexelLattice<D>& lattice, const std::vector<Imath:
 
 // Largest bias of an estimator: a share of the texel's radiance and a share of the mean.
 struct Bias {
-  double relative = 0, of_the_mean = 0;
+  double relative = 0, share_of_mean = 0;
 
-  bool none() const { return relative == 0 && of_the_mean == 0; }
+  bool none() const { return relative == 0 && share_of_mean == 0; }
 };
 
 template <int D>
@@ -168,12 +167,12 @@ class TexelZ {
     if (test::sanitized) return testing::AssertionSuccess();
     std::vector<Imath::V3d> z(baked.size(), Imath::V3d(0));
     double worst = 0, resolved = 0, bias_shown = 0;
-    Imath::V3d difference(0), variance(0);  // of the sum over the texels
+    Imath::V3d difference(0), variance(0);  // variance of the sum over the texels
     std::size_t where = 0, tests = 3 * known_;
     for (std::size_t s = 0; s < baked.size(); ++s) {
       if (!(truth_[s].freedom > 0)) continue;
       for (int k = 0; k < 3; ++k) {
-        const double bound = bias.relative * truth_[s].mean[k] + bias.of_the_mean * mean_;
+        const double bound = bias.relative * truth_[s].mean[k] + bias.share_of_mean * mean_;
         z[s][k] = z_of(baked[s].mean[k] - truth_[s].mean[k], bound, baked[s].variance[k],
                        baked[s].freedom, truth_[s].variance[k], truth_[s].freedom);
         difference[k] += baked[s].mean[k] - truth_[s].mean[k];
@@ -191,7 +190,8 @@ class TexelZ {
         name + ": the largest z of " + std::to_string(tests) + " is " + std::to_string(worst) +
         ", the mean standard error " + std::to_string(100 * resolved / mean_) +
         " % of the mean, the bias that it shows " + std::to_string(100 * bias_shown) + " %";
-    // Without a bias the texels' mean is known far better than each of them; they are independent.
+    // The mean over independent texels is more precise than each of them, so test it if there is no
+    // bias.
     for (int k = 0; k < 3 && bias.none(); ++k) {
       const double z_of_sum = difference[k] / std::sqrt(variance[k]);
       if (std::abs(z_of_sum) <= test::z_limit(3)) continue;
@@ -211,20 +211,20 @@ class TexelZ {
   Index<D> resolution_;
   TexelLattice<D> lattice_;
   std::vector<Estimate> truth_;
-  std::size_t known_ = 0;  // of the texels
+  std::size_t known_ = 0;  // number of texels with a known truth
   double mean_ = 0;
 };
 
 constexpr int seeds = test::sanitized ? 3 : 8;
 constexpr int photons = test::fewer(50'000);
 
-// Measured biases times 1.5; more seeds do not lower them. They come from blurred light, so at the
-// edge of a shadow they are a share of the mean over the texels. A gather ray looks up the nearest
-// texel: no bias could be measured.
+// Measured biases times 1.5; more seeds do not reduce them. They come from blurred light, so at the
+// edge of a shadow they are a share of the mean over texels. Looking up the nearest texel has no
+// measurable bias.
 constexpr Bias gathered{0.02, 0.02};
-// Photons are counted over boxes of up to 9 texels: 0.7 % of the mean; 6.3 % in the plane.
+// Photons are counted over boxes of up to 9 texels: a bias of 0.7 % of the mean, or 6.3 % in 2D.
 constexpr Bias boxes{0.02, 0.02}, flat_boxes{0.02, 0.1};
-// The 200 nearest of so few photons reach from light into shadow: 24 %; 5.6 % in the plane.
+// With so few photons, the 200 nearest reach from light into shadow: 24 %, or 5.6 % in 2D.
 constexpr Bias nearest{0.07, 0.36}, flat_nearest{0.07, 0.09};
 
 TEST(TexelZ, InSpace) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bakes whose time is limited, by a clock that counts their work: it is the same on any machine.
+// Tests bakes with a time limit. Their clock counts work, so results do not depend on the machine.
 #include "bake/driver/time_limit.h"
 
 #include <gtest/gtest.h>
@@ -27,14 +27,14 @@ TEST(TimeLimit, IsOverWhereWhatIsToComeEndsTooLate) {
 }
 
 TEST(TimeLimit, PredictsAFirstPassFromItsPreview) {
-  // Colin27 and a bump box of 24^3, measured.
+  // Measured for Colin27 and for a bump box of 24^3.
   EXPECT_NEAR(first_pass_seconds({0.35, 0.18, 1.4}, 57), 15.9, 1.6);
   EXPECT_NEAR(first_pass_seconds({0.09, 0.12, 0.056}, 302), 2.1, 0.2);
-  // Photons and points take as long for any number of texels.
+  // Photons and points of the error estimate take the same time for any number of texels.
   EXPECT_EQ(first_pass_seconds({1, 2, 0}, 8), first_pass_seconds({1, 2, 0}, 64));
 }
 
-constexpr int voxels = 33, wider = 17, of_preview = 9;
+constexpr int voxels = 33, wider = 17, preview = 9;
 
 Scene<3> scene() {
   Scene<3> scene = test::cornell(test::ball<3>(voxels), {0.4, 0.9});
@@ -42,13 +42,13 @@ Scene<3> scene() {
   return scene;
 }
 
-// Seconds are work.
+// A bake with a time limit, whose seconds are units of work.
 struct Limited {
-  BakeSettings<3> settings = test::in_passes(1e-3);  // not reached
+  BakeSettings<3> settings = test::in_passes(1e-3);  // is not reached
   Progress progress;
   Checkpoints checkpoints;
   const BlockWorkers* workers = nullptr;
-  double lost = 0;  // by a machine that others use, too
+  double lost = 0;  // seconds lost to other programs
 
   explicit Limited(double limit) {
     settings.resolution = {voxels, voxels, voxels};
@@ -69,7 +69,7 @@ struct Limited {
 
 int texels_along(const Baked<3>& baked) { return baked.grids[0].lattice.resolution[0]; }
 
-// Work of a bake that is stopped after its first pass.
+// Returns the work of a bake that is stopped after its first pass.
 double work_of_a_pass() {
   Limited unlimited(0);
   BakeHooks<3> hooks;
@@ -91,7 +91,7 @@ TEST(TimeLimit, IsKeptByWiderTexels) {
     const Baked<3> baked = limited.bake();
     const int along = texels_along(baked);
     if (passes < 0.5) {
-      EXPECT_EQ(along, of_preview);
+      EXPECT_EQ(along, preview);
     } else if (passes > 1) {
       EXPECT_EQ(along, voxels);
     }
@@ -126,10 +126,10 @@ TEST(TimeLimit, LightsWallsAsFinelyAsItHasRoomFor) {
 TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
   const double limit = 2 * work_of_a_pass();
   Limited limited(limit);
-  // Before the first block.
+  // Lose the time before the first block.
   limited.checkpoints.save = [&](const Checkpoints::Write&) { limited.lost = 0.75 * limit; };
   const Baked<3> baked = limited.bake();
-  EXPECT_EQ(texels_along(baked), of_preview);
+  EXPECT_EQ(texels_along(baked), preview);
   EXPECT_LE(limited.progress.work() + limited.lost, 1.1 * limit);
   EXPECT_TRUE(baked.statistics.stopped);
 }
@@ -143,7 +143,7 @@ TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
     workers.begin = [](int, int, const std::function<void(std::ostream&)>&) {};
     workers.take = [&](int) {
       ++asked;
-      return std::string();  // it traces the block itself
+      return std::string();  // the bake then traces the block itself
     };
     limited.workers = &workers;
     limited.checkpoints.save = limited.time_is_left_once_texels_are_chosen();
@@ -154,7 +154,7 @@ TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
 
 TEST(TimeLimit, GoesOnFromACheckpointWithTheSameTexels) {
   const double pass = work_of_a_pass();
-  for (const auto& [passes, along] : {std::pair(0.15, of_preview), {0.3, wider}}) {
+  for (const auto& [passes, along] : {std::pair(0.15, preview), {0.3, wider}}) {
     Limited first(passes * pass);
     std::string state;
     const auto time_is_left = first.time_is_left_once_texels_are_chosen();

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "agreement.h"
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scenes.h"
 #include "statistics.h"
 #include "surface/marching_cubes.h"
@@ -18,7 +18,7 @@ constexpr double c = 0.72;
 
 class Furnace : public testing::TestWithParam<double> {};
 
-// Radiance in a closed box is E / (1 - albedo) everywhere (nori's furnace test).
+// In a closed box, radiance is E / (1 - albedo) everywhere (furnace test).
 TEST_P(Furnace, PathTracerIsExact) {
   const double albedo = GetParam();
   const Scene<3> scene =
@@ -60,7 +60,8 @@ TEST_P(Furnace, BakesAreExact) {
 
 INSTANTIATE_TEST_SUITE_P(Albedos, Furnace, testing::Values(0.5, 0.8));
 
-// Irradiance of a plane with normal n at p from a polygon of radiance 1 wholly above it (Lambert).
+// Returns the irradiance at p, with normal n, from a polygon of radiance 1 that is entirely above
+// the horizon (Lambert).
 double lambert_irradiance(const Vec3& p, const Vec3& n, const std::vector<Vec3>& polygon) {
   double sum = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -97,7 +98,7 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
       EXPECT_NEAR(reference[i].radiance[k], expected * lamp.radiance[k],
                   test::z_limit(3 * points.size()) * reference[i].standard_error[k] + 1e-5);
     }
-    // The texel's average over a small box curves the closed form a little.
+    // A texel is the mean over a small box, so it deviates slightly from the closed form.
     const auto baked = test::lookup_world(scene, baked_scene, points[i]);
     EXPECT_NEAR(baked.x, expected * 2, 0.02 * expected * 2);
   }
@@ -114,7 +115,8 @@ TEST(Estimators, PhotonDensityAgreesWithThePathTracer) {
   test::expect_agreement(scene, c, EstimatorName::volumetric, 64, 4'000'000, 0.01, 0.06);
 }
 
-// A sheet that meets the domain's border: light reaches its back, and returns through the box.
+// The isosurface is a sheet that ends at the domain's border. Light reaches its back and returns
+// through the box.
 TEST(Estimators, AgreeOnAnOpenIsosurface) {
   const Scene<3> scene = test::cornell(
       test::sampled<3>(

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Several volumes, emissive and colored isosurfaces, both sides, and the walls per isovalue.
+// Tests several volumes, emissive and colored isosurfaces, both sides, and walls for each isovalue.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "agreement.h"
-#include "math/error.h"
+#include "base/error.h"
 #include "scenes.h"
 
 namespace leaflight {
@@ -13,7 +13,7 @@ namespace {
 
 Progress ignored;
 
-// A second ball beside the first, in a field of another range: c = 0.1 ... is h = 10 ...
+// Returns two balls in fields of different ranges: c = 0.1 is h = 10 in the second.
 Scene<3> two_balls() {
   Scene<3> scene = test::cornell(test::ball<3>(41, Vec3(0.3, 0.5, 0.5)), {0.7, 0.9});
   Volume<3> second;
@@ -28,7 +28,7 @@ Scene<3> two_balls() {
   return scene;
 }
 
-// Compares one side of a volume of a bake with the path tracer, at points of its isosurface.
+// Compares one side of a baked volume with path tracing at points of its isosurface.
 test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int volume, bool back,
                                double c) {
   const Field<3>& field = scene.volumes[volume].field;
@@ -62,7 +62,7 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
       EXPECT_LT(found.relative_rms, 0.08);
     }
   }
-  // Without its neighbor, the first is brighter where it stood in its shadow.
+  // Without the second ball, the first is brighter in the former shadow.
   Scene<3> alone = two_balls();
   alone.volumes.pop_back();
   const std::vector<Vec3> points = test::isosurface_points(alone.volumes[0].field, 0.8, 17);
@@ -73,7 +73,7 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
             0.005);
 }
 
-// A field with twice the numbers, mapped to the same common isovalue, is the same scene.
+// Doubled values with the same common isovalues must give the same scene.
 TEST(Volumes, IsosurfaceCoordinateIsAffine) {
   Scene<3> scene = test::cornell(test::ball<3>(25), {0.6, 0.9}), doubled = scene;
   doubled.volumes[0].field =
@@ -105,14 +105,14 @@ TEST(Isosurfaces, EmitTheirOwnLight) {
   }
 }
 
-TEST(Isosurfaces, TakeTheirColourFromTheIsovalue) {
+TEST(Isosurfaces, TakeTheirColorFromTheIsovalue) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.6, 0.9});
   scene.volumes[0].albedo = ColorRamp({{0.6, Rgb(0.9f, 0.1f, 0.1f)}, {0.9, Rgb(0.1f, 0.1f, 0.9f)}});
   test::expect_agreement(scene, 0.72, EstimatorName::gather, 64, 500'000, 0.01, 0.06);
 }
 
 TEST(Isosurfaces, HaveTwoSides) {
-  // A sheet that meets the domain's border.
+  // The isosurface is a sheet that ends at the domain's border.
   const Scene<3> scene = test::cornell(
       test::sampled<3>(
           33, [](const Vec3& x) { return 1 - x.z + 0.1 * std::sin(9 * x.x) * std::cos(7 * x.y); }),
@@ -136,7 +136,7 @@ TEST(Isosurfaces, HaveTwoSides) {
   }
 }
 
-// Baked and path-traced radiance at some vertices of all walls of a bake, for one common isovalue.
+// Sums of baked and path-traced radiance over some vertices of all walls, for one common isovalue.
 struct WallSums {
   double baked = 0, truth = 0, square = 0, count = 0;  // sums; square of the differences
 };
@@ -179,8 +179,7 @@ TEST(Walls, AreLitPerIsovalue) {
   }
 }
 
-// The shadow of a glass isosurface is a caustic: no texel stores the isosurface, but the floor
-// shows it.
+// A glass isosurface has no baked texels, but the floor must show its caustic.
 TEST(Walls, ShowTheCausticOfAGlassIsosurface) {
   Scene<3> scene = test::cornell(test::ball<3>(41), {0.75, 0.85});
   scene.volumes[0].scattering = Scattering::glass;

@@ -22,11 +22,10 @@ bool same_bits(const Array& a, const Array& b) {
                      a.size() * sizeof(a[0])) == 0;
 }
 
-// A noisy ball whose values reach from one end of an integer type to the other, held by this type
-// and by floats.
+// Returns a noisy ball over the full range of an integer type, stored in this type and as floats.
 template <class Value>
 struct Pair {
-  Field<3> own, floats;
+  Field<3> integers, floats;
 
   explicit Pair(int n) {
     const Field<3> ball = test::ball<3>(n);
@@ -40,7 +39,7 @@ struct Pair {
       values->push_back(
           static_cast<Value>(std::lround(low + range * std::clamp(u + noise, 0.0, 1.0))));
     }
-    own = make_field<3>(values->data(), ball.dims, ball.index_to_world, values);
+    integers = make_field<3>(values->data(), ball.dims, ball.index_to_world, values);
     floats = test::field_from<3>({values->begin(), values->end()}, ball.dims, ball.index_to_world);
   }
   double isovalue(double share) const {
@@ -55,22 +54,22 @@ TYPED_TEST_SUITE(VoxelsOf, Integers);
 
 TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
   const Pair<TypeParam> pair(21);
-  EXPECT_TRUE(std::holds_alternative<const TypeParam*>(pair.own.values));
-  EXPECT_EQ(pair.own.min, std::numeric_limits<TypeParam>::lowest());
-  EXPECT_EQ(pair.own.max, std::numeric_limits<TypeParam>::max());
-  EXPECT_EQ(test::values_of(pair.own), test::values_of(pair.floats));
+  EXPECT_TRUE(std::holds_alternative<const TypeParam*>(pair.integers.values));
+  EXPECT_EQ(pair.integers.min, std::numeric_limits<TypeParam>::lowest());
+  EXPECT_EQ(pair.integers.max, std::numeric_limits<TypeParam>::max());
+  EXPECT_EQ(test::values_of(pair.integers), test::values_of(pair.floats));
   Random random(1);
   for (int i = 0; i < 20'000; ++i) {
     Vec3 p;
     for (int a = 0; a < 3; ++a) p[a] = 20 * random.uniform();
-    const CellPoint<3> at = locate(pair.own, p);
-    ASSERT_EQ(load_corners(pair.own, at.cell).h, load_corners(pair.floats, at.cell).h);
-    ASSERT_EQ(shading_gradient(pair.own, at), shading_gradient(pair.floats, at));
+    const CellPoint<3> at = locate(pair.integers, p);
+    ASSERT_EQ(load_corners(pair.integers, at.cell).h, load_corners(pair.floats, at.cell).h);
+    ASSERT_EQ(shading_gradient(pair.integers, at), shading_gradient(pair.floats, at));
     IsosurfaceRay<3> ray;
     ray.position = p;
     ray.direction = test::random_direction(random);
     ray.isovalue = pair.isovalue(random.uniform());
-    const auto hit = intersect(pair.own, ray), same = intersect(pair.floats, ray);
+    const auto hit = intersect(pair.integers, ray), same = intersect(pair.floats, ray);
     ASSERT_EQ(hit.has_value(), same.has_value());
     if (!hit) continue;
     ASSERT_EQ(hit->t, same->t);
@@ -80,28 +79,28 @@ TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
 TYPED_TEST(VoxelsOf, BoundTheSameIsosurfaces) {
   const Pair<TypeParam> pair(37);
   const double low = pair.isovalue(0.6), high = pair.isovalue(0.8);
-  for (std::size_t level = 0; level < pair.own.pyramid.levels.size(); ++level) {
-    const auto &own = pair.own.pyramid.levels[level].bricks,
+  for (std::size_t level = 0; level < pair.integers.pyramid.levels.size(); ++level) {
+    const auto &integers = pair.integers.pyramid.levels[level].bricks,
                &floats = pair.floats.pyramid.levels[level].bricks;
-    EXPECT_TRUE(same_bits(own, floats));
+    EXPECT_TRUE(same_bits(integers, floats));
   }
-  EXPECT_EQ(make_lattice<3>(pair.own, {30, 31, 32}, low, high).active,
+  EXPECT_EQ(make_lattice<3>(pair.integers, {30, 31, 32}, low, high).active,
             make_lattice<3>(pair.floats, {30, 31, 32}, low, high).active);
-  const EmptySpace<3> own(pair.own, low), floats(pair.floats, low);
+  const EmptySpace<3> integers(pair.integers, low), floats(pair.floats, low);
   std::size_t empty = 0;
-  for_each_index<3>({}, pair.own.dims, [&](const Index<3>& voxel) {
-    empty += own.holds(voxel);
-    ASSERT_EQ(own.holds(voxel), floats.holds(voxel));
+  for_each_index<3>({}, pair.integers.dims, [&](const Index<3>& voxel) {
+    empty += integers.holds(voxel);
+    ASSERT_EQ(integers.holds(voxel), floats.holds(voxel));
   });
   EXPECT_GT(empty, 0u);
-  const IsosurfaceMesh mesh = contour(pair.own, low), same = contour(pair.floats, low);
+  const IsosurfaceMesh mesh = contour(pair.integers, low), same = contour(pair.floats, low);
   EXPECT_GT(mesh.triangles.size(), 0u);
   EXPECT_TRUE(same_bits(mesh.vertices, same.vertices));
   EXPECT_TRUE(same_bits(mesh.normals, same.normals));
   EXPECT_EQ(mesh.triangles, same.triangles);
 }
 
-// In passes, which follow lines, and with fixed samples by rays.
+// Tests bakes in passes, by lines, and bakes with fixed samples, by rays.
 TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
   const Pair<TypeParam> pair(test::sanitized ? 8 : 15);
   BakeSettings<3> passes;
@@ -111,18 +110,18 @@ TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
   fixed.photons = 20'000;
   for (const bool in_passes : {true, false}) {
     std::vector<Baked<3>> bakes;
-    for (const Field<3>& field : {pair.own, pair.floats}) {
+    for (const Field<3>& field : {pair.integers, pair.floats}) {
       const Scene<3> scene = test::cornell(field, {pair.isovalue(0.6), pair.isovalue(0.9)});
       Progress progress;
       bakes.push_back(in_passes ? bake(scene, passes, progress)
                                 : bake_with_fixed_samples(scene, fixed, progress));
     }
-    const RadianceGrid<3>&own = bakes[0].grids[0], &floats = bakes[1].grids[0];
-    EXPECT_GT(own.lattice.active.size(), test::sanitized ? 50u : 1000u);
-    EXPECT_EQ(own.lattice.active, floats.lattice.active);
-    EXPECT_TRUE(same_bits(own.radiance, floats.radiance));
-    EXPECT_TRUE(same_bits(own.radiance_indirect, floats.radiance_indirect));
-    EXPECT_TRUE(same_bits(own.radiance_error, floats.radiance_error));
+    const RadianceGrid<3>&integers = bakes[0].grids[0], &floats = bakes[1].grids[0];
+    EXPECT_GT(integers.lattice.active.size(), test::sanitized ? 50u : 1000u);
+    EXPECT_EQ(integers.lattice.active, floats.lattice.active);
+    EXPECT_TRUE(same_bits(integers.radiance, floats.radiance));
+    EXPECT_TRUE(same_bits(integers.radiance_indirect, floats.radiance_indirect));
+    EXPECT_TRUE(same_bits(integers.radiance_error, floats.radiance_error));
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Helpers of tests of bakes in passes: small bakes, and the comparison of two bakes.
+// Helpers for tests of bakes in passes: small bakes, and comparisons of two bakes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,8 +34,8 @@ inline bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
          same_bits(a.radiance_back, b.radiance_back);
 }
 
-// Both sides of isosurfaces, and the walls.
-inline BakeSettings<3> of_all_light(int texels) {
+// Returns settings that bake both sides and the walls.
+inline BakeSettings<3> all_light(int texels) {
   BakeSettings<3> settings = in_passes();
   settings.both_sides = true;
   settings.walls = !sanitized;

@@ -15,7 +15,9 @@ import targets
 
 @dataclass(frozen=True)
 class CoreTarget:
-    """name: on the command line; file: of core/; seeds: seeds(folder) gives bytes."""
+    """A target of the core. name: on the command line; file: of core/; seeds: seeds(folder) returns
+    bytes.
+    """
 
     name: str
     file: str
@@ -57,7 +59,7 @@ def _fields(axes):
 
 
 def _bake_of_grids(_folder):
-    """Fields of 2^3 voxels with texels at each."""
+    """Returns bakes of fields with 2^3 voxels, and texels at each."""
     corners = [(x, y, z) for z in range(2) for y in range(2) for x in range(2)]
 
     def number(n):
@@ -70,7 +72,7 @@ def _bake_of_grids(_folder):
         for at, texel in enumerate(texels):
             place = b"".join(map(number, texel))
             data += place + struct.pack("<f", at) * (3 if colors else 1)
-        # No tile; metadata: dims, floats, nothing else; no transform.
+        # Metadata: dims, floats, no tile, no transform.
         return data + b"\1" + dims + bytes((1, 0, 1, 1, 1))
 
     coarse = grid(0, 2, False, corners)

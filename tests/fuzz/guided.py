@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Atheris on one target: libFuzzer guided by which lines of our Python a file reaches.
+"""Fuzzes one target with Atheris: libFuzzer, guided by the lines of Python that a file reaches.
 
 guided.py TARGET FOLDER [OPTION OF LIBFUZZER...]
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Damage to files, by the recipes that fuzzers such as AFL and libFuzzer use."""
+"""Random damage to files, by the methods of fuzzers such as AFL and libFuzzer."""
 
 import re
 
@@ -30,7 +30,7 @@ def mutated(seeds, random):
 
 
 def _place(data, random):
-    """Returns a random place, half the time in the first 512 bytes, where headers are."""
+    """Returns a random position, half of the time in the first 512 bytes, which contain headers."""
     most = len(data) if random.random() < 0.5 else min(len(data), 512)
     return random.randrange(most) if most else 0
 

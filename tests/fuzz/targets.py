@@ -47,7 +47,8 @@ class Target:
 def check(target, folder, data, good=False):
     """Runs the target's command on a file of these bytes; returns whether it was accepted.
 
-    good: whether it must be. Raises AssertionError, or whatever the command raises, for a failure.
+    good: True if it must be accepted. Raises AssertionError, or the command's exception, after a
+    failure.
     """
     path = folder / f"input{target.suffix}"
     file = path / target.within if target.within else path
@@ -70,7 +71,7 @@ def check(target, folder, data, good=False):
 
 
 def _of_tests(name):
-    """Returns the seeds that tests of damaged files use."""
+    """Returns the seeds of the tests of damaged files."""
 
     def seeds(folder):
         from test_damaged_files import FORMATS
@@ -206,7 +207,7 @@ def _pieces(folder):
 
 
 def _unnamed(folder):
-    """Files that are known by what they hold."""
+    """Returns files whose contents, not their names, show the format."""
     names = ("x.nrrd", "x.vti", "x.cube", "x.vtk", "x.dx", "LOCPOT", "x.xsf", "x.brix", "x.npy")
     return [_of_tests(name)(folder)[0] for name in names]
 
@@ -282,7 +283,9 @@ def _amira(_folder):
 
 
 def _dicom(folder):
-    """A scan, a dose, a camera and segments; a scan without a preamble, deflated and packed."""
+    """Returns a scan, a dose, a camera and segments; a scan without a preamble, deflated and
+    packed.
+    """
     import dicom_files as files
     from pydicom import uid
     from pydicom.encaps import encapsulate
@@ -352,7 +355,7 @@ def _zarr_array(folder):
 
 
 def _by_hdf5(*names):
-    """Files of programs that write HDF5, by functions of its tests."""
+    """Returns files as other programs write HDF5, by functions of its tests."""
 
     def seeds(folder):
         import test_reader_hdf5
@@ -368,7 +371,7 @@ def _by_hdf5(*names):
 
 
 def _ome_set(make, at):
-    """One file of a set of OME-TIFF: its place among those that the function makes."""
+    """Returns one file of a set of OME-TIFF, by its number in the set."""
 
     def seeds(folder):
         import test_reader_tiff
@@ -556,7 +559,7 @@ BY_NAME = {target.name: target for target in TARGETS}
 
 
 def missing_library(target):
-    """Returns the library without which a target cannot be tried here, or None."""
+    """Returns the missing library that a target needs here, or None."""
     import tempfile
 
     import pytest
@@ -570,6 +573,6 @@ def missing_library(target):
 
 
 def seeds_of(target, folder):
-    """Good files to begin with. The folder then holds what the target's files refer to."""
+    """Returns good files. The folder also gets the files to which they refer."""
     os.makedirs(folder, exist_ok=True)
     return target.seeds(Path(folder))

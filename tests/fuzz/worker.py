@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One process that tries damaged files on one target until its time is over.
+"""A process that tries damaged files on one target until its time is over.
 
     worker.py TARGET FOLDER SEED SECONDS COUNT
 
-The file being tried lies in FOLDER/trying, so that it survives a crash of this process. The last
-line on stdout is JSON: {"tried", "accepted", "slowest"}.
+The current file is FOLDER/trying, so that it survives a crash of this process. The last line on
+stdout is JSON: {"tried", "accepted", "slowest"}.
 """
 
 import faulthandler

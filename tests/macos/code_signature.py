@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The signature within a file of macOS, which the processors of Apple ask for before they run it.
+"""The signature in a file of macOS, without which Apple's processors do not run it.
 
 The layout is that of cs_blobs.h in Apple's XNU.
 """
@@ -14,7 +14,9 @@ _SHA256 = 2
 
 @dataclass(frozen=True)
 class Signature:
-    """ad_hoc: signed without a certificate. wrong: the pages whose bytes are not those signed."""
+    """A signature. ad_hoc: signed without a certificate. wrong: pages whose hash does not match
+    their bytes.
+    """
 
     ad_hoc: bool
     signed_bytes: int
@@ -22,7 +24,7 @@ class Signature:
 
 
 def read(data, offset):
-    """data: the bytes of the file. offset: of the signature in it."""
+    """Reads a signature. data: the bytes of the file. offset: of the signature in it."""
     magic, _, count = struct.unpack_from(">3I", data, offset)
     assert magic == _SUPER_BLOB
     places = [struct.unpack_from(">2I", data, offset + 12 + 8 * i)[1] for i in range(count)]

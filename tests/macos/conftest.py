@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The packages for macOS. Nothing of them runs here: there is no macOS."""
+"""Fixtures for the packages for macOS. There is no macOS here, so nothing of them runs."""
 
 import re
 import subprocess
@@ -12,7 +12,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path[:0] = [str(HERE), str(ROOT / "scripts")]
-# Blender's names of the platforms, and Apple's of the processors.
+# Apple's names of the processors, by Blender's names of the platforms.
 PROCESSORS = {"macos-arm64": "arm64", "macos-x64": "x86_64"}
 PYTHONS = ("3.11", "3.13")
 
@@ -43,7 +43,7 @@ def made():
     command = [ROOT / "scripts" / "package"]
     for platform in PROCESSORS:
         command += ["--platform", platform]
-    # A compiler does not hang.
+    # No time limit, because a compiler does not hang.
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     return [ROOT / name for name in done.stdout.splitlines()[-1].split()]
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The compiled module: what it was made for, which libraries it takes, what it shows to others."""
+"""Tests the compiled module: its system and processor, the libraries that it loads, and the symbols
+that it exports.
+"""
 
 import zipfile
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 from packing.macos import python
 
 SYSTEM = ["/usr/lib/libSystem.B.dylib", "/usr/lib/libz.1.dylib"]
-# Library ordinal of a symbol that is looked up in every library of the process.
+# Library ordinal of symbols that are searched in every library of the process.
 ANY_LIBRARY = -2
 
 
@@ -23,7 +25,7 @@ def module(wheel, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def binary(module):
-    processors = lief.MachO.parse(str(module))  # has to outlive the one that is a part of it
+    processors = lief.MachO.parse(str(module))  # must outlive its part
     yield processors.at(0)
 
 
@@ -37,7 +39,9 @@ def test_it_is_for_one_processor_and_macos_11(wheel, module, binary):
 
 
 def test_it_takes_libraries_of_the_system_alone(binary):
-    """Else another program's library of the same name would serve it."""
+    """Checks that it needs no other library, because another program's library of the same name
+    could replace it.
+    """
     assert sorted(library.name for library in binary.libraries) == SYSTEM
     assert not binary.has_rpath
 
@@ -47,7 +51,9 @@ def test_it_exports_its_entry_alone(binary):
 
 
 def test_it_shares_no_function_of_cpp_with_other_libraries(binary):
-    """macOS takes one definition of a weak symbol for the whole process, such as Blender's."""
+    """Checks its C++ symbols, because macOS uses one definition of a weak symbol for the whole
+    process, such as Blender's.
+    """
     flags = lief.MachO.Header.FLAGS
     assert not binary.header.has(flags.WEAK_DEFINES)
     assert not binary.header.has(flags.BINDS_TO_WEAK)
@@ -55,10 +61,10 @@ def test_it_shares_no_function_of_cpp_with_other_libraries(binary):
 
 
 def test_python_has_every_symbol_that_no_library_of_the_system_has(wheel, binary):
-    """Checks that all symbols without a library are those of Python.
+    """Checks that all symbols without a library are those of Python, which are found at load time.
 
-    On macOS they are found when the module is loaded, so the linker accepts any. It knows only the
-    symbols of macOS 11; symbols of later versions would be among them.
+    The linker accepts any such symbol. It knows only macOS 11, so symbols of later versions would
+    be among them.
     """
     path = python.folder(wheel.python) / f"libpython{wheel.python}.dylib"
     processors = lief.MachO.parse(str(path))
@@ -73,14 +79,14 @@ def test_python_has_every_symbol_that_no_library_of_the_system_has(wheel, binary
 
 
 def test_the_signature_is_that_of_these_bytes(module, binary):
-    """Apple's processors end a program that loads another file."""
+    """Checks the signature, without which Apple's processors end the program."""
     data = module.read_bytes()
     assert binary.has_code_signature
     signature = code_signature.read(data, binary.code_signature.data_offset)
     assert signature.ad_hoc
     assert signature.signed_bytes == binary.code_signature.data_offset
     assert signature.wrong == []
-    # And the check finds another byte.
+    # The check must detect a changed byte.
     changed = bytearray(data)
     changed[len(data) // 2] ^= 1
     assert len(code_signature.read(changed, binary.code_signature.data_offset).wrong) == 1

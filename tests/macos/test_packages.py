@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The names of the packages for macOS, and what is in them."""
+"""Tests the names and the contents of the packages for macOS."""
 
 import base64
 import csv
@@ -24,7 +24,7 @@ def test_the_name_tells_the_python_and_the_system(wheel):
 
 
 def test_delocate_finds_the_name_true(wheel, tmp_path):
-    """It compares the name with the system and the processor that the modules were made for."""
+    """Compares, by delocate, the name of a wheel with the system and processor of its modules."""
     with zipfile.ZipFile(wheel.path) as archive:
         archive.extractall(tmp_path)
     found, _ = delocating._calculate_minimum_wheel_name(wheel.path.name, tmp_path, None)
@@ -64,7 +64,8 @@ def test_the_extension_is_for_one_platform(extension, made):
     with zipfile.ZipFile(path) as archive:
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
         shipped = {name: archive.read(name) for name in archive.namelist() if ".whl" in name}
-    # The manifest has every platform; the part that Blender's own program added has this one.
+    # The manifest lists all platforms; in the part that Blender's program adds, it has only this
+    # one.
     assert manifest["platforms"] == ["macos-arm64", "macos-x64"]
     generated = manifest["build"]["generated"]
     assert generated["platforms"] == [platform]

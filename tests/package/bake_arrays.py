@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes the bump box with all that a bake can hold, saves it, and writes every array to an .npz.
-
+"""Bakes the bump box with all kinds of results, saves it, and writes every array to an .npz:
 python bake_arrays.py SCENE OUT.npz
 """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The packages that scripts/package makes, and a virtual environment with the wheel in it."""
+"""Fixtures: the packages that scripts/package makes, and a virtual environment with the wheel."""
 
 import os
 import subprocess
@@ -28,7 +28,9 @@ def call(*command, timeout=HANG, **options):
 
 
 def environment(**more):
-    """Returns the variables of this process without the paths and settings of the user's Python."""
+    """Returns the environment variables of this process without the user's paths and settings of
+    Python.
+    """
     kept = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     return {**kept, "PYTHONNOUSERSITE": "1", **more}
 
@@ -50,8 +52,8 @@ def plain_environment():
 
 @pytest.fixture(scope="session")
 def made():
-    """Returns the packages, by what they are: wheel, sdist, extension, legacy."""
-    # A compiler does not hang.
+    """Returns the packages by kind: wheel, sdist, extension, legacy."""
+    # No time limit, because a compiler does not hang.
     last = call(ROOT / "scripts" / "package", "--quick", timeout=None).splitlines()[-1]
     paths = [ROOT / name for name in last.split()]
     wheel, sdist, extension, legacy = paths
@@ -62,7 +64,7 @@ def made():
 
 @pytest.fixture(scope="session")
 def installed(made, tmp_path_factory):
-    """Returns the Python of a fresh virtual environment with the wheel, installed as users do."""
+    """Returns the Python of a new virtual environment with the wheel, installed as users do."""
     folder = tmp_path_factory.mktemp("installed")
     call("/usr/bin/python3", "-m", "venv", folder)
     python = folder / "bin" / "python"

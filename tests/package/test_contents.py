@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contents of the packages, and the files that they must not contain."""
+"""Tests the contents of the packages, and that they lack other files."""
 
 import ast
 import base64
@@ -25,7 +25,7 @@ def names(path):
 
 
 def parts(data):
-    """Returns (name of its metadata, open archive) of a wheel and of each that its folders hold."""
+    """Returns (name of its metadata, open archive) of a wheel, and of each wheel in its folders."""
     archive = zipfile.ZipFile(io.BytesIO(data))
     infos = {
         name.rpartition("/")[0] for name in archive.namelist() if name.endswith("-info/RECORD")
@@ -45,7 +45,7 @@ def version(root):
 
 @pytest.fixture(scope="module")
 def extension(made):
-    """Returns the manifest, and the wheels by the name of their project."""
+    """Returns the manifest of the extension, and its wheels by project."""
     with zipfile.ZipFile(made["extension"]) as archive:
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
         wheels = {name: archive.read(name) for name in archive.namelist() if ".whl" in name}
@@ -82,7 +82,7 @@ def test_the_wheel_holds_the_package_and_its_libraries(made, root):
     assert {"leaflight/page/page.html", "leaflight/py.typed", "leaflight/_core.pyi"} <= set(found)
     for library in ("tbb", "embree", "openvdb", "OpenEXR"):
         assert any(re.match(rf"leaflight\.libs/lib{library}", name) for name in found)
-    # Each library with the terms under which it may be given on.
+    # Each library must have its license.
     licences = [name for name in found if "/licenses/" in name]
     for package in ("LICENSE", "libtbb", "libembree", "libopenvdb", "libblosc"):
         assert any(f"/licenses/{package}" in name for name in licences)
@@ -105,7 +105,9 @@ def test_blender_gets_the_package_without_numpy(made, extension):
 
 
 def test_compiled_readers_are_beside_the_package(made, extension):
-    """Where the process that reads a file finds them, but Blender and other add-ons do not."""
+    """Checks their folders: the process that reads files finds them, but Blender and other add-ons
+    do not.
+    """
     folders = {
         "leaflight_readers": ("h5py", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"),
         "leaflight_codecs": ("imagecodecs", "pylibjpeg", "liffile", "nd2"),
@@ -135,7 +137,7 @@ def test_the_legacy_zip_installs_two_things(made):
 
 
 def test_every_record_is_right(made, extension):
-    """So the files of PyPI's packages are what their authors put there."""
+    """Checks the records, which show that files of PyPI's packages are unchanged."""
     for data in [made["wheel"].read_bytes(), *extension[1].values()]:
         listed = {}
         for info, archive in parts(data):
@@ -154,12 +156,12 @@ def test_every_record_is_right(made, extension):
         assert sorted(listed) == sorted(files)
 
 
-# Nothing that is read needs these: tests/blender/test_packed_files.py reads with the package alone.
+# Dependencies that reading does not need. tests/blender/test_packed_files.py reads without them.
 LEFT_OUT = {"nd2": {"dask", "ome-types", "pydantic-core", "resource-backed-dask-array"}}
 
 
 def test_the_extension_holds_all_that_its_wheels_need(extension):
-    """For both Pythons of Blender; NumPy is Blender's own."""
+    """Checks the requirements for both Pythons of Blender. NumPy is Blender's own."""
     have = {}
     for data in extension[1].values():
         for info, archive in parts(data):

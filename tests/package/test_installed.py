@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The wheel in a fresh environment with NumPy 2 does what the build tree does."""
+"""Tests that the wheel, in a new environment with NumPy 2, gives the results of the build tree."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ import pytest
 
 HERE = Path(__file__).resolve().parent
 
-# Environments of their own, with what pip fetches.
+# These tests make environments with packages that pip downloads.
 pytestmark = pytest.mark.slow
 
 
@@ -19,7 +19,7 @@ def test_it_bakes_what_the_build_tree_bakes(run, plain_environment, installed, r
     tree = plain_environment(PYTHONPATH=str(built))
     of_tree = run("/usr/bin/python3", script, scene, tmp_path / "tree.npz", env=tree, cwd="/")
     of_wheel = run(installed, script, scene, tmp_path / "wheel.npz", env=plain_environment())
-    # One of each NumPy, and of each package.
+    # Check that both NumPys and both packages were used.
     assert of_tree.startswith("1.") and str(built) in of_tree
     assert of_wheel.startswith("2.") and "site-packages" in of_wheel
     with np.load(tmp_path / "tree.npz") as tree, np.load(tmp_path / "wheel.npz") as wheel:

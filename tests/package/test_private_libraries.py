@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In Blender, which has its own oneTBB, OpenVDB and Embree, nothing of ours is bound to them.
+"""Tests that our module uses only its own libraries in Blender, which has other oneTBB, OpenVDB and
+Embree.
 
-The linker itself says what it binds to what.
+The dynamic linker logs its bindings.
 """
 
 import re
@@ -11,11 +12,11 @@ from collections import Counter
 
 import pytest
 
-# The libraries of every process, and Python's.
+# Libraries that every process has, and Python's.
 ALLOWED = re.compile(
     r"(libc|libm|libstdc\+\+|libgcc_s|ld-linux-x86-64|libz|libpython3[\d.]+)\.so|linux-vdso"
 )
-# The program's own allocator serves all of a process.
+# Symbols of the program's own allocator, which serves the whole process.
 ALLOCATION = re.compile(
     r"(malloc|calloc|realloc|free|memalign|posix_memalign|aligned_alloc|malloc_usable_size"
     r"|_Zn[wa].*|_Zd[la].*)$"
@@ -34,7 +35,7 @@ print("done with", leaflight.__file__)
 
 
 def bindings(logs):
-    """Yields (file, its library, symbol) for each binding that the linker wrote of."""
+    """Yields (file, its library, symbol) for each binding in the linker's log."""
     for log in logs:
         with open(log, errors="replace") as lines:
             for line in lines:
@@ -44,7 +45,9 @@ def bindings(logs):
 
 @pytest.fixture(scope="module")
 def in_blender(run, plain_environment, made, tmp_path_factory):
-    """All bindings of a Blender that bakes, saves and loads, and the folder of our libraries."""
+    """Returns all bindings in a Blender that bakes, saves and loads, and the folder of our
+    libraries.
+    """
     if shutil.which("blender") is None:
         pytest.fail("there is no program blender; run scripts/setup")
     folder = tmp_path_factory.mktemp("blender")
@@ -79,7 +82,7 @@ def test_nothing_of_ours_is_bound_to_libraries_of_blender(in_blender):
         elif not (ALLOWED.match(library) or ALLOCATION.match(symbol) or symbol.startswith("Py")):
             foreign.add((user.rpartition("/")[2], library, symbol))
     assert not foreign
-    # The test has seen what it is about.
+    # The log must contain all of our libraries.
     for library in ("libtbb", "libopenvdb", "libembree3", "libOpenEXR"):
         assert within[library] > 10
 
@@ -87,6 +90,6 @@ def test_nothing_of_ours_is_bound_to_libraries_of_blender(in_blender):
 def test_nothing_of_blender_is_bound_to_libraries_of_ours(in_blender):
     found, own = in_blender
     assert not [b for b in found if b[1].startswith(own) and not b[0].startswith(own)]
-    # Blender has libraries of the same names in this very process.
+    # Blender must have loaded its own libraries of the same names.
     others = {provider.rpartition("/")[2].partition(".")[0] for _, provider, _ in found}
     assert {"libtbb", "libopenvdb"} <= others

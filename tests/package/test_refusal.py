@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the package refuses, Blender's user reads why; nothing else of the add-on is there."""
+"""Tests that the user reads the reason if the package cannot be used, and that no other part of the
+add-on is active.
+"""
 
 import re
 

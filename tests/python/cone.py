@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume whose bakes are noisy before they are anything else, and bakes that are stopped."""
+"""A small volume in a cone of light, whose bakes err mainly by noise, and bakes that stop early."""
 
 import leaflight
 import numpy as np
 
-# Texels on each axis of cone(16), so fine that what they miss is far below their noise.
+# Texels per axis of cone(16). They are so fine that texture error is far below the noise.
 FINE = 31
 
 
 def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Volume:
-    """Its isosurfaces are balls, or half balls, whose light is smooth: texels miss little of it."""
+    """Returns balls, or half balls, with smooth light, so that texels miss little of it."""
     axis = np.linspace(-1, 1, nodes)
     first, *others = np.meshgrid(*[axis] * dimensions, indexing="ij")
     squares = (first - is_open) ** 2 + sum(other**2 for other in others)

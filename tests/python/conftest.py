@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the tests share: small volumes, one small bake, and two ways to call the command line."""
+"""Fixtures of all tests: small volumes, one small bake, and two ways to call the command line."""
 
 import math
 import signal
@@ -20,7 +20,7 @@ from leaflight.volume.particles import lapr
 from leaflight_command import main
 from waiting import HANG
 
-# The same examples in every run, however slow the machine: a failure is about the change at hand.
+# Use the same examples in every run, so that a failure is caused by the current change.
 settings.register_profile(
     "repeatable",
     derandomize=True,
@@ -31,13 +31,13 @@ settings.register_profile(
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).resolve().parents[2]
-# Names of the scene files, without Flatland's, which have another format.
+# Names of the scene files, except those of Flatland, which have another format.
 SHIPPED = sorted(
     path.name for path in (ROOT / "scenes").glob("*.json") if "flatland" not in path.name
 )
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
 
-# Bakes of well below a second, of 20^3 nodes and fewer, and the same by thesis.bake().
+# Settings of bakes that take well below a second with at most 20^3 nodes, also for thesis.bake().
 SMALL = {"error": 5.0, "isovalues": (30.0, 70.0)}
 FIXED = {"samples": 4, "photons": 20_000, "isovalues": (30.0, 70.0)}
 
@@ -51,11 +51,11 @@ class Outcome:
 
 @pytest.fixture(scope="session", autouse=True)
 def unhurried():
-    """However slow the machine, the package neither gives up nor shows how far it is."""
+    """Removes limits of time, so that slow machines neither give up nor print progress."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(progress_bar, "PATIENCE_SECONDS", math.inf)
         patch.setattr(reader_process, "WAIT", HANG)
-        # The last is patience_seconds.
+        # The last default is patience_seconds.
         patch.setattr(Workers.__init__, "__defaults__", (None, None, HANG))
         yield
 
@@ -89,7 +89,7 @@ def bump_scene():
 
 @pytest.fixture(scope="session")
 def box_bake(bump_scene):
-    """Returns the bump box with 20^3 nodes and as many texels in its scene."""
+    """Returns the bump box with 20^3 nodes and as many texels, baked in its scene."""
     return leaflight.bake(leaflight.bump_box(20), bump_scene, resolution=20, **SMALL)
 
 
@@ -113,7 +113,7 @@ def box(bump_scene):
 
 @pytest.fixture(params=SHIPPED)
 def shipped(request):
-    """Returns each of the scene files that come with the program."""
+    """Returns each of the shipped scene files."""
     return leaflight.load_scene(ROOT / "scenes" / request.param)
 
 
@@ -124,7 +124,9 @@ def lapr_scene():
 
 @pytest.fixture(scope="session")
 def lapr_bake(lapr_scene):
-    """Bakes two volumes, both sides and the walls; open at the border, so that light gets in."""
+    """Returns a bake of two volumes with both sides and the walls. Light enters at the open
+    border.
+    """
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
     return leaflight.bake(volumes, lapr_scene, error=5.0, both_sides=True, walls=True)
 
@@ -138,10 +140,12 @@ def lapr_file(lapr_bake, tmp_path_factory):
 
 @pytest.fixture
 def cli(capsys):
-    """Calls the command line in this process: cli("info", "x.nii") -> Outcome."""
+    """Returns a function that calls the command line in this process: cli("info", "x.nii") ->
+    Outcome.
+    """
 
     def call(*arguments):
-        # A program that has written its files ignores Ctrl-C from then on; the tests go on.
+        # After a program has written its files it ignores Ctrl-C, but the tests continue.
         before = signal.getsignal(signal.SIGINT)
         status = main([str(argument) for argument in arguments])
         signal.signal(signal.SIGINT, before)
@@ -153,10 +157,10 @@ def cli(capsys):
 
 @pytest.fixture(scope="session")
 def script():
-    """Calls the program as a user does, from another folder: that of the package under test."""
+    """Returns a function that calls the program as a user does, from another folder."""
     program = [ROOT / "scripts" / "leaflight"]
     if sys.platform == "win32":
-        # The wheel was unpacked, not installed.
+        # The wheel was unpacked, not installed, so there is no program.
         program = [sys.executable, "-m", "leaflight"]
     elif not Path(leaflight.__file__).is_relative_to(ROOT / "build" / "release"):
         program = [Path(sys.prefix) / "bin" / "leaflight"]

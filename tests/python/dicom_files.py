@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DICOM files that tests read, as pydicom writes them."""
+"""DICOM files for tests, written by pydicom."""
 
 import io
 
@@ -15,7 +15,7 @@ SEGMENTATION = "1.2.840.10008.5.1.4.1.1.66.4"
 
 
 def uid(name):
-    """Returns the same for a name in every run."""
+    """Returns a DICOM identifier of a name, the same in every run."""
     return generate_uid(entropy_srcs=[name])
 
 
@@ -23,10 +23,10 @@ SERIES = uid("leaflight")
 
 
 def write_slice(path, pixels, place, series=SERIES, **tags):
-    """Writes a CT slice at the place z along the patient; its values are 2 pixels - 1000."""
+    """Writes a CT slice at the position z in the patient; its values are 2 pixels - 1000."""
     meta = FileMetaDataset()
     meta.MediaStorageSOPClassUID = CTImageStorage
-    # The same bytes in every run.
+    # Set all identifiers, so that the bytes are the same in every run.
     meta.MediaStorageSOPInstanceUID = uid(f"{series} {path.name}")
     meta.TransferSyntaxUID = ExplicitVRLittleEndian
     data = FileDataset(str(path), {}, file_meta=meta, preamble=b"\0" * 128)
@@ -58,7 +58,7 @@ def write_series(folder, values, apart=2.0, **tags):
 
 
 def edit(path, without=(), syntax=None, **tags):
-    """Changes tags of a file; syntax: the transfer syntax that it then has."""
+    """Changes tags of a file; syntax: its new transfer syntax."""
     data = pydicom.dcmread(path)
     for name in without:
         delattr(data, name)
@@ -89,7 +89,7 @@ def items(**sequences):
 
 
 def write_pages(path, values, pages=None, **tags):
-    """Returns a file of several pages; pages: items, what belongs to each."""
+    """Returns a file of several pages; pages: for each page, its items."""
     tags = {"RescaleSlope": 1, "RescaleIntercept": 0, "NumberOfFrames": len(values), **tags}
     if pages is not None:
         tags["PerFrameFunctionalGroupsSequence"] = pydicom.Sequence(pages)
@@ -107,7 +107,7 @@ def dose(path, values, offsets, place=50, **tags):
 
 
 def camera(path, values, **tags):
-    """Returns a reconstruction of nuclear medicine."""
+    """Returns a reconstructed scan of a nuclear medicine camera."""
     detector = item(ImagePositionPatient=[-8, 5, -3], ImageOrientationPatient=[1, 0, 0, 0, 1, 0])
     tags = {"Modality": "NM", "DetectorInformationSequence": detector, **tags}
     write_pages(path, values, **tags)
@@ -116,7 +116,7 @@ def camera(path, values, **tags):
 
 
 def segments(path, planes, labels, apart=2, **tags):
-    """Returns a segmentation; planes: (segment from 1, k, its pixels) of each page."""
+    """Returns a segmentation; planes: (segment from 1, k, pixels) of each page."""
     described = [items(SegmentNumber=n + 1, SegmentLabel=label) for n, label in enumerate(labels)]
     pages = [
         at(2 * k, SegmentIdentificationSequence=item(ReferencedSegmentNumber=number))
@@ -136,7 +136,7 @@ def segments(path, planes, labels, apart=2, **tags):
 
 
 def jpeg_2000(plane):
-    """Returns the codestream that Pillow writes."""
+    """Returns JPEG 2000 data, written by Pillow."""
     image = pytest.importorskip("PIL.Image")
     file = io.BytesIO()
     image.fromarray(plane.astype(np.uint16)).save(file, "JPEG2000", no_jp2=True, irreversible=False)
@@ -144,12 +144,12 @@ def jpeg_2000(plane):
 
 
 def bare(data):
-    """Returns the bytes of a file without its preamble and the information about it."""
+    """Returns the bytes of a file without its preamble and its file meta information."""
     return data[144 + int.from_bytes(data[140:144], "little") :]
 
 
 def write_disc(folder, values):
-    """Returns a disc with a DICOMDIR, as pydicom writes it."""
+    """Returns a folder with a DICOMDIR, like a patient's CD, written by pydicom."""
     scan = write_series(folder / "scan", values)
     files = FileSet()
     files.UID = uid("disc")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small files of microscopes: CZI by Zeiss' library, LIF and ND2, which no library writes, by hand.
+"""Small microscope files: CZI by Zeiss' library, LIF and ND2 by hand, because no library writes
+them.
 
 The voxels are 0.5 x 0.25 x 2 micrometers large, those of ND2 0.5 x 0.5 x 2.
 """
@@ -15,14 +16,16 @@ STEPS = {"X": 0.5e-6, "Y": 0.25e-6, "Z": 2e-6}
 
 
 def czi(path, pixels, scenes=1, without=()):
-    """pixels: [t, c, z, y, x], or with red, green and blue; without: places (t, c, z) left out."""
+    """Writes a CZI file. pixels: [t, c, z, y, x], or with red, green and blue; without: (t, c, z)
+    of planes to leave out.
+    """
     with _of_zeiss().create_czi(str(path)) as file:
         for scene in range(scenes):
             for t, c, z in np.ndindex(pixels.shape[:3]):
                 if (t, c, z) not in without:
                     plane = pixels[t, c, z] // (scene + 1)
                     plane = plane[..., ::-1] if plane.ndim == 3 else plane[..., None]
-                    # The scenes lie side by side.
+                    # Put the scenes side by side.
                     file.write(
                         np.ascontiguousarray(plane),
                         plane={"T": t, "C": c, "Z": z},
@@ -33,7 +36,7 @@ def czi(path, pixels, scenes=1, without=()):
 
 
 def _of_zeiss():
-    """Their library, which only the process that reads a file finds otherwise."""
+    """Returns Zeiss' library, which normally only the process that reads files can import."""
     path = sys.path[:]
     sys.path.extend(reader_process.PACKAGES)
     try:
@@ -46,7 +49,7 @@ _LIF_AXES = {"X": 1, "Y": 2, "Z": 3, "T": 4, "M": 10}
 
 
 def lif(path, images):
-    """images: {name: (axes from the slowest on, such as "TZCYX", pixels)}."""
+    """Writes a LIF file. images: {name: (axes, slowest first, such as "TZCYX", pixels)}."""
     described, blocks = [], []
     for k, (name, (axes, pixels)) in enumerate(images.items()):
         steps = dict(zip(axes, pixels.strides))
@@ -84,7 +87,9 @@ _LOOPS = {"T": 1, "P": 2, "Z": 4}
 
 
 def nd2(path, axes, pixels, without=()):
-    """axes: such as "TPZYXC", of which Y, X and C are the pixels; without: frames left out."""
+    """Writes an ND2 file. axes: such as "TPZYXC", where Y, X and C are pixels; without: frames to
+    leave out.
+    """
     outer = axes[:-3]
     height, width, channels = pixels.shape[-3:]
     frames = pixels.reshape(-1, height, width, channels)
@@ -133,7 +138,7 @@ def _nd2_file(chunks):
     data = struct.pack("<IIQ", magic, 32, 64) + signature + b"Ver3.0".ljust(64, b"\0")
     places = b""
     for name, content in chunks.items():
-        # Frames lie at a fixed distance from their chunks, behind their time.
+        # Frames start at a fixed distance after their chunk's header, after their time.
         head = struct.pack("<IIQ", magic, 4088 - 16, len(content))
         places += name.encode() + struct.pack("<QQ", len(data), len(content))
         data += (head + name.encode()).ljust(4088, b"\0") + content
@@ -145,7 +150,7 @@ def _nd2_file(chunks):
 
 
 def _level(items):
-    """Returns a dictionary in Nikon's binary form."""
+    """Returns a dictionary in Nikon's binary format."""
     data = b""
     for name, value in items.items():
         kind, content = _variant(value)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads files in memory that holds one pattern, then another: what differs was never written.
+"""Reads files twice, in memory that holds two different patterns.
 
-The GNU C library fills what it allocates with MALLOC_PERTURB_, in the process that reads and in
-those that this one starts. NumPy, the arrays of volumes and all libraries allocate there. NumPy
-uses arrays of less than a kilobyte again by itself: numpy.empty() is filled here.
+Values that differ were never written. The GNU C library fills allocated memory with
+MALLOC_PERTURB_, in the process that reads and in those that it starts. NumPy, the arrays of volumes
+and all libraries allocate there. NumPy itself reuses arrays of less than a kilobyte, so
+numpy.empty() is filled here.
 """
 
 import hashlib
@@ -16,9 +17,9 @@ import numpy as np
 from leaflight.volume.voxels import new_voxels
 from waiting import run_python
 
-# Two bytes no bit of which is the same.
+# Two bytes that differ in each bit.
 PATTERNS = (0x55, 0xAA)
-# In place of a file: arrays that nobody fills, a small and a large one.
+# Name in place of a file, for a small and a large array that are never filled.
 UNWRITTEN = "unwritten"
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of bakes: of the same bytes in every run, and compared bit by bit."""
+"""Helpers that compare files of bakes bit by bit."""
 
 from dataclasses import replace
 from uuid import UUID
@@ -9,14 +9,14 @@ from leaflight import _core
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
 
-# Bytes where OpenVDB writes a random identifier, a new one for each file.
+# Position of a random identifier that OpenVDB writes into each file.
 _IDENTIFIER = slice(21, 57)
-# The statistics of time and memory.
+# Statistics of time and memory, which differ from run to run.
 _MEASURED = ("seconds", "peak_memory_bytes")
 
 
 def saved_alike(bake, path):
-    """Returns the bytes of the file of a bake, without the seal that would detect every change."""
+    """Returns the bytes of a bake's file, without the seal, which would detect every change."""
     statistics = replace(bake.statistics, **dict.fromkeys(_MEASURED, 1))
     replace(bake, statistics=statistics).save(path)
     data = bytearray(path.read_bytes()[:-24])
@@ -26,7 +26,7 @@ def saved_alike(bake, path):
 
 
 def assert_same_bake(path, other):
-    """Compares grids bit by bit, and the metadata, but not the random UUID in a VDB header."""
+    """Compares grids bit by bit, and the metadata without random identifiers."""
     fields, grids, walls, metadata = _core.read_bake(str(path))
     other_fields, other_grids, other_walls, other_metadata = _core.read_bake(str(other))
     for field, other_field in zip(fields, other_fields, strict=True):
@@ -37,7 +37,7 @@ def assert_same_bake(path, other):
         for name in GRIDS + (("radiance_back",) if grid.has_back else ()):
             assert grid.dense(name).tobytes() == other_grid.dense(name).tobytes()
     assert (walls is None) == (other_walls is None)
-    # The statistics are times and the like.
+    # Ignore the statistics, which contain times.
     metadata.pop("statistics"), other_metadata.pop("statistics")
     assert metadata == other_metadata
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake: the same for any number of threads, the same when read back, gone when cancelled."""
+"""Tests bakes: equal for any number of threads, equal when read back, without files when
+cancelled.
+"""
 
 import ast
 import inspect
@@ -133,7 +135,7 @@ def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_ba
     path = tmp_path / "forged.vdb"
     data = box_file.read_bytes()
     assert data.count(box_bake.id.encode()) == 1
-    # Without the seal at its end, which would not fit any more.
+    # Leave out the seal at the end, which would not match.
     path.write_bytes(data[:-24].replace(box_bake.id.encode(), b"0" * 32))
     assert read_bake_id(path) == "0" * 32
     refused("metadata were edited", load_bake, path)
@@ -147,7 +149,7 @@ def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
 
 
 def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path):
-    """As Leaflight wrote them before bakes had one."""
+    """Checks files of earlier versions, which had no id."""
     path = tmp_path / "old.vdb"
     fields = [volume.field() for volume in box_bake.volumes]
     metadata = {"statistics": json.dumps(box_bake.statistics.record())}
@@ -178,7 +180,7 @@ def test_surface(box_bake):
     heights = box_bake.volume.field().sample(surface.vertices)
     np.testing.assert_allclose(heights, 47, atol=0.05)
     assert (surface.radiance >= 0).all() and surface.radiance.mean() > 0.01
-    # The field grows towards y = 1 and the outside is where it is lower.
+    # The field increases towards y = 1, and the outside has lower values.
     assert surface.normals[:, 1].mean() < -0.2
 
 
@@ -214,7 +216,7 @@ def test_too_many_texels_are_refused(bump_scene):
 
 @pytest.fixture
 def endless(bump_scene):
-    """Yields (Progress, thread, what it raised) of a bake of minutes that is under way."""
+    """Yields (Progress, thread, its exception) of a bake in progress that would take minutes."""
     progress, outcome = Progress(), []
     settings = {"error": 0.01, "resolution": 200, "progress": progress}
 
@@ -257,7 +259,7 @@ def test_a_cancelled_bake_ends_soon(endless):
     progress.cancel()
     start = time.monotonic()
     thread.join(HANG)
-    # 0.5 s is promised; the rest is for a busy machine.
+    # The documented limit is 0.5 s; allow more for a busy machine.
     assert time.monotonic() - start < 5
     assert len(outcome) == 1
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lists of bakes: each by one worker, resumed where they stopped."""
+"""Tests lists of bakes, each baked by one worker, and resumed after an interruption."""
 
 import os
 import signal
@@ -20,7 +20,7 @@ pytest.importorskip("distributed")
 
 @pytest.fixture
 def scan(tmp_path):
-    """Writes a NIfTI file of two frames in time."""
+    """Writes a NIfTI file with two frames."""
     z, y, x = np.mgrid[:12, :12, :12]
     frames = [np.sin(0.4 * x + t) + np.cos(0.5 * y) + 0.1 * z for t in range(2)]
     path = tmp_path / "scan.nii"
@@ -41,14 +41,15 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     done = cli("batch", path, "--workers", "2")
     assert done.status == 0, done.err
     assert "3 baked, 0 already complete" in done.out
-    # Each is what `bake` makes by itself.
+    # Each must be equal to the result of `bake`.
     alone = tmp_path / "alone.vdb"
     assert cli("bake", scan, "--frame", 1, "--error", 5, "--out", alone).status == 0
     other = load_bake(tmp_path / "frame 1.vdb")
     np.testing.assert_array_equal(
         load_bake(alone).grid.dense("radiance"), other.grid.dense("radiance")
     )
-    # Again, nothing is left to do; what is missing, damaged or asked for differently is baked.
+    # A second run has nothing to do. It bakes files that are missing, damaged or have other
+    # settings.
     assert "0 baked, 3 already complete" in cli("batch", path).out
     (tmp_path / "frame 0.vdb").unlink()
     whole = (tmp_path / "box.vdb").read_bytes()
@@ -58,7 +59,7 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     assert (tmp_path / "box.vdb").stat().st_size > len(whole) - 100
 
 
-# The program, which waits for its workers however slow the machine.
+# Program that waits for its workers, however slow the machine is.
 PROGRAM = f"""
 import sys
 from leaflight.cluster.workers import Workers
@@ -70,7 +71,7 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.mark.slow
 def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
-    """Checks that the batch keeps the finished bake and bakes the rest."""
+    """Checks that a resumed batch keeps the finished bake and bakes the rest."""
     lines = [f"bump_box --dims 10 --error 5 --out {tmp_path}/short.vdb"]
     # This bake would take days.
     long = f"bump_box --dims 200 --error 0.01 --out {tmp_path}/long.vdb"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake that was interrupted, wherever that was, ends with the bits that it would have had."""
+"""Tests that a resumed bake has the bits of an uninterrupted one, wherever it was interrupted."""
 
 import os
 import subprocess
@@ -21,7 +21,9 @@ ERROR = 0.3
 
 
 class Canceller:
-    """In place of Workers: brings no block, so that the bake traces all, and cancels one."""
+    """A replacement of Workers that returns no block, so that the bake traces all itself, and
+    cancels one.
+    """
 
     def __init__(self, progress, blocks):
         self.progress, self.blocks = progress, blocks
@@ -40,14 +42,14 @@ class Canceller:
 
 
 def interrupted(arguments, checkpoint, blocks):
-    """Bakes so many blocks that workers could bring, and a part of one; then all is forgotten."""
+    """Bakes this many blocks and a part of the next one, then drops the bake."""
     progress = Progress()
     workers = Canceller(progress, blocks)
     with pytest.raises(Cancelled):
         leaflight.bake(**arguments, checkpoint=checkpoint, progress=progress, workers=workers)
 
 
-# A checkpoint that a bake cannot write is a warning.
+# Treat the warning about a checkpoint that cannot be written as an error.
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     "options, counts",
@@ -121,8 +123,7 @@ def test_a_checkpoint_that_cannot_be_written_does_not_end_the_bake(tmp_path, bum
 
 def test_killed_and_resumed_by_the_command_line(tmp_path, cli):
     out, other = tmp_path / "x.vdb", tmp_path / "whole.vdb"
-    # A relative path, and a checkpoint after each block instead of each half minute. It is never
-    # too late to kill it.
+    # Use a relative path, and save a checkpoint after each block instead of each half minute.
     script = "import sys, threading; from leaflight.bake import checkpoint as c; c.SECONDS = 0.0\n"
     script += "from leaflight import Bake; Bake.save = lambda *_: threading.Event().wait()\n"
     script += "from leaflight_command import main; sys.exit(main(sys.argv[1:]))"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line as scripts use it: JSON on the last line, exit statuses, Ctrl-C."""
+"""Tests the command line as scripts use it: JSON on the last line, exit statuses, Ctrl-C."""
 
 import json
 import os
@@ -29,7 +29,9 @@ def last_json(outcome):
 
 
 def test_help_of_bake_fits_a_screen(script):
-    """A terminal of 24 lines and 80 columns; --help-all has the rest."""
+    """Checks that the help fits a terminal of 24 lines and 80 columns; --help-all prints the
+    rest.
+    """
     short = script("bake", "--help").out.splitlines()
     assert len(short) <= 24 and max(map(len, short)) <= 80
     for option in ("--out", "--error", "--time", "--estimate", "--resolution", "--both-sides"):
@@ -142,7 +144,7 @@ def test_flatland(script, tmp_path):
     result = last_json(script("flatland", *arguments, *options, *sized))
     assert result["resolution"] == [40, 40] and result["isolines"] == [10, 50, 100]
     texture = _core.read_exr(str(out))
-    # The top row is first, and the lamp at the bottom.
+    # The top row comes first, and the lamp is at the bottom.
     assert texture[-10:].mean() > 2 * texture[:10].mean() > 0
     with Image.open(tmp_path / "texture.png") as picture:
         assert picture.mode == "RGB" and max(picture.size) == 1000
@@ -235,14 +237,14 @@ def test_output_never_replaces_the_input(cli, box_file):
 
 
 def said_on(terminal, until=None):
-    """Returns the output of a program on a terminal, up to some words or to its end."""
+    """Returns the output of a program in a terminal, up to some words or to its end."""
     said, part = b"", None
     while part != b"" and (until is None or until not in said):
         assert select.select([terminal], [], [], HANG)[0], "it hangs"
         try:
             part = os.read(terminal, 4096)
         except OSError:
-            part = b""  # Linux's end of a terminal.
+            part = b""  # end of a terminal on Linux
         said += part
     return said
 
@@ -256,7 +258,7 @@ def test_ctrl_c_leaves_no_file(root, tmp_path):
         stdout=subprocess.PIPE,
         stderr=of_program,
         text=True,
-        # A shell ignores SIGINT for jobs in the background, and children inherit that.
+        # Shells ignore SIGINT for background jobs, and children inherit that, so restore it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
         os.close(of_program)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes whose light is traced by several processes: the same bits, whoever traces and dies."""
+"""Tests bakes whose light is traced by several processes, also if some of them die."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ from outcomes import refused
 from same_bytes import assert_same_light  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
-# In several passes.
+# These settings need several passes.
 SETTINGS = {"error": 0.5, "isovalues": (30.0, 70.0), "both_sides": True, "walls": True}
 
 
@@ -57,7 +57,7 @@ def test_workers_that_die(volume, alone, workers):
     def kill(_bake):
         alive = []
         while not alive:
-            # The client may not know yet that the last killed worker is dead.
+            # The client may not have noticed that the last killed worker is dead.
             found = workers.client.run(os.getpid, on_error="ignore")
             alive = [pid for pid in found.values() if pid not in killed]
         killed.append(alive[0])
@@ -91,7 +91,7 @@ def test_going_on_with_a_bake(volume, workers):
 
 
 def never_done():
-    """Has this worker trace each block again and again."""
+    """Makes this worker trace each block again and again."""
 
     def trace(self, number):
         while True:
@@ -139,7 +139,7 @@ def test_what_cannot_be_shared(volume, workers):
     refused("number of workers", Workers, 0)
     refused("either", Workers)
     with socket.socket() as silent:
-        # Its port is nobody else's.
+        # Reserve a port on which nothing answers.
         silent.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         refused(address, Workers, scheduler=address, patience_seconds=1)
@@ -147,7 +147,7 @@ def test_what_cannot_be_shared(volume, workers):
 
 @pytest.mark.slow
 def test_the_command_line(cli, tmp_path):
-    """Its own workers, and those of a scheduler that somebody has started."""
+    """Checks the command's own workers, and those of a running scheduler."""
     arguments = ["bake", "bump_box", "--dims", "12", "--error", "4", "--out"]
     outs = [tmp_path / f"{name}.vdb" for name in ("alone", "two", "scheduler")]
     with LocalCluster(2, dashboard_address="127.0.0.1:0", memory_limit=0) as cluster:
@@ -180,6 +180,6 @@ def test_workers_hold_what_was_reported(workers):
 
 
 def resident():
-    """Returns bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    """Returns the peak memory of this process in bytes. ru_maxrss would include its parent."""
     lines = open("/proc/self/status").read().splitlines()
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))

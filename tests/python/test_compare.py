@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The comparison with the path tracer."""
+"""Tests the comparison of a bake with path tracing."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def test_random_points_are_uniform_over_the_area():
 def test_compare(box_bake):
     result = leaflight.compare(box_bake, 47.0, points=200, spp=64)
     assert result["points"] == 200 and result["spp"] == 64 and result["triangles"] > 100
-    # 20^3 texels and 4 samples: no more than the right order of magnitude can be asked.
+    # With 20^3 texels and 4 samples, expect only the right order of magnitude.
     assert 0 < result["rms_percent"] < 25
     assert 0 < result["relative_rms"] < 1
     assert 0 < result["reference_noise_percent"] < 10
@@ -37,7 +37,7 @@ def test_compare(box_bake):
     assert result["reference_seconds"] > 0
     exposed = result["exposed"]
     assert 0 < exposed["points"] <= 200 and 0 < exposed["rms_percent"] < 25
-    # The parts and the reference's noise are the whole, unless noise alone exceeds it.
+    # The parts and the reference's noise add up to the whole, unless noise alone exceeds it.
     parts = result["parts"]
     assert parts["mesh_percent"] is None and parts["noise_percent"] > 0
     squares = [parts["noise_percent"], parts["texture_percent"], result["reference_noise_percent"]]
@@ -47,7 +47,7 @@ def test_compare(box_bake):
 
 
 def test_parts_of_an_error():
-    """Differences of known size are found again, each under its name."""
+    """Checks that differences of known size are found, each as the right part."""
     rng = np.random.default_rng(3)
     n, weights = 200_000, rng.uniform(0.5, 1.5, 200_000)
     isosurface = rng.uniform(0.3, 0.6, (n, 3))
@@ -69,12 +69,14 @@ def test_parts_of_an_error():
     assert parts_of(radiance, np.full(n, 0.02), path, path, 1.0)["mesh_percent"] is None
 
 
-def test_colours_saturate(box_bake):
-    """Checks that an exposure that turns all white hides differences of color, not of radiance."""
+def test_colors_saturate(box_bake):
+    """Checks that an exposure at which all is white hides differences of color, but not of
+    radiance.
+    """
     white = replace(box_bake, scene=replace(box_bake.scene, exposure=1e9))
     result = leaflight.compare(white, 47.0, points=50, spp=256)
     assert result["rms_percent"] < 1e-6 < result["relative_rms"]
-    # Nor does noise change what is white.
+    # Noise must not change white colors.
     assert result["reference_noise_percent"] < 1e-6
 
 
@@ -86,7 +88,7 @@ def test_exposed_points_are_those_seen_from_outside():
     field = leaflight.Volume(values, np.diag([1.0, 1.0, 1.0, 1.0]), "shell", "shell").field()
     vertices, _, _ = leaflight._core.contour(field, 0.5)
     on_isosurface = leaflight._core.project_to_isosurface(field, vertices, 0.5)
-    exposed = leaflight._core.exposed(field, on_isosurface, 0.5) > 0
+    exposed = leaflight._core.seen_from_outside(field, on_isosurface, 0.5) > 0
     outer = np.linalg.norm(on_isosurface - 16.0, axis=1) > 0.6 * 16
     assert 0.3 < outer.mean() < 0.8
     assert (exposed == outer).mean() > 0.999
@@ -94,18 +96,18 @@ def test_exposed_points_are_those_seen_from_outside():
 
 @pytest.mark.parametrize("n", [8, 15, 20])
 def test_the_border_is_lit(bump_scene, n):
-    """Vertices on the border of the domain belong to it, however the map to the index passes."""
+    """Checks that vertices on the border of the domain count, for any index transform."""
     volume = leaflight.bump_box(n)
     baked = leaflight.bake(volume, bump_scene, error=50.0, isovalues=(30.0, 70.0))
     vertices = baked.surface(47.0).vertices
     on_isosurface = leaflight._core.project_to_isosurface(volume.field(), vertices, 47.0)
     on_border = ((vertices == 0) | (vertices == 1)).any(axis=1)
-    # The scene is open towards z = 1: from there some light comes wherever the lamp is not seen.
+    # The scene is open towards z = 1, so some light arrives even where the lamp is hidden.
     dark = (baked.reference(on_isosurface, 47.0, spp=64)[0] == 0).all(axis=1)
     assert on_border.sum() > 10 and dark[on_border].mean() < 0.02
     moved = on_isosurface + [0.0, 0.0, 1e-9]
     assert ((baked.reference(moved, 47.0, spp=64)[0] == 0).all(axis=1) == dark).all()
-    exposed = leaflight._core.exposed(volume.field(), on_isosurface, 47.0, 32, 0) > 0
+    exposed = leaflight._core.seen_from_outside(volume.field(), on_isosurface, 47.0, 32, 0) > 0
     assert exposed[on_border].mean() > 0.5
 
 
@@ -115,7 +117,7 @@ def test_compare_on_a_wall(lapr_bake):
     assert result["mean_ratio"] == pytest.approx(1, abs=0.03 + 4 * result["mean_ratio_error"])
     assert 0 < result["relative_rms"] < 0.5
     outside = leaflight.compare(lapr_bake, 0.5, points=50, spp=4, mesh="floor", back=True)
-    # Seen from below it is black.
+    # It must be black from below.
     assert outside["mean_radiance"] == 0 and outside["mean_ratio"] is None
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes of isosurfaces as Python gets them: with their radiance, without copies, manifolds."""
+"""Tests meshes of isosurfaces in Python: with their radiance, without copies, manifolds."""
 
 import gc
 
@@ -12,7 +12,7 @@ from outcomes import refused
 
 
 def _sides_used_twice(triangles):
-    """Sides of triangles that several have in the same direction, of which a manifold has none."""
+    """Returns the directed edges that several triangles share; a manifold has none."""
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     numbers = sides[:, 0].astype(np.int64) << 32 | sides[:, 1]
     return len(numbers) - len(np.unique(numbers))
@@ -50,7 +50,7 @@ def test_contour_and_lookup_at_once(box_bake):
     np.testing.assert_array_equal(lit[0], vertices)
     np.testing.assert_array_equal(lit[1], normals)
     np.testing.assert_array_equal(lit[2], triangles)
-    # Looked up before vertices are rounded to single precision.
+    # The core looks up radiance before it rounds vertices to single precision.
     radiance = grid.lookup(field, vertices)
     np.testing.assert_allclose(lit[3], radiance, atol=1e-4 * radiance.max())
     assert lit[4] is None
@@ -78,7 +78,7 @@ def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
 
 
 def _error_between_vertices(bake, mesh):
-    """Returns RMS of what linear interpolation of the radiance misses."""
+    """Returns the RMS error of linear interpolation between the vertices."""
     vertices, _, triangles, radiance = mesh[:4]
     facets, coordinates = random_places(vertices, triangles, 5000, seed=1)
     weights = np.column_stack([1 - coordinates.sum(axis=1), coordinates])
@@ -109,7 +109,7 @@ def test_small_meshes_are_cut_where_light_steps(bump_scene, sides):
             np.testing.assert_allclose(light, expected, atol=1e-4 * expected.max())
     if sides[0]:
         assert _error_between_vertices(bake, cut) < 0.6 * _error_between_vertices(bake, plain)
-    # Nothing differs by so much.
+    # No difference is that large, so no edge is split.
     as_before = grid.lit_contour(field, 50.0, largest_step=1e9, **wished)
     np.testing.assert_array_equal(as_before[2], plain[2])
 

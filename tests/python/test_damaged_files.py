@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small files of each format, which test_fuzz.py damages, and damage that fuzzing found."""
+"""Small files of each format, which test_fuzz.py damages, and damaged files that fuzzing has
+found.
+"""
 
 import base64
 import gzip
@@ -103,7 +105,7 @@ FORMATS = {
     "plain.tif": tiff(),
     "deflated.tif": tiff(compression="zlib"),
     "imagej.tif": tiff(imagej=True, metadata={"axes": "ZYX"}),
-    # Without an identifier tifffile draws one.
+    # Without a given identifier, tifffile would draw a random one.
     "x.ome.tif": tiff(
         ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 2.0, "UUID": "urn:uuid:0"}
     ),
@@ -119,15 +121,15 @@ def test_the_files_that_are_damaged_are_whole(tmp_path, name):
 
 @pytest.mark.parametrize("back_to", [0, 2])
 def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
-    """Checks a file found by fuzzing: a reader that follows all pages would never end."""
+    """Checks a file found by fuzzing, whose pages form a loop."""
     path = tmp_path / "x.tif"
     with tifffile.TiffWriter(path) as file:
         for k, plane in enumerate(VALUES):
-            # Pages that differ are not taken for one volume.
+            # Use different pages, which are not read as one volume.
             file.write(plane[: k + 1], photometric="minisblack", metadata=None)
     with tifffile.TiffFile(path) as file:
         first, last = file.pages[back_to].offset, file.pages[-1]
-        # Behind a page's number of tags and the tags stands where the next page is.
+        # The offset of the next page follows the page's number of tags and the tags.
         end = last.offset + 2 + 12 * len(last.tags)
     data = bytearray(path.read_bytes())
     assert data[end : end + 4] == bytes(4)
@@ -136,7 +138,7 @@ def test_tiff_pages_that_lead_back_to_themselves(tmp_path, back_to):
 
 
 def test_hdf5_that_ends_the_process_which_opens_it(tmp_path):
-    """Found by fuzzing: libhdf5 1.10 follows an address out of the file."""
+    """Checks a file found by fuzzing: libhdf5 1.10 follows an address outside the file."""
     pytest.importorskip("h5py")
     path = tmp_path / "x.h5"
     path.write_bytes(zlib.decompress(base64.b85decode("".join(HOSTILE_HDF5.split()))))

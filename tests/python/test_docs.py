@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The documentation site, and the notebook."""
+"""Tests the documentation site and the notebook."""
 
 import importlib.util
 import inspect
@@ -32,7 +32,7 @@ def page_of(path):
 
 
 def anchors(path):
-    """Returns the anchors of the headings of a page, as GitHub and MyST make them."""
+    """Returns the anchors of a page's headings, as GitHub and MyST make them."""
     headings = re.findall(r"^#+ (.+)$", path.read_text(), re.MULTILINE)
     return {re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings}
 
@@ -98,9 +98,9 @@ def test_the_site_is_built_without_a_warning(build_tree, tmp_path):
     api = (site / "api.html").read_text()
     for name in ("leaflight.bake", "leaflight.export.gltf.write_glb", "leaflight.blender.show"):
         assert f'id="{name}"' in api
-    # From the docstrings, with their own line breaks.
+    # This text comes from a docstring, with the docstring's line breaks.
     assert "Target error in percent, as rms_percent of compare()" in api
-    # From the parser.
+    # This text comes from the parser.
     assert "--both-sides" in (site / "command_line.html").read_text()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The error that a bake reports for each texel is its true one: 95 % intervals hold that often."""
+"""Tests that the error bars of texels are right: 95 % intervals contain the truth that often."""
 
 import leaflight
 import numpy as np
@@ -8,7 +8,7 @@ from leaflight.volume.particles import neuron, nucleons
 from thesis.error_bars import QUANTILE, coverage
 
 SEEDS = 3
-# For a count of independent texels; the chance of a false alarm is that of 4 standard errors.
+# Allowed deviation of a count of independent texels, in standard errors.
 ALLOWANCE = 4.0
 
 
@@ -40,12 +40,14 @@ def test_intervals_hold(volumes, name, estimator):
     assert found.z.size > 3000
     allowance = ALLOWANCE * np.sqrt(0.05 * 0.95 / found.z.size)
     assert 0.93 - allowance <= found.within() <= 0.97 + allowance
-    # Not by being wide alone: half the error holds far fewer, 67 % of a normal distribution.
+    # The intervals must not be too wide: half of them contain 67 % of a normal distribution.
     assert 0.6 < found.within(QUANTILE / 2) < 0.8
 
 
 def test_no_texel_is_sure_to_be_dark(volumes):
-    """In a range's last texels hardly a sample is found; they take their neighbours' light."""
+    """Checks the last texels of an isovalue range, which have few samples, if any. They take light
+    of their neighbors.
+    """
     volume, scene, isovalues = volumes["nucleons"]
     grid = leaflight.thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
     active = grid.mask().astype(bool)
@@ -53,7 +55,9 @@ def test_no_texel_is_sure_to_be_dark(volumes):
 
 
 def test_estimated_error_of_the_bake(bump_scene):
-    """It falls like that of so many more samples, and is what two seeds differ by."""
+    """Checks that it falls with samples as expected, and equals the difference between two
+    seeds.
+    """
     few, more = (
         leaflight.thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
         for samples in (8, 128)
@@ -61,9 +65,9 @@ def test_estimated_error_of_the_bake(bump_scene):
     estimated = few.statistics.estimated_rms_percent
     assert 0 < more.statistics.estimated_rms_percent < estimated / 3
     active = few.grid.mask().astype(bool)
-    colours = [
+    colors = [
         np.clip(one.grid.dense("radiance")[active] * bump_scene.exposure, 0, 1)
         for one in (few, more)
     ]
-    true = 100 * np.sqrt(np.square(colours[0] - colours[1]).mean())
+    true = 100 * np.sqrt(np.square(colors[0] - colors[1]).mean())
     assert true / 2 < estimated < 2 * true

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes in other programs' formats, each read back by a reader that is not ours."""
+"""Tests files for other programs, each read back by another library."""
 
 import json
 import re
@@ -21,7 +21,7 @@ ISOVALUES = (40.0, 47.0, 60.0)
 
 @pytest.fixture(scope="module")
 def finer(bump_scene):
-    """Bakes texels half as wide as voxels, and backs."""
+    """Returns a bake with texels half as wide as voxels, and with backs."""
     return leaflight.bake(
         leaflight.bump_box(12),
         bump_scene,
@@ -76,7 +76,7 @@ def test_vti_holds_values_and_radiance(box_bake, tmp_path):
     exposed = srgb(arrays["radiance"] * box_bake.scene.exposure)
     assert arrays["color"].dtype == np.uint8 and arrays["color"].max() > 100
     assert np.abs(arrays["color"] - exposed).max() < 0.51
-    # Points are where the voxels are in the world.
+    # Points must be at the world positions of the voxels.
     for number in (0, 21, 7999):
         index = (number % 20, number // 20 % 20, number // 400, 1)
         place = box_bake.volume.index_to_world @ index
@@ -85,7 +85,7 @@ def test_vti_holds_values_and_radiance(box_bake, tmp_path):
 
 
 def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_path):
-    """What a user of ParaView does: Contour of the value, colored by the radiance."""
+    """Checks what a user of ParaView does: a contour of the value, colored by the radiance."""
     pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkContourFilter
@@ -103,7 +103,7 @@ def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_pat
     mesh = contour.GetOutput()
     points = vtk_to_numpy(mesh.GetPoints().GetData())
     found = vtk_to_numpy(mesh.GetPointData().GetArray("radiance"))
-    # Radiance of the texels. The box is 22 texel spacings wide.
+    # Compare the radiance of the texels. The box is 22 texel spacings wide.
     radiance = finer.grid.dense("radiance")
     places = 22 * points.T[::-1]
     expected = np.stack([map_coordinates(radiance[..., k], places, order=1) for k in range(3)], -1)
@@ -124,7 +124,7 @@ def test_a_sheared_volume_is_refused_as_vti_and_placed_by_amira(box_bake, tmp_pa
 
 
 def test_amira_holds_four_bytes_a_texel(finer, tmp_path):
-    """The layout of the format: AmiraMesh's own header, then the bytes, x fastest."""
+    """Checks the layout of the format: AmiraMesh's header, then the bytes, x fastest."""
     leaflight.export(finer, tmp_path / "finer.am")
     head, _, data = (tmp_path / "finer.am").read_bytes().partition(b"\n@1\n")
     lines = head.decode("ascii").splitlines()
@@ -202,14 +202,14 @@ def test_glb(box_bake, surface, tmp_path):
     np.testing.assert_array_equal(mesh.faces, surface.triangles)
     np.testing.assert_allclose(mesh.vertex_normals, surface.normals, atol=1e-5)
     np.testing.assert_array_equal(mesh.vertex_attributes["_RADIANCE"], surface.radiance)
-    # The world's z axis is up, which there is y.
+    # The world's z axis becomes the y axis, which is up in glTF.
     v = surface.vertices
     turned = np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1)
     np.testing.assert_allclose(scene.bounds, [turned.min(axis=0), turned.max(axis=0)], atol=1e-5)
 
 
 def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
-    """Checks colors beside a material, where trimesh keeps them as an attribute."""
+    """Checks colors of a mesh with a material; trimesh stores them as an attribute."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
     (mesh,) = trimesh.load(tmp_path / "box.glb", process=False).geometry.values()
@@ -220,7 +220,7 @@ def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
 
 
 def gltf_of(path):
-    """Returns (the JSON, a function from the number of an accessor to its array) of a .glb."""
+    """Returns (JSON, a function that reads an accessor by its number) of a .glb."""
     content = path.read_bytes()
     magic, version, length, size, kind = struct.unpack("<4sIII4s", content[:20])
     assert (magic, version, length, kind) == (b"glTF", 2, len(content), b"JSON")
@@ -276,7 +276,7 @@ def test_a_sequence_as_glb_shows_one_isovalue_at_a_time(box_bake, tmp_path):
 
     for frame, isovalue in enumerate(ISOVALUES):
         assert shown(0.1 * frame + 0.05) == [f"isovalue {isovalue:g}"]
-    # Without the animation there is the first.
+    # Without the animation, the first isosurface is visible.
     shown_first = [node["name"] for node in file["nodes"][1:] if "scale" not in node]
     assert shown_first == ["isovalue 40"]
 

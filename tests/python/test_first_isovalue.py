@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The isovalue that is shown first, of masks, labels and values of both signs, and its lit side."""
+"""Tests the first shown isovalue of masks, labels and values of both signs, and its lit side."""
 
 import warnings
 
@@ -50,13 +50,14 @@ def test_a_mask_is_shown_half_way_between_its_values(low, high, kind):
     assert default_isovalue(mask) == 0.5 * (low + high)
     assert default_isovalue_range(mask) == (low, high)
     assert inner_isovalue(mask, 0.5 * (low + high)) is None
-    # As large as its voxels; a histogram's first step would show a ball larger by half a voxel.
+    # The isosurface must enclose the mask's voxels; the first step of a histogram would enlarge a
+    # ball by half a voxel.
     shown = mesh_volume(mask.field(), default_isovalue(mask))
     assert shown == pytest.approx(BALL.sum(), rel=0.02)
 
 
 def labels_of(count, names):
-    """Pieces of a ball, each with one of the names, within 0."""
+    """Returns pieces of a ball, each with one of the labels, in a background of 0."""
     rng = np.random.default_rng(3)
     middles = rng.uniform(-12, 12, (count, 3))
     near = np.stack([(X - x) ** 2 + (Y - y) ** 2 + (Z - z) ** 2 for x, y, z in middles])
@@ -70,7 +71,7 @@ def labels_of(count, names):
         ((R < 14) * 1 + (R < 10) + (R < 6), 0.5),
         (labels_of(40, [2, 3, 41, 42, 1001, 2035]), 1.0),
         (labels_of(90, range(7, 4000, 90)), 3.5),
-        # Brain tissues without a background; -1 for what nobody labeled.
+        # Brain tissues without a background; voxels without a label are -1.
         ((R < 10) + 1, 1.5),
         (np.where(X < -12, -1, (R < 10) * 1 + (R < 6)), 0.5),
         (np.where(R < 10, 0, -1) - (R < 6) * 0 - (R > 13) * 1, -0.5),
@@ -174,7 +175,7 @@ def test_the_isosurface_that_is_shown_first_is_lit(name):
         assert isovalue > 0
     if "level set" in name and why:
         assert isovalue == 0
-    # A cap hides what is behind it.
+    # A cap hides the data behind it.
     assert default_isovalue(test.capped()) == isovalue
 
 

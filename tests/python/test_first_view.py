@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake is shown at first: from which side, from how far, how bright."""
+"""Tests the first view of a bake: its direction, distance and brightness."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ SIZES = ((320, 180), (180, 320))
 
 
 def block(x, y, z, **options):
-    """Returns a volume with a central block of so many voxels; its sides are isosurfaces 0 to 1."""
+    """Returns a volume with a central block of this size; its sides are isosurfaces 0 to 1."""
     values = np.zeros((32, 32, 32), np.float32)
     slices = (slice(16 - n // 2, 16 + n // 2) for n in (z, y, x))
     values[tuple(slices)] = 1.0
@@ -25,7 +25,7 @@ def block(x, y, z, **options):
 
 
 def lit(volume, scene=None, **options):
-    """Returns a bake of little light."""
+    """Returns a quick bake with little light."""
     scene = scene or SceneDescription("sun", [Isosurfaces("block", (0.8,) * 3)], 1.0, [], [SUN])
     settings = {"isovalues": (0.3, 0.7), "error": 20.0, "resolution": 16}
     return leaflight.bake(volume, scene, **settings, **options)
@@ -49,7 +49,7 @@ def test_the_isosurface_fills_half_to_all_of_a_picture(sides, size):
     rows, columns = np.nonzero(picture[..., 3])
     filled = max(np.ptp(rows) / size[1], np.ptp(columns) / size[0])
     assert 0.5 < filled < 0.95
-    # In the middle.
+    # It must be in the middle of the picture.
     assert abs(rows.min() + rows.max() - size[1]) < 0.1 * size[1]
     assert abs(columns.min() + columns.max() - size[0]) < 0.1 * size[0]
 
@@ -57,7 +57,7 @@ def test_the_isosurface_fills_half_to_all_of_a_picture(sides, size):
 def test_the_largest_silhouette_is_seen():
     assert azimuth(framing(lit(block(20, 6, 20)))) == 0
     assert azimuth(framing(lit(block(6, 20, 20)))) == 90
-    # One that is hardly larger is not.
+    # A slightly larger side makes no difference.
     assert azimuth(framing(lit(block(18, 20, 20)))) == 0
     side, flat = framing(lit(block(20, 20, 20))), framing(lit(block(24, 24, 4)))
     assert side.back[2] < 0.3 < 0.7 < flat.back[2]
@@ -68,7 +68,7 @@ def test_a_patient_is_seen_from_the_front_and_the_room_stands_around_it(cornell_
     walls = {mesh.name: mesh.vertices.mean(axis=0) for mesh in cornell_patient.scene.meshes}
     middle = np.full(3, 1.55)
     assert walls["back wall"][1] < middle[1] - 1 and walls["left wall"][0] > middle[0] + 1
-    # A file remembers it.
+    # The file must store the direction.
     assert azimuth(framing(lit(block(12, 20, 20, patient=True)))) == 180
 
 
@@ -108,7 +108,9 @@ def test_a_camera_of_ones_own(cornell_patient):
 
 
 def test_tones():
-    """Khronos PBR Neutral above 0.8: ascending, white in the end, never more than white."""
+    """Checks Khronos PBR Neutral above 0.8: it ascends, and approaches white without
+    exceeding it.
+    """
     grays = np.linspace(0, 20, 2001)[:, None] * np.ones(3)
     shown = tone_mapped(grays)
     np.testing.assert_array_equal(shown[grays <= 0.8], np.float32(grays[grays <= 0.8]))
@@ -135,21 +137,21 @@ def test_less_than_a_hundredth_clips_whatever_the_lamps(times):
 
 
 def test_walls_without_baked_light_are_shaded_locally(cornell_patient):
-    """And so are baked ones by local shading: the picture shows where colors come from."""
+    """Checks walls without baked light, and baked walls with local shading."""
     camera = camera_around_bake(cornell_patient, zoom=0.45)
     picture = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1)
     assert (picture[..., 3] == 1).mean() > 0.6
     row = np.flatnonzero(picture[60, :, 3])
     ends = [row[0] + 1, row[-1] - 1]
-    colours = picture[60, ends, :3]
-    # The left wall is red, and the right one green, as one looks into the room.
-    assert colours[0, 0] > 3 * colours[0, 1] and colours[1, 1] > 2 * colours[1, 0]
+    colors = picture[60, ends, :3]
+    # Seen from the front, the left wall is red, and the right one green.
+    assert colors[0, 0] > 3 * colors[0, 1] and colors[1, 1] > 2 * colors[1, 0]
     local = leaflight.still(cornell_patient, 0.5, camera, (120, 120), samples=1, local=True)
     np.testing.assert_allclose(local[60, ends], picture[60, ends])
 
 
 def test_open_isosurfaces_show_their_shape_inside():
-    """Checks that a back without baked light is shaded, for a sun that cannot reach it."""
+    """Checks that a back without baked light is shaded. The sun cannot reach it."""
     values = np.hypot(*(np.mgrid[:24, :24].astype(np.float32) - 11.5))
     tube = np.repeat((12 - values)[:, None, :], 24, axis=1)  # open towards -y and +y
     volume = leaflight.Volume(np.ascontiguousarray(tube), np.diag([0.1, 0.1, 0.1, 1.0]), "tube")
@@ -168,9 +170,9 @@ def test_bins_hold_the_same_number_of_steps():
     assert bin_width(steps.astype(np.float32) / 1000, -5e-4, 0.2555) == pytest.approx(
         1e-3, rel=1e-3
     )
-    # Bins of 3000 integers: at most 256, with 12 integers in each.
+    # 3000 integers have at most 256 bins of equally many integers; here 12.
     assert bin_width(np.arange(3000), -0.5, 2999.5) == 12.0
-    # Other numbers have bins that suit how many there are.
+    # The number of bins for other values follows from the number of values.
     numbers = np.random.default_rng(1).normal(size=100_000)
     assert 1 / 256 <= bin_width(numbers, -4.0, 4.0) / 8 < 1 / 64
     assert bin_width(numbers[:200], -4.0, 4.0) > 4 * bin_width(numbers, -4.0, 4.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flatland: isolines of images, lit in the plane."""
+"""Tests Flatland: isolines of images, lit within the plane."""
 
 import copy
 import json
@@ -26,7 +26,7 @@ def test_bump_box():
     box = bump_box_2d(50)
     assert box.values.shape == (50, 50) and box.field().range == pytest.approx((0, 255), abs=1e-3)
     np.testing.assert_allclose(box.field().bounds, [[0, 0], [1, 1]])
-    # It grows towards y = 1, and has the bumps that vanish with z = 0.
+    # It increases towards y = 1, and has the bumps that disappear with z = 0.
     assert box.values[-1].mean() > box.values[0].mean() + 40
     assert box.field().sample([[0.4, 0.5]]) > box.field().sample([[0.4, 0.6]]) + 20
 
@@ -35,7 +35,7 @@ def test_read_image(tmp_path):
     path = tmp_path / "slope.png"
     Image.fromarray(np.arange(15, dtype=np.uint8).reshape(3, 5) * 10).save(path)
     volume = read_image(path)
-    # y is up, the longest side is 1.
+    # y is up, and the longest side is 1.
     np.testing.assert_array_equal(volume.values[0], [100, 110, 120, 130, 140])
     np.testing.assert_allclose(volume.field().bounds, [[0, 0], [1, 0.5]])
     assert volume.name == "slope" and volume.values.dtype == np.float32
@@ -53,7 +53,7 @@ def test_isolines_lie_on_their_isovalue():
     vertices, normals, segments = _core.contour2(field, 47)
     np.testing.assert_allclose(field.sample(vertices), 47, atol=0.01)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
-    # The outside, where the field is lower, is on the left.
+    # The outside, which has lower values, is on the left.
     along = vertices[segments[:, 1]] - vertices[segments[:, 0]]
     left = np.stack([-along[:, 1], along[:, 0]], axis=1)
     assert ((left * normals[segments[:, 0]]).sum(axis=1) > 0).mean() > 0.98
@@ -70,7 +70,7 @@ def test_lit_isolines_are_those_of_path_tracing(baked):
     assert np.sqrt((difference**2).mean()) < 0.12 * truth.mean()
 
 
-def test_walls_colour_their_side(baked):
+def test_walls_color_their_side(baked):
     texture = baked.texture()
     assert texture.shape == (60, 60, 3)
     red, green = texture[..., 0], texture[..., 1]
@@ -85,7 +85,7 @@ def test_same_for_any_number_of_threads():
 
 
 def test_furnace():
-    """Between white walls that are lit alike, a white isoline is as bright as the walls."""
+    """Checks that a white isoline between equally bright white walls is as bright as the walls."""
     side = np.array([[-1.5, -1.5], [1.5, -1.5], [1.5, 1.5], [-1.5, 1.5]], dtype=np.float32)
     segments = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.uint32)
     wall = _core.Mesh2("wall", side, segments, (0.5,) * 3, emission=(1.0,) * 3)
@@ -94,22 +94,22 @@ def test_furnace():
     scene = _core.Scene2([volume], [wall], [], isovalues=(20, 200))
     vertices, _, segments = _core.contour2(field, 90.0)
     radiance, error = _core.reference2(scene, vertices[segments].mean(axis=1), 90.0, 256)
-    # Emission over 1 - albedo.
+    # The radiance is emission / (1 - albedo).
     np.testing.assert_allclose(radiance.mean(), 2, rtol=0.02)
 
 
 def test_picture(baked):
-    """Lit isolines, bright and thick enough to be seen, over the image in gray."""
-    # Lower ones have dark pockets, which are gray, too.
+    """Checks that isolines are lit, bright and thick enough, and that the image behind is gray."""
+    # Lower isolines have dark pockets, which are gray, too.
     pixels = picture(baked, [70.0, 100.0], width=600)
     assert pixels.shape == (600, 600, 3) and pixels.dtype == np.uint8
     gray = np.ptp(pixels, axis=2) == 0
     assert 0.02 < 1 - gray.mean() < 0.1
     light = pixels[~gray].max(axis=1)
     assert np.quantile(light, 0.95) > 200 and (light == 255).mean() < 0.06
-    # 4 mm of a picture of 600: as thick as a few of its pixels.
+    # Lines in a picture 600 pixels wide must be a few pixels thick.
     assert (~gray[:, 300]).sum() >= 4 * 2
-    # The image is behind them: its nodes lie on a grid from border to border.
+    # The image is behind the lines; its nodes lie on a grid from border to border.
     values = baked.volume.values[::-1]
     nodes = np.rint(np.linspace(0, 599, len(values))).astype(int)
     there = pixels[np.ix_(nodes, nodes)]
@@ -151,7 +151,7 @@ def test_box_fits_any_image():
     np.testing.assert_allclose(points.min(axis=0), -0.05, atol=1e-6)
     np.testing.assert_allclose(points.max(axis=0), 1.05, atol=1e-6)
     (lamp,) = fitted.lamps
-    # At the bottom, and shining upwards: to the left of an edge along +x.
+    # The lamp is at the bottom and shines up, to the left of an edge along +x.
     assert lamp.corner[1] < 0 and lamp.edge[0] > 0 and lamp.edge[1] == 0
     assert fit_flat_scene(fitted, box) is fitted
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A few damaged files of every kind, the same in every run; validation/run fuzz tries many more."""
+"""Tests a few damaged files of each kind, the same in every run. validation/run fuzz tests many
+more.
+"""
 
 import json
 import sys
@@ -39,7 +41,7 @@ INPUTS = sorted((FUZZ / "inputs").iterdir())
 
 @pytest.mark.parametrize("path", INPUTS, ids=lambda path: path.stem)
 def test_files_that_broke_the_program(script, tmp_path, path):
-    """Found by fuzzing: crashes, and a good file whose bake could not be written."""
+    """Checks files found by fuzzing: crashes, and a good file whose bake could not be written."""
     out = tmp_path / "x.vdb"
     volume = ["bump_box", "--dims", 8, "--scene", path] if path.suffix == ".json" else [path]
     outcome = script("bake", *volume, "--error", 50, "--out", out)

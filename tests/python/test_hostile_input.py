@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Input that was made to break a program: it is refused by one sentence, before any work."""
+"""Tests malicious input: it is refused with one sentence, before any work."""
 
 import bz2
 import gzip
@@ -34,7 +34,7 @@ def test_nrrd_headers_that_no_one_closes(tmp_path):
     ):
         path.write_bytes(text.encode() + b"\n" + DATA)
         assert len(refused(".", read_volume, path)) < 500
-    # No blank line: the values would be read as the header.
+    # Without a blank line, the values would be read as part of the header.
     refused("does not end", read_volume, written(path, NRRD.encode() + b"x" * 4000))
 
 
@@ -62,7 +62,7 @@ def test_nrrd_data_stay_in_their_folder(tmp_path, more):
 
 
 def test_nrrd_encodings(tmp_path):
-    """Not what a note says it is counts, and not a byte more is unpacked than is asked for."""
+    """Checks that the actual encoding counts, and that no more bytes are unpacked than needed."""
     path = tmp_path / "x.nrrd"
     header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3000 2000 1000\nencoding:=gzip\n"
     path.write_bytes((header + "encoding: raw\n\n").encode() + bytes(82000))
@@ -103,7 +103,7 @@ ARRAY = "\nLattice { byte Data } @1\n# Data section follows\n@1\n"
     ids=range(6),
 )
 def test_long_headers_take_no_long_time(tmp_path, name, text):
-    """An expression that goes back and forth over them would not come to its end."""
+    """Checks that no regular expression takes quadratic time or longer."""
     (tmp_path / name).write_text(text)
     assert len(refused(".", read_volume, tmp_path / name)) < 500
 
@@ -175,7 +175,7 @@ def test_scenes_are_in_bounds(cli, root, tmp_path):
 
 
 def test_small_voxels_are_saved(small, tmp_path):
-    """10 micrometers in meters: OpenVDB itself takes no cell of 1e-15."""
+    """Checks 10 micrometers in meters, although OpenVDB accepts no cell of 1e-15."""
     box = leaflight.bump_box(12)
     small_box = Volume(box.values, np.diag([1e-5, 1e-5, 2e-5, 1.0]), "x")
     bake = leaflight.bake(small_box, **small)
@@ -189,7 +189,7 @@ def test_small_voxels_are_saved(small, tmp_path):
 
 @pytest.fixture
 def foreign(box_bake, tmp_path):
-    """Returns a .vdb without our seal, as other programs write."""
+    """Returns a .vdb without our seal, as other programs write it."""
     path = tmp_path / "foreign.vdb"
     path.write_bytes(saved_alike(box_bake, path))
     return path
@@ -239,7 +239,7 @@ def test_numbers_of_options(cli, tmp_path, arguments, sentence):
 
 @pytest.mark.parametrize("name", ["x" * 300 + ".vdb", "\udcff\udcfe.vdb", "\ud800.vdb", "a\0.vdb"])
 def test_names_of_files(cli, tmp_path, name):
-    """One that no file can have is refused at once, any other is written."""
+    """Checks that invalid file names are refused at once, and that all others are written."""
     out = tmp_path / name
     arguments = ["--error", "50", "--json"]
     outcome = cli("bake", "bump_box", "--dims", 8, "--out", out, *arguments)
@@ -257,7 +257,7 @@ def test_names_of_files(cli, tmp_path, name):
 
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "> /dev/full", "| true"])
 def test_nobody_listens(root, tmp_path, closed):
-    """Checks that the bake is saved although nobody reads the output."""
+    """Checks that the bake is saved although the reader of the output has gone."""
     out = tmp_path / "x.vdb"
     bake = f"{root}/scripts/leaflight bake bump_box --dims 8 --error 50 --json"
     done = subprocess.run(
@@ -284,14 +284,14 @@ def test_info_prints_json(cli, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("limit", [300_000, 500_000, 700_000, 1_000_000, 1_300_000, 1_800_000])
 def test_little_memory(root, tmp_path, limit):
-    """A limit of memory ends in a sentence, not in a trace of calls or of a library."""
-    # The finest texels, on a machine of little memory, too.
+    """Checks that a memory limit ends in one sentence without a traceback."""
+    # Test the finest texels on a machine with little memory, too.
     bake = f"{root}/scripts/leaflight bake bump_box --dims 200 --out {tmp_path}/x.vdb"
     done = subprocess.run(
         ["bash", "-c", f"ulimit -v {limit}; {bake} --memory 64GiB"],
         capture_output=True,
         text=True,
-        # The more threads, the more memory it takes to begin with.
+        # The program needs more memory with more threads, so use one.
         preexec_fn=lambda: os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2]),
     )
     lines = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
@@ -300,6 +300,6 @@ def test_little_memory(root, tmp_path, limit):
         assert lines[0].endswith("raise the limit (ulimit -v).")
     else:
         assert "There is not enough memory" in lines[0]
-    # A slow machine may have come to a checkpoint, and then says what it is good for.
+    # A slow machine may have reached a checkpoint, which the first line then mentions.
     resumable = "--resume" in lines[0]
     assert os.listdir(tmp_path) == (["x.vdb.checkpoint"] if resumable else [])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images as arrays, whatever their format and depth."""
+"""Tests that images of all formats and depths become arrays."""
 
 import numpy as np
 import pytest
@@ -9,12 +9,12 @@ from leaflight.io.images import luminance, read_pixels, read_texture
 from PIL import Image
 from outcomes import refused
 
-GREY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
-COLOR = np.stack([GREY, GREY // 2, 255 - GREY], axis=2)
+GRAY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
+COLOR = np.stack([GRAY, GRAY // 2, 255 - GRAY], axis=2)
 
 
 @pytest.mark.parametrize("name", ["x.png", "x.tif", "X.TIFF"])
-@pytest.mark.parametrize("pixels", [GREY, COLOR, GREY.astype(np.uint16) * 257])
+@pytest.mark.parametrize("pixels", [GRAY, COLOR, GRAY.astype(np.uint16) * 257])
 def test_stored_numbers(tmp_path, name, pixels):
     path = tmp_path / name
     if name == "x.png":
@@ -58,7 +58,7 @@ def test_integers_are_srgb(tmp_path):
 
 
 def test_luminance():
-    np.testing.assert_array_equal(luminance(GREY), GREY)
+    np.testing.assert_array_equal(luminance(GRAY), GRAY)
     weights = luminance(np.eye(3)[None] * 10000)
     np.testing.assert_allclose(weights, [[2126, 7152, 722]], rtol=1e-6)
 
@@ -103,7 +103,7 @@ def test_comments_of_an_exr_are_read_from_its_header(tmp_path):
 
 
 def test_an_attribute_of_an_exr_claims_no_more_than_the_file_has(tmp_path):
-    """OpenEXR would take these two gigabytes before it looks."""
+    """Checks that no memory is allocated for the claimed size of an attribute, two gigabytes."""
     path = tmp_path / "x.exr"
     _core.write_exr(str(path), np.zeros((8, 8, 3), np.float32), "of one thing")
     whole = path.read_bytes()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The programs of validation/: each runs, with little work. scripts/test has parts for those that
-take longer: every_scene, faults, fuzz, mutations, races, tables, report, against_cycles.
+"""Tests that each program of validation/ runs, with little work. Parts of scripts/test run those
+that take longer: every_scene, faults, fuzz, mutations, races, tables, report, against_cycles.
 """
 
 import importlib
@@ -21,7 +21,7 @@ RUN = ROOT / "validation" / "run"
 RAYS = ROOT / "build" / "release" / "core" / "bench" / "rays_against_embree"
 GOOD_FILE = ROOT / "tests" / "fuzz" / "inputs" / "save_fails_10um_in_metres.nrrd"
 FOLDERS = runpy.run_path(str(RUN))["PROGRAMS"]
-# Each program or part of one, arguments for little work, and the start of a line that it prints.
+# Program or part of one, arguments for little work, and the start of a line that it prints.
 RUNS = [
     ("bench bake --quick", "| bump box, 16^3 at 47 |"),
     ("bench scale --quick", "| bump box, 12^3 |"),
@@ -90,7 +90,7 @@ def test_what_is_absent_is_one_sentence(tmp_path, monkeypatch):
 
 
 def test_the_table_of_blenders(tmp_path):
-    """Sets of checks that are not whole are left out."""
+    """Checks that incomplete sets of checks are left out."""
     compatibility = importlib.import_module("measure.compatibility")
     about = {"blender": "3.4.1", "version": [3, 4, 1], "module": False, "python": "3.11"}
     about |= {"numpy": "1.24", "system": "Debian", "checks": ["check_lights"]}
@@ -107,7 +107,9 @@ def test_the_table_of_blenders(tmp_path):
 
 
 def test_the_bugs_of_mutations_fit_the_sources():
-    """Each stands once in the core, and the test that caught it exists."""
+    """Checks that each bug's text occurs once in the core, and that the test that caught it
+    exists.
+    """
     mutations = importlib.import_module("break.mutations").MUTATIONS
     tests = "".join(path.read_text() for path in (ROOT / "tests/core").glob("*.cpp"))
     for mutation in mutations:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lengths keep their unit from the file through the bake to other programs."""
+"""Tests that lengths keep their unit from the file through the bake to other programs."""
 
 import json
 import struct
@@ -11,13 +11,13 @@ import nibabel
 import numpy as np
 import pytest
 
-# Longest side of a head in millimeters, the unit of its scan.
+# Longest side of a head in millimeters, as in its scan.
 SIDE = 220.0
 
 
 @pytest.fixture(scope="module")
 def head_file(tmp_path_factory):
-    """Returns a scan: 20^3 voxels, its longest side 220 mm."""
+    """Writes a scan of 20^3 voxels whose longest side is 220 mm."""
     path = tmp_path_factory.mktemp("scan") / "head.nii.gz"
     values = leaflight.bump_box(20).values.T
     image = nibabel.Nifti1Image(values, np.diag([SIDE / 19] * 3 + [1.0]))
@@ -70,7 +70,7 @@ def expected_sides(surface):
 
 
 def test_a_head_is_a_head_in_gltf(head, tmp_path):
-    """Checks the sides in trimesh, where y is up."""
+    """Checks the lengths in trimesh, where y is up."""
     trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
     surface = leaflight.export(head, tmp_path / "head.glb", [47.0])[47.0]
     x, y, z = expected_sides(surface)
@@ -80,7 +80,7 @@ def test_a_head_is_a_head_in_gltf(head, tmp_path):
 
 @pytest.mark.parametrize("suffix", ["usda", "usdc"])
 def test_a_head_is_a_head_in_usd(head, tmp_path, suffix):
-    """Checks the sides in Pixar's own library."""
+    """Checks the lengths in Pixar's own library."""
     pytest.importorskip("pxr", reason="usd-core of PyPI is not installed")
     from pxr import Usd, UsdGeom
 
@@ -95,7 +95,7 @@ def test_a_head_is_a_head_in_usd(head, tmp_path, suffix):
 
 @pytest.mark.parametrize("unit", ["", "Å"])
 def test_a_molecule_can_be_seen_in_gltf(head, tmp_path, unit):
-    """Views clip what is as small; of an unknown unit nothing is known."""
+    """Checks a molecule, which views would clip at its true size, and a volume of unknown unit."""
     molecule = replace(head, volumes=[replace(head.volume, unit=unit)])
     surface = leaflight.export(molecule, tmp_path / "molecule.glb", [47.0])[47.0]
     expected = np.ptp(surface.vertices, axis=0).max()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The estimated error of a bake against the true one, on each isosurface of its isovalue range."""
+"""Tests the estimated error of a bake against the true one, on each isosurface of its range."""
 
 import leaflight
 import numpy as np
@@ -14,12 +14,12 @@ ISOVALUES = (30.0, 70.0)
 
 @pytest.fixture(scope="module")
 def box(bump_scene):
-    """Returns a coarse volume, where texels miss much."""
+    """Returns a coarse volume whose texels miss much detail."""
     return leaflight.bake(leaflight.bump_box(16), bump_scene, isovalues=ISOVALUES)
 
 
 def found_percent(baked, isovalue):
-    """Returns RMS of colors against the path tracer, whose noise is taken out."""
+    """Returns the RMS error of colors against path tracing, without the noise of the paths."""
     side = IsosurfaceSide(baked, isovalue)
     truth = side.path_traced(400, 512, 1, 0, None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)
@@ -37,7 +37,9 @@ def test_a_bake_errs_as_much_as_it_says(box):
 
 @pytest.mark.parametrize("isovalue", [30.02, 69.98])
 def test_isosurfaces_at_the_ends_of_the_range_are_lit_like_others(box, isovalue):
-    """Shadows are interpolated between values of which some lie beyond the range."""
+    """Checks the ends of the range. Shadows there are interpolated with values outside the
+    range.
+    """
     assert found_percent(box, isovalue) < 1.6 * found_percent(box, 50.0)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Volumes and light in a limited memory: the same bits, or a sentence before anything is done."""
+"""Tests volumes and light with limited memory: the same bits, or an error before any work."""
 
 import gc
 import json
@@ -18,7 +18,7 @@ from waiting import run_python
 
 MEBIBYTE = 1 << 20
 
-# Bakes a volume and reports the most memory of the process that no file backs.
+# Program that bakes a volume and prints the peak of its anonymous memory.
 _BAKE = """
 import json, sys, threading, time
 import leaflight
@@ -70,7 +70,9 @@ def bake_in_subprocess(path, out, limit=0, **settings):
 
 @pytest.fixture(scope="module")
 def large(tmp_path_factory):
-    """(folder, bake_in_subprocess() with a limit, and without) of a volume beyond the limit."""
+    """Returns (folder, bake_in_subprocess() with a limit, without a limit) of a volume above the
+    limit.
+    """
     n = 384
     x = np.linspace(-1, 1, n, dtype=np.float32)
     plane = np.cos(9 * x)[:, None] * np.sin(7 * x)
@@ -92,7 +94,7 @@ def test_volume_larger_than_the_limit_is_baked_with_the_same_bits(large):
     path = folder / "large.npy"
     values = np.load(path, mmap_mode="r")
     assert limited["in_files"] > values.nbytes and whole["in_files"] == 0
-    # The files had no names.
+    # The files had no names, so the folder has no others.
     assert sorted(folder.iterdir()) == [path, folder / "limited.vdb", folder / "whole.vdb"]
     one, other = (leaflight.load_bake(folder / f"{name}.vdb") for name in ("limited", "whole"))
     assert np.array_equal(one.volumes[0].values, values)
@@ -138,7 +140,7 @@ def test_default_texels_are_the_finest_that_fit(monkeypatch):
     assert 40 < bake.grid.resolution[0] < 120
     name, reason = bake.statistics.skipped_passes[-1]
     assert name == "finer texels" and "memory" in reason
-    # The bake records the chosen resolution, as if the caller had given it.
+    # The bake must record the chosen resolution like one given by the caller.
     assert list(bake.provenance.asked_resolution) == list(bake.grid.resolution)
 
     limit_memory(None)
@@ -168,7 +170,7 @@ def test_limits_that_no_process_can_keep():
 
 def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
     limit_memory(LEAST_LIMIT, tmp_path)
-    # Frees the memory of earlier tests now, not during the measurement.
+    # Free the memory of earlier tests now, not during the measurement.
     gc.collect()
     in_memory, in_files = _core.large_memory()
     small = new_voxels((8, 1024, 1024), np.uint8)
@@ -176,7 +178,7 @@ def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
     assert _core.large_memory() == (in_memory + small.nbytes, in_files + large.nbytes)
     large[...] = 7
     assert (large == 7).all()
-    # Windows has the names of files for as long as these are in use.
+    # On Windows, files in use keep their names.
     assert sys.platform == "win32" or not list(tmp_path.iterdir())
     del small, large
     assert _core.large_memory() == (in_memory, in_files)

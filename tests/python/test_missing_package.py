@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The error for an absent package has the command that installs it on the system at hand."""
+"""Tests that the error about a missing package has the right command to install it."""
 
 import shutil
 import subprocess
@@ -12,7 +12,7 @@ from leaflight.io.readers import MissingPackage, missing_package
 
 @pytest.fixture
 def system(monkeypatch):
-    """Lets this system be one whose pip refuses or not, with Debian's apt or without."""
+    """Simulates a system whose pip refuses or not, and with or without Debian's apt."""
 
     def become(managed, apt=True):
         monkeypatch.setattr(missing_package, "_is_managed", lambda: managed)
@@ -39,7 +39,7 @@ def test_what_debian_has(system):
 
 @pytest.mark.parametrize("apt", [True, False])
 def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
-    """Checks that the advice leaves out requirements that would replace the system's packages."""
+    """Checks that the command excludes requirements that would replace the system's packages."""
     system(True, apt)
     root = Path(missing_package.__file__).parents[3]
     monkeypatch.setenv("PYTHONPATH", f"/elsewhere:{root}")
@@ -53,7 +53,7 @@ def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
 
 
 def test_pip_refuses_where_this_says_so():
-    """In a virtual environment it does not; the system's Python may."""
+    """Compares with pip, which may refuse, but never in a virtual environment."""
     managed = missing_package._is_managed()
     command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "nothing-at-all"]
     done = subprocess.run(command, capture_output=True, text=True)

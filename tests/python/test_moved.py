@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake whose lamps, walls or volume have moved, against bakes of the scenes as they are then."""
+"""Tests a bake whose lamps, walls or volume have moved, against bakes of the changed scenes."""
 
 from dataclasses import replace
 
@@ -67,7 +67,7 @@ def direct(bake):
 
 
 def assert_direct_light_of(ours, theirs):
-    """Checks for equal direct light: maps to the last bit, radiance up to rounding."""
+    """Checks for equal direct light: maps bit by bit, radiance up to rounding."""
     assert_same_maps(ours, theirs)
     most = direct(theirs).max()
     assert most > 0.05
@@ -92,7 +92,7 @@ def test_a_lamp_that_moves_lights_as_in_a_new_bake(bake, scene):
     assert_direct_light_of(ours, theirs)
     assert_walls_have_direct_light_of(ours, theirs)
     assert np.abs(direct(ours) - direct(bake)).max() > 0.3 * direct(bake).max()
-    # Indirect light stays where it is, in about the amount that it has then.
+    # Indirect light keeps its distribution, and has about the right amount.
     soft, before = (one.grid.dense("radiance_indirect") for one in (ours, bake))
     lit = before.min(axis=-1) > 0.01
     factors = soft[lit] / before[lit]
@@ -117,7 +117,7 @@ def test_the_volume_moves(bake, scene):
     there = shifted(BOX)
     ours, theirs = bake.moved(there, scene), baked(there, scene)
     assert_direct_light_of(ours, theirs)
-    # Texels move along.
+    # Texels move with the volume.
     vertices = ours.surface(47.0).vertices
     np.testing.assert_allclose(
         vertices.mean(axis=0),
@@ -195,7 +195,7 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     there = with_lamp_moved(scene)
     ours = bake.moved(BOX, there)
     assert ours.original is bake and len({bake.id, ours.id, baked(BOX, there).id}) == 3
-    # From one that was moved before as from the original, and back.
+    # Move a moved bake again, and back.
     again = bake.moved(BOX, with_wall_moved(scene)).moved(BOX, there)
     assert again.original is bake and again.id == ours.id
     np.testing.assert_array_equal(again.grid.dense("radiance"), ours.grid.dense("radiance"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The display of volumes and bakes in a shell and in a notebook."""
+"""Tests the display of volumes and bakes in a shell and in a notebook."""
 
 import importlib.util
 from html.parser import HTMLParser
@@ -15,7 +15,7 @@ from waiting import run_python
 
 
 class Elements(HTMLParser):
-    """All that a piece of HTML has: texts, and attributes by the name of their element."""
+    """The texts of some HTML, and its attributes by the name of their element."""
 
     def __init__(self, text):
         super().__init__()
@@ -59,7 +59,7 @@ def test_still_is_one_thing():
     assert callable(leaflight.still) and importlib.util.find_spec("leaflight.still") is None
 
 
-# A browser that leaves the address of what it was given.
+# Program that replaces the browser and writes the address that it is given.
 BROWSER = """#!/bin/sh
 echo "$1" > "$ADDRESS"
 """

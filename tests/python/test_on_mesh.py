@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points on meshes of triangles, and the probes that are spread over them for Cycles."""
+"""Tests points on triangle meshes, and the probes on them for Cycles."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from leaflight.measure.cycles import _lay_out, _mesh, _pack
 from leaflight.scene.on_mesh import interpolated, positions, random_places
 from leaflight.scene.scene import Mesh
 
-# A bent sheet of three triangles, the last one much smaller than the others.
+# A bent sheet of three triangles; the last one is much smaller.
 VERTICES = np.array([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [3, 0, 0.5]], dtype=np.float32)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]], dtype=np.uint32)
 AREAS = np.array([4.5, 4.5, 0.75])
@@ -31,7 +31,7 @@ def test_between_the_vertices_of_a_large_mesh(box_bake):
     expected = a + coordinates[:, :1] * (b - a) + coordinates[:, 1:] * (c - a)
     found = interpolated(surface.vertices, surface.triangles, surface.radiance, points)
     np.testing.assert_allclose(found, expected, atol=1e-4)
-    # A point beside the mesh takes the nearest triangle.
+    # A point far from the mesh takes values of the nearest triangle.
     far = interpolated(surface.vertices, surface.triangles, surface.radiance, points[:1] + 9.0)
     assert np.isfinite(far).all()
 
@@ -59,12 +59,12 @@ def test_probes_lie_where_cycles_bakes_their_pixels(count):
     mesh = _mesh(Mesh("sheet", VERTICES, TRIANGLES, (0.5, 0.5, 0.5)))
     probes, pixels, (width, height), uv = _lay_out(mesh, count, seed=3)
     assert len(set(pixels)) == len(pixels) >= count
-    # The center of the pixel, through the texture coordinates of the facet.
+    # Each texture coordinate must be the center of the probe's pixel.
     a, b, c = (uv[probes.facets, k] * [width, height] for k in range(3))
     u, v = probes.coordinates.T[..., None]
     assert (u > 0).all() and (v > 0).all() and (u + v < 1).all()
-    centres = np.stack([pixels % width, pixels // width], axis=1) + 0.5
-    np.testing.assert_allclose(a + u * (b - a) + v * (c - a), centres, atol=1e-3)
+    centers = np.stack([pixels % width, pixels // width], axis=1) + 0.5
+    np.testing.assert_allclose(a + u * (b - a) + v * (c - a), centers, atol=1e-3)
     on_mesh = positions(VERTICES, TRIANGLES, probes.facets, probes.coordinates)
     np.testing.assert_array_equal(probes.points, on_mesh)
     shares = np.bincount(probes.facets, probes.weights, minlength=3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays and images of other libraries are volumes: their voxels lie where these libraries say."""
+"""Tests that arrays and images of other libraries become volumes at the right position."""
 
 import sys
 from types import ModuleType
@@ -11,7 +11,7 @@ import pytest
 from leaflight import Volume, as_volume
 from outcomes import refused
 
-# Mirrored, turned and shifted.
+# A transform that mirrors, rotates and moves.
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 0, 3.0, -120], [0, 1.5, 0, -70], [0, 0, 0, 1]])
 # Index (i, j, k) of a voxel in values of shape (4, 5, 6).
 INDEX = (4, 1, 2)
@@ -31,7 +31,7 @@ def check(volume, values, place, name, unit=""):
 def test_numpy(values):
     check(as_volume(values, (1, 2, 3)), values, [4, 2, 6], "array")
     check(as_volume(values.astype(">i8"), 0.5, "head"), values, [2, 0.5, 1], "head")
-    # Axes of one, Fortran's order, bools, masks.
+    # Test axes of length one, Fortran order, booleans and masks.
     check(as_volume(np.asfortranarray(values)[None, ..., None]), values, INDEX, "array")
     assert as_volume(values > 50).values.dtype == np.uint8
     masked = as_volume(np.ma.masked_less(values, 9))
@@ -63,7 +63,7 @@ def test_nibabel(values, tmp_path):
 
 
 class SimpleITKImage:
-    """As SimpleITK's images have. PyPI's SimpleITK was tried; Debian 12 has none for Python."""
+    """A copy of SimpleITK's interface, because Debian 12 has no SimpleITK for Python."""
 
     def __init__(self, values, spacing, origin, direction):
         self.values = values
@@ -82,7 +82,7 @@ def test_simpleitk(values, monkeypatch):
     monkeypatch.setitem(sys.modules, "SimpleITK", module)
     monkeypatch.setattr(SimpleITKImage, "__module__", "SimpleITK.SimpleITK")
     image = SimpleITKImage(values, (0.5, 2.0, 3.0), (9, 8, 7), (0, 1, 0, 0, 0, -1, 1, 0, 0))
-    # Towards left and back there, towards right and front here, as in NIfTI.
+    # SimpleITK's axes point left and back, ours right and front, as in NIfTI.
     left, back, up = image.TransformIndexToPhysicalPoint(INDEX)
     check(as_volume(image), values, [-left, -back, up], "image", "mm")
 
@@ -96,11 +96,11 @@ def test_xarray(values):
     check(as_volume(data), values, place, "density")
     check(as_volume(data.transpose("x", "z", "y")), values, place, "density")
     check(as_volume(data.expand_dims("time")), values, place, "density")
-    # Coordinates in different units; lengths are those of z, the first.
+    # Coordinates have different units; lengths use that of z, the first.
     for axis, unit in (("x", "micrometer"), ("z", "mm"), ("y", "mm")):
         data[axis].attrs["units"] = unit
     check(as_volume(data), values, [place[0] / 1000, *place[1:]], "density", "mm")
-    # An array with other names of its axes, and without coordinates.
+    # Test other names of axes, and no coordinates.
     plain = xarray.DataArray(values, dims=("depth", "row", "column"))
     check(as_volume(plain, (1, 2, 3)), values, [4, 2, 6], "array")
     uneven = data.assign_coords(y=np.arange(5.0) ** 2)
@@ -126,7 +126,7 @@ def vtk_image(values, cells=False):
 
 
 def test_vtk_and_pyvista(values):
-    """PyVista's ImageData is a vtkImageData."""
+    """Checks vtkImageData; PyVista's ImageData is a subclass."""
     image = vtk_image(values)
     nx, ny, _ = image.GetDimensions()
     number = INDEX[0] + nx * (INDEX[1] + ny * INDEX[2])

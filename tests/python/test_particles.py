@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The generated particle volumes."""
+"""Tests the generated particle volumes."""
 
 from math import factorial
 
@@ -18,7 +18,7 @@ def test_two_volumes_in_one_box(generate, thesis):
         assert volume.values.shape == (thesis,) * 3 and volume.values.dtype == np.float32
         assert volume.values.min() >= 0 and volume.values.max() == 255
         np.testing.assert_allclose(volume.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-12)
-        # Nothing is cut off at the border that matters at the thesis's isovalues, from 24 on.
+        # At the border, values must be below the thesis's isovalues, which start at 24.
         for axis in range(3):
             for end in (0, -1):
                 assert volume.values.take(end, axis=axis).max() < 24
@@ -28,9 +28,9 @@ def test_two_volumes_in_one_box(generate, thesis):
 
 @pytest.mark.parametrize("generate", [nucleons, lapr])
 def test_the_nodes_sample_one_density(generate):
-    """The same particles at every resolution: 2 n - 1 nodes hold those of n."""
+    """Checks that resolutions share their particles: 2 n - 1 nodes contain those of n."""
     for coarse, fine in zip(generate(17), generate(33)):
-        # Each is scaled by its own highest value.
+        # Each volume is scaled by its own maximum.
         ratio = fine.values[::2, ::2, ::2].sum() / coarse.values.sum()
         np.testing.assert_allclose(
             fine.values[::2, ::2, ::2], ratio * coarse.values, atol=0.01, rtol=1e-3
@@ -38,7 +38,9 @@ def test_the_nodes_sample_one_density(generate):
 
 
 def test_neuron():
-    """Dendrites fill little of the volume, and reach far without touching its border."""
+    """Checks that dendrites fill little of the volume, and reach far without touching the
+    border.
+    """
     values = neuron(60).values
     assert values.shape == (60,) * 3 and values.max() == 255
     branches = values > 30
@@ -49,21 +51,22 @@ def test_neuron():
 
 
 def test_hydrogen():
-    """One electron, whose mean distance is that of the state: (3 n^2 - l (l + 1)) / 2."""
+    """Checks the total of one electron, and its mean distance (3 n^2 - l (l + 1)) / 2."""
     values = np.float64(hydrogen(81).values)
     assert values.max() == pytest.approx(1, abs=0.01) and values.min() >= 0
     x = np.linspace(-HYDROGEN_REACH, HYDROGEN_REACH, 81)
     z, y, x = np.meshgrid(x, x, x, indexing="ij")
     r = np.sqrt(x**2 + y**2 + z**2)
-    # The highest density times the volume of a voxel, in Bohr radii: psi_320 is normalised.
+    # The maximum density, times the volume of a voxel in Bohr radii.
     highest = (2 * 36 * np.exp(-2) / 81) ** 2 / (6 * np.pi)
     electrons = values * highest * (HYDROGEN_REACH / 40) ** 3
-    # Within a ball that the box holds: the integral of r^6 exp(-2 r / 3) over that of all r.
+    # Compute the share within the ball inscribed in the box: integrals of r^6 exp(-2 r / 3).
     x = 2 * HYDROGEN_REACH / 3
     within = 1 - np.exp(-x) * sum(x**k / factorial(k) for k in range(7))
     assert electrons[r < HYDROGEN_REACH].sum() == pytest.approx(within, abs=1e-3)
     assert (electrons * r).sum() / electrons.sum() == pytest.approx(10.5, rel=0.02)
-    # Nothing on the cone between lobes and ring, and a quarter of the lobes in the ring.
+    # The density is 0 on the cone between lobes and ring, and the ring has a quarter of the lobes'
+    # maximum.
     assert values[np.abs(3 * z**2 - r**2) < 1e-9].max() == 0
     assert values[40].max() == pytest.approx(0.25, abs=0.005)
     assert max(values.take(0, axis=axis).max() for axis in range(3)) < 0.02

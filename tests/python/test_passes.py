@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake in passes: each leaves a whole bake, and it ends by its error, a time or a stop."""
+"""Tests bakes in passes. Each pass gives a complete bake. An error, a time or a stop ends it."""
 
 import json
 import math
@@ -18,7 +18,7 @@ from leaflight.volume.setting_error import SettingError
 from waiting import HANG
 
 ISOVALUES = (30.0, 70.0)
-# Takes more passes than any of these tests waits for.
+# Error that needs more passes than any of these tests takes.
 UNREACHED = 1e-3
 
 
@@ -44,7 +44,7 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
     points = last.surface(47.0).vertices
     noise = [one.radiance_error(points).mean() for one in (seen[0], last)]
     assert noise[1] < 0.8 * noise[0]
-    # A pass is kept as any bake is.
+    # The bake of a pass can be saved like any other.
     seen[0].save(tmp_path / "first.vdb")
     first = load_bake(tmp_path / "first.vdb")
     assert first.id == seen[0].id and first.provenance.passes == 1
@@ -56,7 +56,7 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
 @pytest.mark.slow
 def test_a_smaller_error_is_nearer_to_the_truth(box):
     points = box(error=50.0).surface(47.0).vertices[::20]
-    # Beside texels of the same width, so that noise is all they differ by.
+    # The truth has texels of the same width, so that bakes differ only by noise.
     truth = np.mean([box(error=0.1, seed=seed).radiance(points) for seed in range(1, 9)], axis=0)
     rough, _ = stopped_after(1, box)
     fine = box(error=0.3)
@@ -89,7 +89,7 @@ def test_a_stopped_bake_is_kept_like_any_other(box, tmp_path):
 
 
 def test_the_time_ends_a_bake(box):
-    # Over before the first pass is: the texels of a first picture are all that there is.
+    # The time ends before the first pass, so the result is the first picture.
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics.stopped and baked.statistics.passes == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
@@ -104,7 +104,7 @@ def test_a_bake_takes_the_time_that_it_has(box):
     baked = box(error=UNREACHED, time=0.3)
     assert baked.statistics.stopped and baked.statistics.passes >= 1
     assert baked.statistics.seconds < 5
-    # No block begins that would end later.
+    # No block begins that would end too late.
     assert box(error=UNREACHED, time=4.0).statistics.seconds < 1.1 * 4.0
 
 
@@ -120,7 +120,9 @@ def test_what_goes_wrong_in_on_pass_ends_the_bake(box):
 
 
 def test_what_to_do_where_the_error_was_not_reached(box):
-    """As passes ended by themselves, by what is most of the error."""
+    """Checks the advice after passes end by themselves: it depends on the largest part of the
+    error.
+    """
     baked = box(error=20.0)
     provenance = replace(baked.provenance, error=1.0)
     for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "continue the bake")):
@@ -166,7 +168,7 @@ def test_an_estimate_is_of_the_error_that_the_bake_has(estimated):
 @pytest.mark.machine
 def test_an_estimate_is_what_the_bake_takes(estimated):
     expected, statistics = estimated
-    # 1.5 is promised; the rest is for a busy machine.
+    # The documented factor is 1.5; allow more for a busy machine.
     assert 1 / 2.5 < expected.seconds / statistics.seconds < 2.5
     assert 1 / 1.5 < expected.memory_bytes / statistics.peak_memory_bytes < 1.5
 
@@ -207,7 +209,7 @@ def test_extrapolation_of_independent_samples_is_exact(coarse):
 
 def test_extrapolation_knows_what_more_work_does_not_mend():
     expected = extrapolated(*passes_of(3, -0.5, texture=3.0), error=1.0)
-    # Half of what texels miss is as much noise as is left.
+    # The texture error is half of the target; the rest is the noise that remains.
     assert expected.error == pytest.approx(math.hypot(3.0, 2.0))
     assert expected.passes == 5
 
@@ -215,7 +217,7 @@ def test_extrapolation_knows_what_more_work_does_not_mend():
 def test_extrapolation_ends_within_the_time():
     expected = extrapolated(*passes_of(2, -0.5), error=0.5, time=9.0)
     assert expected.seconds == pytest.approx(9.0)
-    # 2 s and the last one leave 6 for light.
+    # The start takes 2 s and the last pass another, so 6 s remain for light.
     assert expected.error == pytest.approx(8.0 / math.sqrt(6))
     assert expected.passes == 4
 
@@ -223,7 +225,7 @@ def test_extrapolation_ends_within_the_time():
 @pytest.mark.parametrize("power", [-0.35, -0.8])
 def test_extrapolation_follows_what_the_last_pass_showed(power):
     (first, last), end = passes_of(2, power)
-    error = 8.0 * 2 ** (power * 3) / 0.8  # had by eight times the first work
+    error = 8.0 * 2 ** (power * 3) / 0.8  # reached after eight times the work of the first pass
     seconds = extrapolated([first, last], end, error=error).seconds
     true = 2 + 2**3 + 1
     noise = last.estimated_noise_percent * 2**0.5

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Photons as points."""
+"""Tests photons as points."""
 
 import json
 
@@ -33,15 +33,17 @@ def test_they_lie_on_their_isosurfaces(photons):
 
 
 def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
-    """No more direct light than the lamp emits over the isovalue range, and a good part of that."""
+    """Checks that direct light is most of what the lamp emits over the isovalue range, but not
+    more.
+    """
     volume = leaflight.bump_box(24)
     (volume,), scene, isovalue_range = placed(volume, bump_scene, None)
     core = core_scene(scene, [volume.field()], isovalue_range)
     emitted = np.array(_core.photon_balance(core, COUNT, 3)["emitted"])
     direct = photons.flux_height[photons.direct].sum(axis=0)
     assert (direct < emitted).all() and (direct > 0.05 * emitted).all()
-    colours = photons.colours()
-    assert colours.mean() == pytest.approx(0.5, rel=1e-4)
+    colors = photons.colors()
+    assert colors.mean() == pytest.approx(0.5, rel=1e-4)
 
 
 def test_command(root, tmp_path, capsys, photons):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Single precision against the build that keeps radiance in double precision (preset double)."""
+"""Tests single precision against a build with radiance in double precision (preset double)."""
 
 import numpy as np
 import pytest
@@ -7,10 +7,10 @@ from waiting import run_python
 
 ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 EPSILON = np.finfo(np.float32).eps
-# A radiance is a product of some 20 rounded factors and a few sums of such products: 64 roundings
-# of half an epsilon are more than it can collect. Positions are double in both builds.
+# Upper bound on the relative error: 64 roundings of half an epsilon. A radiance is a product of
+# about 20 rounded factors, and a few sums of such products. Positions are double in both builds.
 MOST = 32 * EPSILON
-# The part `double` makes the build. One that is there otherwise may be of an older tree.
+# The test part `double` makes the build; other runs might find an old one.
 pytestmark = pytest.mark.slow
 
 BAKES = """
@@ -32,7 +32,7 @@ np.savez(sys.argv[2], **grids)
 
 
 def bakes(root, preset, folder):
-    """Bakes with the module of a preset in a separate process; skips if it is not built."""
+    """Returns bakes by a preset's module in a separate process; skips if it is not built."""
     package = root / "build" / preset / "python"
     if not list((package / "leaflight").glob("_core*.so")):
         pytest.skip(f"the preset {preset} is not built")
@@ -54,7 +54,7 @@ def test_single_precision_is_enough(both, estimator):
         single, double = (grids[f"{estimator} {side}"].astype(np.float64) for grids in both)
         mean = double[double > 0].mean()
         error = np.abs(single - double)
-        # Both builds at work, on the same texels.
+        # The builds must differ, but light the same texels.
         assert 0 < error.max() and ((single > 0) == (double > 0)).all()
         largest, rms = error.max() / mean, np.sqrt((error**2).mean()) / mean
         print(f"{estimator} {side}: largest error {largest:.1e} of the mean, RMS {rms:.1e}")

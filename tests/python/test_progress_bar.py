@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Progress of long work as callers from Python see it, and its end by Ctrl-C."""
+"""Tests the progress of long work in Python, and its end by Ctrl-C."""
 
 import contextlib
 import fcntl
@@ -72,9 +72,9 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_ends_a_bake_in_a_terminal(tmp_path):
-    """Which shows a bar: tqdm's where it is installed, else ours."""
+    """Checks that the terminal shows a bar: tqdm's if it is installed, else ours."""
     leader, follower = pty.openpty()
-    # tqdm shows nothing in a window without columns.
+    # tqdm shows nothing in a terminal without columns.
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("4H", 24, 80, 0, 0))
     environment = {**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])}
     process = subprocess.Popen(
@@ -83,7 +83,7 @@ def test_ctrl_c_ends_a_bake_in_a_terminal(tmp_path):
         stderr=follower,
         env=environment,
         text=True,
-        # A shell ignores SIGINT for jobs in the background, and children inherit that.
+        # Shells ignore SIGINT for background jobs, and children inherit that, so restore it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     os.close(follower)
@@ -91,7 +91,7 @@ def test_ctrl_c_ends_a_bake_in_a_terminal(tmp_path):
     while b"%" not in shown:
         shown += os.read(leader, 4096)
     process.send_signal(signal.SIGINT)
-    # A terminal that nobody reads would fill up; its end is an error.
+    # Read the terminal until its end, which is an error; otherwise it would fill up.
     with contextlib.suppress(OSError):
         while os.read(leader, 4096):
             pass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Raw files of every type, order and size."""
+"""Tests raw files of every type, byte order and size."""
 
 import re
 import tempfile
@@ -42,7 +42,7 @@ def test_round_trip(layout):
             exact = values.astype(np.float64)
             offset = exact.flat[0] - volume.values.flat[0]
             if offset != 0:
-                # Values that lie close to each other and far from 0 are read less a number.
+                # Values close to each other and far from 0 are read with an offset.
                 assert volume.notes and abs(offset) > 31 * np.ptp(exact)
                 atol = 1e-6 * np.ptp(exact)
                 np.testing.assert_allclose(volume.values, exact - offset, rtol=0, atol=atol)

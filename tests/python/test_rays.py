@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several volumes, mirrors and glass, baked by rays: to an error, in a time, and on from there."""
+"""Tests bakes by rays: several volumes, mirrors and glass, to an error, in a time, and
+continued.
+"""
 
 from dataclasses import replace
 
@@ -16,7 +18,7 @@ UNREACHED = 1e-3
 
 @pytest.fixture
 def two(lapr_scene):
-    """bake(**settings) of two volumes of 10^3 nodes."""
+    """Returns bake(**settings) of two volumes of 10^3 nodes."""
 
     def bake(**settings):
         return leaflight.bake(list(lapr(10)), lapr_scene, **settings)
@@ -26,7 +28,7 @@ def two(lapr_scene):
 
 @pytest.fixture
 def mirror(root):
-    """bake(**settings) of the bump box with 8^3 nodes beside a mirror."""
+    """Returns bake(**settings) of the bump box with 8^3 nodes beside a mirror."""
     scene = leaflight.load_scene(root / "scenes" / "mirror.json")
 
     def bake(**settings):
@@ -37,7 +39,7 @@ def mirror(root):
 
 @pytest.fixture
 def glass(root):
-    """bake(**settings) of the light that glass throws on a floor."""
+    """Returns bake(**settings) of a floor with the caustics of a glass isosurface."""
     scene = leaflight.load_scene(root / "scenes" / "glass_isosurface.json")
 
     def bake(**settings):

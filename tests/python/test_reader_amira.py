@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lattices of amira: plain, zipped, run-length encoded or text, scalars and vectors."""
+"""Tests amira's lattices: plain, zipped, run-length encoded or text, scalars and vectors."""
 
 import zlib
 
@@ -39,7 +39,7 @@ def header(arrays, first=LITTLE, kind="uniform", more=""):
 
 
 def runs(data):
-    """As amira writes labels: runs of one byte, and above 128 the number of different ones."""
+    """Returns labels in amira's run-length encoding: counts above 128 precede different bytes."""
     packed, place = b"", 0
     while place < len(data):
         same = 1
@@ -64,7 +64,7 @@ KINDS = [
 
 @pytest.mark.parametrize("first, name, dtype, packing", KINDS)
 def test_values_and_place(tmp_path, values, first, name, dtype, packing):
-    """The box goes from the first point to the last."""
+    """Checks that the box extends from the first point to the last."""
     values = np.sort(values // 30, axis=0) if packing == "HxByteRLE" else values
     data = values.astype(dtype).tobytes()
     data = {"HxZip": zlib.compress, "HxByteRLE": runs}.get(packing, bytes)(data)
@@ -101,7 +101,7 @@ def test_several_arrays_and_vectors(tmp_path, values, first):
 
 
 def test_a_turned_lattice(tmp_path, values):
-    """Checks a lattice turned by a matrix that is stored column by column."""
+    """Checks a lattice rotated by a matrix that is stored by columns."""
     turn = "TransformationMatrix 0 1 0 0 -1 0 0 0 0 0 1 0 7 8 9 1"
     start = header("Lattice { float Data } @1", more=f",\n{turn}")
     (tmp_path / "x.am").write_bytes(start + b"@1\n" + values.tobytes())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays of NumPy and OME-TIFF."""
+"""Tests NumPy's arrays and OME-TIFF."""
 
 import numpy as np
 import pytest
@@ -61,7 +61,9 @@ def test_damaged_npy(tmp_path, values):
 
 
 def test_ome_tiff_of_five_dimensions(tmp_path, values):
-    """Times and channels are distinguished, and only the pages asked for are read."""
+    """Checks that times and channels are distinguished, and that only the requested pages
+    are read.
+    """
     path = tmp_path / "x.ome.tif"
     whole = np.stack([np.stack([values + 10 * t + c for c in range(2)]) for t in range(3)])
     metadata = {"axes": "TCZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 1, "PhysicalSizeZ": 2}
@@ -75,7 +77,7 @@ def test_ome_tiff_of_five_dimensions(tmp_path, values):
 
 
 def test_tiff_of_times_and_channels_without_a_depth(tmp_path, values):
-    """Checks that time is then the depth, as in a film."""
+    """Checks that time becomes the depth, as in a film."""
     path = tmp_path / "x.ome.tif"
     both = np.stack([values, values + 1], axis=1)
     tifffile.imwrite(path, both, ome=True, metadata={"axes": "TCYX"})
@@ -83,7 +85,7 @@ def test_tiff_of_times_and_channels_without_a_depth(tmp_path, values):
 
 
 def test_smoothing(tmp_path):
-    """As SciPy does it; where a voxel has no data, the others are weighed alone."""
+    """Checks against SciPy. Voxels without data get no weight."""
     values = np.random.default_rng(5).integers(0, 255, (9, 8, 12)).astype(np.uint8)
     path = tmp_path / "x.npy"
     np.save(path, values)
@@ -102,7 +104,7 @@ def test_smoothing(tmp_path):
 
 
 def test_downsampling(tmp_path):
-    """Means of eight, rounded where the voxels are integers; the leftover is dropped."""
+    """Checks means of eight voxels, rounded for integers; incomplete blocks are dropped."""
     values = np.random.default_rng(3).integers(0, 255, (9, 8, 12)).astype(np.uint8)
     path = tmp_path / "x.npy"
     np.save(path, values)
@@ -110,7 +112,7 @@ def test_downsampling(tmp_path):
     assert half.values.dtype == np.uint8 and probe(path).bytes(2) == half.values.nbytes
     exact = values[:8].reshape(4, 2, 4, 2, 6, 2).mean((1, 3, 5))
     np.testing.assert_array_equal(half.values, np.rint(exact))
-    # A voxel is in the middle of those that it is the mean of.
+    # A voxel is at the center of those that it averages.
     np.testing.assert_array_equal(half.index_to_world @ [0, 0, 0, 1], [0.5, 1.0, 1.5, 1])
     np.testing.assert_array_equal(half.index_to_world @ [1, 1, 1, 1], [2.5, 5, 7.5, 1])
     np.save(path, values.astype(np.float32))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Potentials and densities of molecules and crystals: OpenDX, VASP and XSF, by other libraries."""
+"""Tests potentials and densities of molecules and crystals in OpenDX, VASP and XSF."""
 
 import gzip
 
@@ -9,7 +9,7 @@ from leaflight import read_volume
 from leaflight.io.readers import probe
 from outcomes import refused, written
 
-# The edges of a cell without right angles, in rows.
+# Edges of a cell without right angles, as rows.
 LATTICE = np.array([[3.0, 0, 0], [1, 4, 0], [0, 0.5, 5]])
 
 
@@ -19,7 +19,7 @@ def read_back(path, content, **options):
 
 
 def opendx(values, more="data follows", kind="double"):
-    """A map without right angles, as a program writes it by hand; its array is [x, y, z]."""
+    """Returns a map without right angles in a handwritten file; its array is [x, y, z]."""
     dims = " ".join(map(str, values.shape[::-1]))
     lines = ["# of some program, class array", f"object 1 class gridpositions counts {dims}"]
     lines += ["origin 1 2 3.0D+00", *(f"delta {' '.join(map(str, axis))}" for axis in LATTICE)]
@@ -63,7 +63,7 @@ def test_other_arrays_of_opendx(tmp_path, values):
     (tmp_path / "x.bin").write_bytes(b"abc" + numbers)
     elsewhere = opendx(values, 'msb ieee data file "x.bin",3', "float")
     np.testing.assert_array_equal(read_back(path, elsewhere).values, values)
-    # A value for each connection lies in the middle of it.
+    # Values of connections are at their centers.
     text = opendx(values).replace("counts 6 5 4", "counts 7 6 5")
     volume = read_back(path, text)
     np.testing.assert_array_equal(volume.values, values)
@@ -93,7 +93,9 @@ def test_damaged_maps(tmp_path, values):
 
 
 def vasp(*grids, title="some crystal", scale="1.0", selective=False, augmented=True):
-    """A file of VASP by hand: each grid is [z, y, x]; between them lie values of the spheres."""
+    """Returns a handwritten file of VASP: each grid is [z, y, x]; between them are values of
+    spheres.
+    """
     lines = [title, scale, *(" ".join(map(str, axis)) for axis in LATTICE), "C O", "1 2"]
     lines += ["Selective dynamics"] * selective + ["Direct", *["0.1 0.2 0.3"] * 3, ""]
     for grid in grids:
@@ -120,7 +122,7 @@ def test_densities_of_vasp(tmp_path, values, name):
     for channel, expected in enumerate((values, -values)):
         volume = read_volume(path, channel=channel)
         np.testing.assert_allclose(volume.values, expected, rtol=1e-6)
-    # Periodic: the last point is a step before the end of the cell.
+    # The cell is periodic: the last point is one step before its end.
     np.testing.assert_allclose(volume.index_to_world[:3, :3] * [6, 5, 4], LATTICE.T)
     np.testing.assert_array_equal(volume.index_to_world[:3, 3], 0)
 
@@ -129,7 +131,7 @@ def test_other_files_of_vasp(tmp_path, values):
     potential = vasp(values, selective=True, augmented=False)
     for name in ("LOCPOT", "ELFCAR", "LOCPOT.vasp"):
         np.testing.assert_allclose(read_back(tmp_path / name, potential).values, values)
-    # A name that does not say so is taken for a density, and that is said.
+    # If the name does not tell, the values are read as a density, with a note.
     volume = read_back(tmp_path / "x.vasp", potential)
     np.testing.assert_allclose(volume.values, values / VOLUME, rtol=1e-6)
     assert "divided by the volume" in volume.notes[0]
@@ -192,7 +194,7 @@ def test_grids_of_xcrysden(tmp_path, values):
     path = tmp_path / "x.xsf"
     volume = read_back(path, xsf(("rho", values)))
     np.testing.assert_array_equal(volume.values, values)
-    # The last point lies at the end of the vectors.
+    # The last point is at the end of the vectors.
     np.testing.assert_allclose(volume.index_to_world[:3, :3] * [5, 4, 3], LATTICE.T)
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
     assert volume.unit == "Å"

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of crystallography: DSN6, BRIX, and structure factors that gemmi turns into a map."""
+"""Tests maps of crystallography: DSN6, BRIX, and structure factors, which gemmi turns into a
+map.
+"""
 
 import gzip
 
@@ -9,12 +11,12 @@ from leaflight import read_volume
 from leaflight.io.readers import probe
 from outcomes import refused, written
 
-# Edges of a cell, and its angles.
+# Edges and angles of a cell.
 CELL = (12.0, 15.0, 9.0, 80.0, 95.0, 110.0)
 
 
 def bricks(values):
-    """Returns the bytes of a map, in cubes of 8 x 8 x 8 that are filled up with zeros."""
+    """Returns the bytes of a map, in cubes of 8 x 8 x 8 that are padded with zeros."""
     whole = np.pad(values, [(0, -n % 8) for n in values.shape]).astype(np.uint8)
     parts = []
     for z in range(0, whole.shape[0], 8):
@@ -56,7 +58,7 @@ def test_maps_of_bytes(tmp_path, densities, kind):
     volume = read_volume(written(path, data.get(kind) or gzip.compress(data["big"])))
     np.testing.assert_allclose(volume.values, (densities - 34) / 44, rtol=1e-6, atol=1e-7)
     assert (probe(path).dims, volume.unit, volume.name) == ((21, 17, 9), "Å", "x")
-    # As gemmi places the points of a grid of this cell.
+    # Compare with gemmi's positions of a grid's points in this cell.
     gemmi = pytest.importorskip("gemmi")
     cell = gemmi.UnitCell(*CELL)
     for index in ((0, 0, 0), (5, 3, 1)):
@@ -83,7 +85,7 @@ def test_damaged_maps_of_bytes(tmp_path, densities):
 
 
 def mtz(path, columns, cell=CELL):
-    """Structure factors of gemmi; columns: (label, type, the numbers of the three waves)."""
+    """Returns structure factors by gemmi; columns: (label, type, numbers of the three waves)."""
     gemmi = pytest.importorskip("gemmi")
     file = gemmi.Mtz(with_base=True)
     file.spacegroup = gemmi.SpaceGroup("P 1")

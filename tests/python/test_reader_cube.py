@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gaussian's cubes, and numbers as text in all the ways that programs write them."""
+"""Tests Gaussian's cubes, and the ways in which programs write numbers as text."""
 
 import gzip
 import io
@@ -18,7 +18,7 @@ def cube(values, orbitals=1, sign=1):
     lines = ["a", "b", f"{atoms} -1 2 3", f"{sign * nx} 0.5 0 0", f"{sign * ny} 0 1 0"]
     lines += [f"{sign * nz} 0 0 2", "7 7 0 0 0"]
     if orbitals > 1:
-        # Over two lines.
+        # The numbers of orbitals are split over two lines.
         lines += ["2 11", "12"]
     grids = np.stack([values, -values][:orbitals], axis=-1).transpose(2, 1, 0, 3)
     lines += [" ".join(map(str, line)) for line in grids.reshape(-1, nz * orbitals)]
@@ -75,7 +75,7 @@ def numbers_in(text, count, dtype=np.float64, width=13):
 def test_numbers(kind):
     text, numbers = NUMBERS[kind]
     np.testing.assert_array_equal(numbers_in(text, len(numbers)), numbers)
-    # Among others, in lines of their own, over more than is read at once.
+    # Put the values among other lines, in more text than one read returns.
     plain = "1.5 2.5 3.5\r\n" * 45_000
     found = numbers_in(f"{plain}{text}\n{plain}augmentation", 270_000 + len(numbers))
     np.testing.assert_array_equal(found[135_000 : 135_000 + len(numbers)], numbers)
@@ -111,7 +111,7 @@ def test_numbers_of_a_line():
 
 @pytest.mark.parametrize("write", ["{:13.5E}", "{:12.5E}", " {:.5E}"])
 def test_a_cube_whose_columns_touch(tmp_path, values, write):
-    """As a program with formats of C writes small numbers: of three digits, without a space."""
+    """Checks small numbers with exponents of three digits, which leave no space between columns."""
     small = -values * np.float32(1e-3)
     path = tmp_path / "x.cube"
     text = cube(values).splitlines()[:7]
@@ -126,7 +126,7 @@ def test_a_cube_whose_columns_touch(tmp_path, values, write):
 
 
 def test_several_values_of_a_voxel_without_a_list(tmp_path, values):
-    """The fifth number of the third line (NVAL)."""
+    """Checks the fifth number of the third line (NVAL)."""
     path = tmp_path / "x.cube"
     text = cube(values, 2).replace("-1 -1 2 3", "1 -1 2 3 2").replace("\n2 11\n12\n", "\n")
     path.write_text(text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DICOM series: slices in whatever order, sorted by where they lie in the patient."""
+"""Tests DICOM series: slices are sorted by their position in the patient."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def test_values_and_place(folder, values):
     assert (stored.dims, stored.voxel_size, stored.unit) == ((6, 5, 4), (0.25, 0.5, 2.0), "mm")
     assert stored.patient
     volume = reads(2 * values - 1000, folder)
-    # DICOM's world is left-posterior-superior, ours right-anterior-superior.
+    # DICOM's axes are left, posterior, superior; ours are right, anterior, superior.
     expected = np.diag([-0.25, -0.5, 2, 1])
     expected[:3, 3] = -10, -20, 100
     np.testing.assert_allclose(volume.index_to_world, expected)
@@ -49,7 +49,7 @@ def test_hounsfield_units_stay_integers(tmp_path, values):
 
 
 def test_slices_across_the_patient(tmp_path, values):
-    """Coronal: columns run down, slices from front to back."""
+    """Checks coronal slices: columns run down, and slices from front to back."""
     for k in range(4):
         axes = [1, 0, 0, 0, 0, -1]
         place = [0, 2 * k, 50]
@@ -61,7 +61,7 @@ def test_slices_across_the_patient(tmp_path, values):
             ImagePositionPatient=place,
         )
     volume = read_volume(tmp_path)
-    # In our world: x to the right, y to the front, z up.
+    # Our axes: x to the right, y to the front, z up.
     np.testing.assert_allclose(volume.index_to_world @ [1, 0, 0, 1], [-0.25, 0, 50, 1])
     np.testing.assert_allclose(volume.index_to_world @ [0, 1, 0, 1], [0, 0, 49.5, 1])
     np.testing.assert_allclose(volume.index_to_world @ [0, 0, 1, 1], [0, -2, 50, 1])
@@ -126,7 +126,9 @@ def test_slices_of_any_distance(tmp_path, values, apart):
 
 
 def test_places_that_are_rounded(tmp_path, values):
-    """0.0625 mm, in hundredths of a millimeter; and times that differ in the last digit."""
+    """Checks positions of 0.0625 mm in hundredths of a millimeter, and times that differ in the
+    last digit.
+    """
     for k, place in enumerate([0, 0.06, 0.13, 0.19]):
         write_slice(tmp_path / f"{k}", values[k], place, InstanceNumber=k)
         write_slice(tmp_path / f"{k} later", values[k], place + 1e-5, InstanceNumber=10 + k)
@@ -164,7 +166,7 @@ def test_slices_beside_each_other(tmp_path, values):
 
 def test_a_slice_that_is_there_twice(folder, values):
     (folder / "copy of a").write_bytes((folder / "a").read_bytes())
-    # A copy with other identifiers, as anonymizing it again would give.
+    # Add a copy with other identifiers, like a second anonymization.
     write_slice(folder / "e", values[0], 100, InstanceNumber=50)
     volume = reads(2 * values - 1000, folder)
     assert volume.notes == (
@@ -191,7 +193,7 @@ def test_times_with_blank_slices_are_no_copies(tmp_path, values):
 
 
 def test_each_slice_has_its_own_slope(tmp_path, values):
-    """As of a PET; read by pydicom's own pixel_array."""
+    """Checks slopes as in a PET scan against pydicom's pixel_array."""
     for k in range(4):
         slope = 0.5 + k
         write_slice(tmp_path / str(k), values[k], k, RescaleSlope=slope, RescaleIntercept=0)
@@ -219,7 +221,7 @@ def test_directions_of_a_series_are_volumes(folder, values):
     assert probe(folder).datasets == ("axial", "sagittal")
     reads(2 * values - 1000, folder, dataset="axial")
     side = read_volume(folder, dataset="sagittal")
-    # Planes count against the normal of the sagittal ones.
+    # The normal of sagittal planes points against their order.
     np.testing.assert_array_equal(side.values, (2 * values - 998)[:3][::-1])
 
 

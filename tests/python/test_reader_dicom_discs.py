@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""DICOM in folders: discs, nested folders, and files that are no slices of the series."""
+"""Tests DICOM in folders: CDs, nested folders, and files that are not slices of the series."""
 
 import os
 
@@ -15,7 +15,7 @@ from dicom_files import uid, write_disc, write_series, write_slice  # noqa: E402
 
 @pytest.fixture
 def study(tmp_path, values):
-    """Two series in folders of their own, and a picture of each that is a series by itself."""
+    """Writes two series in separate folders, each with a picture that is another series."""
     folder = tmp_path / "study"
     tags = {"StudyDate": "20240131"}
     write_series(folder / "a" / "head", values, **tags)
@@ -70,7 +70,7 @@ def test_a_disc(disc, values):
     for path in (disc, disc / "DICOMDIR"):
         volume = reads(values, path)
         assert volume.notes == () and volume.name == "disc"
-    # Copied with names as other systems show them; the list itself may have any.
+    # Rename files as other systems show them; the list itself may have any name.
     for path in sorted(disc.rglob("*"), reverse=True):
         if path.name != "DICOMDIR":
             path.rename(path.with_name(path.name.lower() + ";1" * path.is_file()))
@@ -92,7 +92,7 @@ def test_a_disc_that_lacks_files(disc, values):
 
 
 def test_a_list_leads_nowhere_else(disc, values):
-    """Files outside the folder of the list are not read, whatever it names."""
+    """Checks that files outside the list's folder are never read."""
     data = (disc / "DICOMDIR").read_bytes()
     name = rb"PT000000\ST000000\SE000000\IM"
     (disc / "PT000000").rename(disc / "PT00000000")

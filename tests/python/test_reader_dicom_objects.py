@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of DICOM that hold many planes in a file: enhanced ones, doses, cameras, segmentations."""
+"""Tests DICOM files with many planes: enhanced ones, doses, cameras, segmentations."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_an_enhanced_file_holds_all_slices(tmp_path, values):
 
 
 def test_times_of_an_enhanced_file(tmp_path, values):
-    """With a slope of each page; and the times by their numbers, not by the order of the pages."""
+    """Checks the slope of each page, and times by their numbers instead of the pages' order."""
     order = [(time, k) for k in range(4) for time in (1, 0)]
     pages = [
         at(
@@ -66,7 +66,7 @@ def test_stacks_of_an_enhanced_file(tmp_path, values):
     [
         ([0, 3, 6, 9], [1, 0, 0, 0, 1, 0], 50, 3),
         ([2, 5, 8, 11], [1, 0, 0, 0, 1, 0], 52, 3),
-        # Heights in the patient, as the standard permits for axial planes.
+        # Use heights in the patient, which the standard permits for axial planes.
         ([50, 53, 56, 59], [1, 0, 0, 0, 1, 0], 50, 3),
         ([50, 53, 56, 59], [-1, 0, 0, 0, -1, 0], 50, 3),
     ],
@@ -166,7 +166,7 @@ def test_a_map_of_integers(tmp_path, values):
 
 @pytest.fixture
 def masks():
-    """Two organs, in planes 0, 1, 4 and 1, 4 of five."""
+    """Writes two organs, in planes 0, 1, 4 and 1, 4 of five."""
     masks = np.random.default_rng(4).random((2, 5, 5, 7)) < 0.5
     masks[0, 2:4] = masks[1, [0, 2, 3]] = 0
     return masks
@@ -175,7 +175,7 @@ def masks():
 def test_segments_are_volumes_by_their_labels(tmp_path, masks):
     planes = [(n + 1, k, masks[n, k]) for n in (1, 0) for k in (4, 1, 0) if masks[n, k].any()]
     path = segments(tmp_path / "seg.dcm", planes, ["Liver", "Spleen"], SegmentationType="BINARY")
-    # A page of 35 bits begins within a byte.
+    # A page of 35 bits begins inside a byte.
     bits = np.packbits(np.array([plane for *_, plane in planes]).ravel(), bitorder="little")
     packed = bits.tobytes() + b"\0" * (bits.size % 2)
     edit(path, PixelData=packed, BitsAllocated=1, BitsStored=1, HighBit=0)
@@ -190,7 +190,7 @@ def test_segments_are_volumes_by_their_labels(tmp_path, masks):
 def test_segments_by_their_share(tmp_path, masks):
     planes = [(1, k, masks[0, k] * 100) for k in (0, 1, 4)]
     tags = {"SegmentationType": "FRACTIONAL", "MaximumFractionalValue": 200}
-    # The header's distance is of no use.
+    # The header's distance is wrong.
     path = segments(tmp_path / "seg.dcm", planes, ["Liver"], apart=1.7, **tags)
     np.testing.assert_allclose(read_volume(path).values, masks[0] * 0.5)
 
@@ -242,7 +242,7 @@ def test_segments_of_highdicom(tmp_path, masks):
     ).save_as(path)
     for n, label in enumerate(["Liver", "Spleen"]):
         reads(masks[n], path, dataset=label)
-    # Beside its scan.
+    # The folder also contains its scan.
     assert probe(tmp_path).datasets == ("3 Head CT", "300 SEG: Liver", "300 SEG: Spleen")
     reads(masks[1], tmp_path, dataset="Spleen")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How DICOM files store the numbers of their pixels, and how these are compressed."""
+"""Tests how DICOM files store and compress pixels."""
 
 import zlib
 
@@ -45,7 +45,7 @@ def test_bits_that_end_at_the_highest(tmp_path, signed, representation):
     words = (expected << 4 | (signed & 3)) & 0xFFFF
     tags = {"BitsStored": 12, "HighBit": 15, "PixelRepresentation": representation}
     reads(expected, series_of(tmp_path / "scan", words, **tags))
-    # Writers that leave High Bit as it was store the numbers as ever.
+    # Some writers keep High Bit but store the numbers as usual.
     reads(expected, series_of(tmp_path / "other", expected & 0xFFFF, **tags))
 
 
@@ -73,7 +73,7 @@ def test_real_numbers(tmp_path, values, name, kind):
     real = (values / 7).astype(kind)
     for k, plane in enumerate(real):
         tags = {name: plane.tobytes(), "BitsAllocated": 8 * real.itemsize}
-        # Some writers leave the others in.
+        # Some writers keep the other tags.
         without = ["PixelData", "BitsStored", "HighBit", "PixelRepresentation"][: 1 + 3 * (k % 2)]
         edit(folder / f"IM{k:04}", without=without, **tags)
     volume = read_volume(folder)
@@ -144,7 +144,9 @@ def test_pages_of_one_file_in_jpeg_2000(tmp_path):
 
 
 def test_a_compressed_picture_of_another_size(tmp_path, values):
-    """A decoder would take memory for whatever the picture claims."""
+    """Checks a compressed picture whose size differs from the header's; a decoder would allocate
+    any size.
+    """
     folder = series_of(tmp_path / "scan", values)
     large = encapsulate([jpeg_2000(np.zeros((500, 600)))])
     edit(folder / "IM0001", PixelData=large, syntax=uid.JPEG2000Lossless)
@@ -165,7 +167,7 @@ def test_what_a_compressed_file_may_claim(tmp_path, values):
 
 
 def test_runs_of_bytes(tmp_path, values):
-    """Checks run-length encoding as pydicom writes it."""
+    """Checks run-length encoding by pydicom."""
     folder = series_of(tmp_path / "scan", values)
     for path in folder.iterdir():
         data = pydicom.dcmread(path)
@@ -178,7 +180,7 @@ def test_runs_of_bytes(tmp_path, values):
     "name", ["MR_small_jp2klossless", "MR_small_jpeg_ls_lossless", "MR_small_RLE", "MR_small_expb"]
 )
 def test_real_compressed_files(tmp_path, name):
-    """Slices of pydicom, stacked: each kind has the pixels of the plain one."""
+    """Checks pydicom's sample slices: all compressions have the pixels of the uncompressed one."""
     from pydicom.data import get_testdata_file
 
     packed, plain = (get_testdata_file(f"{one}.dcm", download=False) for one in (name, "MR_small"))

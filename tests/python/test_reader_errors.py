@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bad input: one line that names the file and the remedy, exit status 2, nothing written."""
+"""Tests errors: one line that names file and remedy, exit status 2, nothing written."""
 
 import gzip
 import json
@@ -44,7 +44,7 @@ def infinite(path):
 
 
 def truncated(write, *arguments, **options):
-    """Returns a function that writes most of a file."""
+    """Returns a function that writes the first part of a file."""
 
     def cut(path):
         write(path, *arguments, **options)
@@ -55,7 +55,9 @@ def truncated(write, *arguments, **options):
 
 
 def sizes_as_bytes(path):
-    """Old versions of tifffile multiply these, to six gigabytes."""
+    """Returns a TIFF with sizes as bytes, which old versions of tifffile multiply to six
+    gigabytes.
+    """
     tag = struct.Struct("<HHLL").pack
     tags = tag(256, 1, 4, 8) + tag(257, 4, 1, 0x5E01DA00) + tag(258, 3, 1, 8)
     path.write_bytes(b"II*\0\x08\0\0\0" + struct.pack("<H", 3) + tags + bytes(4))
@@ -93,7 +95,7 @@ COLORS = NOISE.astype([("R", "u1"), ("G", "u1"), ("B", "u1")])
 DEFLATED = {"compression": "zlib", "photometric": "minisblack"}
 DIMS = "--dims 16 20 24 --type "
 write_tiff = tifffile.imwrite
-# By name: the suffix, what the sentence names, how the bad file is written, and options.
+# Cases by name: suffix, expected words, a function that writes the bad file, and options.
 CASES = {
     "missing file": (".nii", "file", lambda path: None),
     "unknown kind": (".xyz", "suffix", text),
@@ -159,13 +161,13 @@ def test_bad_input(name, tmp_path, cli):
         assert outcome.err.count("\n") == 1 and outcome.err.startswith("leaflight: ")
         assert len(outcome.err) < 400
         assert str(path) in outcome.err
-        # The folder has the name of the case.
+        # Remove the path, because the folder has the name of the case.
         assert re.search(named, outcome.err.replace(str(path), "")), outcome.err
     assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_an_absent_package_is_named(tmp_path, cli, monkeypatch):
-    # In the process that reads.
+    # Test the process that reads files.
     monkeypatch.setattr(reader_process, "PACKAGES", [])
     (tmp_path / "h5py.py").write_text("raise ModuleNotFoundError(name='h5py')\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -188,11 +190,11 @@ def test_options_of_the_command_line_reach_the_reader(tmp_path, cli):
 
 
 def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkeypatch):
-    # However much there is.
+    # Simulate the memory, whatever the machine has.
     monkeypatch.setattr(reading, "machine_memory", lambda: 2**34)
     path = tmp_path / "x.raw"
     with open(path, "wb") as file:
-        # A file of holes.
+        # Write a sparse file.
         file.truncate(2**42)
     dims = ("--dims", 2**14, 2**14, 2**14, "--type", "uint8")
     outcome = cli("info", path, *dims)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""HDF5 as vigra, ilastik, BigDataViewer, Imaris, NeXus and netCDF-4 write it, by h5py."""
+"""Tests HDF5 of vigra, ilastik, BigDataViewer, Imaris, NeXus and netCDF-4, written by h5py."""
 
 import json
 from importlib.util import find_spec
@@ -15,7 +15,7 @@ LZO, BITSHUFFLE = 305, 32008
 
 
 class Within:
-    """A ReaderProcess that is none: it calls the function here, which takes a tenth of the time."""
+    """A ReaderProcess that calls the function in this process, which is ten times faster."""
 
     def __init__(self, path, _kind, _module, function, *options):
         from leaflight.io.readers import hdf5_process
@@ -97,7 +97,7 @@ def test_axistags_of_vigra_and_ilastik(tmp_path, values, keys):
 
 @quick
 def test_which_axes_hold_a_volume(tmp_path):
-    """Checks the choice of axes by tags, by labels, or by order without both."""
+    """Checks how axes are found: by tags, by labels, or by order."""
     path = tmp_path / "x.h5"
     cases = {
         # shape, tags, labels: frames, channels, dims as z, y, x
@@ -145,7 +145,7 @@ def test_sizes_of_other_programs(tmp_path, values):
 
 
 def big_data_viewer(path, values, xml=True):
-    """Two setups at two times, each at two levels."""
+    """Writes two setups at two times, each at two levels."""
     with h5py.File(path, "w") as file:
         for setup in range(2):
             file[f"s{setup:02}/resolutions"] = np.array([[1, 1, 1], [2, 2, 1]], np.float64)
@@ -203,7 +203,7 @@ def test_signed_numbers_of_other_programs_stay_so(tmp_path, values):
 
 
 def imaris(path, values):
-    """Two times and channels at two levels; chunks, and so arrays, exceed the image."""
+    """Writes two times and channels at two levels; chunks, and so arrays, exceed the image."""
     with h5py.File(path, "w") as file:
 
         def write(item, **texts):
@@ -237,18 +237,18 @@ def test_imaris(tmp_path, values):
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [10, 0, -5])
     coarse = reads(values[:, ::2, ::2] + 10, path, frame=1, channel=0, level=1)
     assert coarse.spacing == (1, 2, 2)
-    # In the middle of the voxels that it is made from.
+    # A coarse voxel is at the center of those that it averages.
     np.testing.assert_allclose(coarse.index_to_world[:3, 3], [10.25, 0.5, -5])
 
 
 def nexus(path, values, style="default"):
-    """Counts [x, y, z] with places, beside a raw array."""
+    """Writes counts [x, y, z] with positions, beside a raw array."""
     with h5py.File(path, "w") as file:
         data = file.create_group("entry/plot")
         data.attrs["NX_class"] = "NXdata"
         nz, ny, nx = values.shape
         data["x"], data["y"] = 3 + 1.5 * np.arange(nx), np.arange(ny) * 0.5
-        # The edges between the slices.
+        # Write the edges between slices.
         data["z"] = 2000.0 * np.arange(nz + 1)
         for name, unit in zip("xyz", ("um", b"micron", "nm")):
             data[name].attrs["units"] = unit
@@ -349,7 +349,7 @@ def test_absent_chunks_hold_no_chance_values(tmp_path):
 
 
 def packed(path, code, values):
-    """An array that a filter packs which need not be there: its chunks are written as they are."""
+    """Writes an array with an optional filter, whose chunks are stored without it."""
     with h5py.File(path, "w") as file:
         how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
         how.set_chunk(values.shape)

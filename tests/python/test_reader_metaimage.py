@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MetaImage: values within the header's file or beside it, compressed or not."""
+"""Tests MetaImage: values in the header's file or another one, compressed or not."""
 
 import gzip
 import zlib
@@ -36,7 +36,9 @@ def write(path, values, kind="MET_SHORT", data="LOCAL", pack=None, *lines):
 @pytest.mark.parametrize("name, data", [("x.mha", "LOCAL"), ("x.mhd", "x.zraw")])
 @pytest.mark.parametrize("pack", [None, zlib.compress, gzip.compress])
 def test_values_and_place(tmp_path, values, name, data, pack):
-    """The world of ITK is left-posterior-superior, ours right-anterior-superior."""
+    """Checks positions: ITK's axes are left, posterior, superior; ours are right, anterior,
+    superior.
+    """
     values = values.astype("<i2") - 20
     path = write(tmp_path / name, values, "MET_SHORT", data, pack, "Offset = 10 20 30")
     stored = probe(path)
@@ -68,12 +70,12 @@ TYPES = {
 
 @pytest.mark.parametrize("kind", TYPES)
 def test_types(tmp_path, values, kind):
-    """A long one has four bytes on every machine."""
+    """Checks all types; a long has four bytes on every machine."""
     values = values - 60 if TYPES[kind][-2] in "if" else values
     path = write(tmp_path / "x.mha", values.astype(TYPES[kind]), kind)
     volume = read_volume(path)
     assert np.array_equal(volume.values, values) and volume.notes == ()
-    # At types that it does not know it ends the process.
+    # VTK ends the process for types that it does not know.
     if kind.count("_") == 1 and "LONG" not in kind:
         by_vtk(path, values)
 
@@ -113,7 +115,7 @@ def test_text(tmp_path, values, name, data, kind):
 
 @pytest.mark.parametrize("size, before", [(7, 7), (-1, 9), (0, 0)])
 def test_headers_of_the_values(tmp_path, values, size, before):
-    """Checks headers of a given size; -1 skips all bytes before the values at the end."""
+    """Checks values after a header of given size; with -1 the values are at the end of the file."""
     values = values.astype("<i2")
     path = write(tmp_path / "x.mhd", values, "MET_SHORT", "x.raw", None, f"HeaderSize = {size}")
     (tmp_path / "x.raw").write_bytes(bytes(range(before)) + values.tobytes())
@@ -125,7 +127,7 @@ def test_headers_of_the_values(tmp_path, values, size, before):
 
 @pytest.mark.parametrize("size", [-1, 500])
 def test_headers_of_local_values(tmp_path, values, size):
-    """They count from the first byte of the file, which is that of the header."""
+    """Checks that such a size counts from the first byte of the file."""
     values = values.astype("<i2")
     path = write(tmp_path / "x.mha", values, "MET_SHORT", "LOCAL", None, f"HeaderSize = {size}")
     header = path.read_bytes()[: -values.nbytes]
@@ -149,7 +151,7 @@ SPREAD = {
 @pytest.mark.parametrize("pack", [None, zlib.compress])
 @pytest.mark.parametrize("field", SPREAD)
 def test_several_files(tmp_path, values, field, pack):
-    """Checks a list after the header and numbered names; each file may be packed."""
+    """Checks a list after the header and numbered names; each file may be compressed."""
     values = values.astype("<i2")
     parts = values if SPREAD[field] == 3 else values.reshape(-1, values.shape[-1])
     prefix = "a " if field.startswith("a ") else ""
@@ -244,7 +246,7 @@ def by_vtk(path, values):
 
 
 def test_a_turned_image(tmp_path, values):
-    """Row i of the matrix is the direction of axis i."""
+    """Checks a rotated image: row i of the matrix is the direction of axis i."""
     turned = "TransformMatrix = 0 1 0 -1 0 0 0 0 1"
     path = write(tmp_path / "x.mha", values, "MET_FLOAT", "LOCAL", None, turned)
     matrix = read_volume(path).index_to_world

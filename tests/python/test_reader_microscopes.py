@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""CZI, LIF and ND2: frames, channels, positions and voxel sizes as the file has them."""
+"""Tests CZI, LIF and ND2: frames, channels, positions and voxel sizes."""
 
 import microscope_files as files
 import numpy as np
@@ -47,7 +47,7 @@ def test_scenes_of_czi(tmp_path):
 
 
 def test_a_missing_plane_of_czi_is_refused(tmp_path):
-    """The library would give black."""
+    """Checks a missing plane, which the library would return as black."""
     needs("pylibCZIrw")
     path = tmp_path / "x.czi"
     files.czi(path, PIXELS[:, 0, :1], without=[(1, 0, 2)])
@@ -74,7 +74,7 @@ def test_lif(tmp_path):
 
 
 def test_images_of_lif(tmp_path):
-    """Also the positions of a mosaic; single planes are no volumes."""
+    """Checks images and positions of a mosaic; single planes are not volumes."""
     needs("liffile")
     path = tmp_path / "x.lif"
     first, tiles = PIXELS[0, 0, 0], np.ascontiguousarray(PIXELS[0, :, 0])
@@ -85,7 +85,7 @@ def test_images_of_lif(tmp_path):
 
 
 def test_planes_of_lif_that_stand_upright(tmp_path):
-    """A scan of xz planes, one behind the other: the volume is where it was, not mirrored."""
+    """Checks xz planes, one behind the other: the volume must not be mirrored."""
     needs("liffile")
     path = tmp_path / "x.lif"
     upright = np.ascontiguousarray(PIXELS[0, 0, 0].swapaxes(0, 1))
@@ -120,7 +120,7 @@ def test_positions_of_nd2(tmp_path):
 
 
 def test_a_missing_frame_of_nd2_is_refused(tmp_path):
-    """The package would give zeros."""
+    """Checks a missing frame, which the package would return as zeros."""
     needs("nd2")
     path = tmp_path / "x.nd2"
     files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1), without=[6])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps of electrons: MRC and CCP4."""
+"""Tests maps of electron microscopy: MRC and CCP4."""
 
 import gzip
 import tracemalloc
@@ -14,9 +14,9 @@ pytest.importorskip("mrcfile")
 
 
 def ccp4(values, order=(2, 1, 3), starts=(0, 0, 0), angles=(90, 90, 90), **fields):
-    """Columns, rows and sections run along the axes of `order`, after a text of 80 bytes."""
+    """Writes columns, rows and sections along the axes of `order`, after a text of 80 bytes."""
     nz, ny, nx = values.shape
-    # The array's axes are sections, rows, columns; its own are z, y, x.
+    # The array's axes are sections, rows, columns; the original ones are z, y, x.
     stored = np.ascontiguousarray(values.transpose([3 - axis for axis in order[::-1]]))
     numbers = np.zeros(256, "<i4")
     numbers[:3], numbers[3] = stored.shape[::-1], 2
@@ -43,7 +43,7 @@ def test_the_order_of_axes(tmp_path, values, order, name):
 
 
 def test_the_first_index_is_the_place(tmp_path, values):
-    """In the order of columns, rows and sections, here y, x, z."""
+    """Checks the first index, which is in the order of columns, rows and sections, here y, x, z."""
     volume = read_volume(written(tmp_path / "x.ccp4", ccp4(values, starts=(10, -3, 2))))
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [-4.5, 20, 8])
 
@@ -66,7 +66,7 @@ def test_a_stack_of_volumes_has_frames(tmp_path, values):
 
 
 def of_bytes(values, order="<", stats=(0, -1), **words):
-    """A map of bytes, of which the header's numbers are set by their place; stats: low, high."""
+    """Writes a map of bytes with the given numbers in its header; stats: lowest, highest."""
     numbers = np.frombuffer(ccp4(values)[:1024], "<i4").copy()
     numbers[3], numbers[23] = 0, 0
     numbers[19:21] = np.array(stats, "<f4").view("<i4")
@@ -79,7 +79,7 @@ def of_bytes(values, order="<", stats=(0, -1), **words):
 
 IMOD, FLAGS, VERSION = 38, 39, 27
 STAMP = 1146047817
-# Around 0 and around the middle, cut off at the ends.
+# Values around 0, or around the middle, clipped at the ends.
 SIGNED = np.clip(np.random.default_rng(1).normal(0, 60, (4, 5, 6)), -128, 127).astype(np.int8)
 UNSIGNED = (SIGNED.astype(int) + 128).astype(np.uint8)
 
@@ -88,7 +88,7 @@ UNSIGNED = (SIGNED.astype(int) + 128).astype(np.uint8)
 @pytest.mark.parametrize("signed", [False, True])
 @pytest.mark.parametrize("gz", [False, True])
 def test_bytes_by_the_stamp_of_imod(tmp_path, order, signed, gz):
-    """Checks that IMOD's stamp decides, whatever else the header and the values are."""
+    """Checks that IMOD's stamp decides, whatever the header and the values are."""
     values = (UNSIGNED if signed else SIGNED).view(np.int8 if signed else np.uint8)
     words = {IMOD: STAMP, FLAGS: 4 + signed, VERSION: 20140}
     data = of_bytes(values, order, (0, 200) if signed else (-100, 100), at=words)
@@ -110,7 +110,7 @@ def test_bytes_by_the_stamp_of_imod(tmp_path, order, signed, gz):
     ],
 )
 def test_bytes_without_the_stamp(tmp_path, values, stats, version, note):
-    """Checks the sign by the limits of the values, the version of the standard or the histogram."""
+    """Checks the sign by limits of the values, version of the standard, or histogram."""
     path = written(tmp_path / "x.mrc", of_bytes(values, "<", stats, at={VERSION: version}))
     volume = reads(values, path)
     assert note in " ".join(volume.notes) and bool(note) == bool(volume.notes)
@@ -153,7 +153,7 @@ def test_a_packed_map_of_a_plain_name(tmp_path, values):
 
 
 def test_the_stamp_of_the_other_byte_order(tmp_path, values):
-    """Such files exist: mrcfile believes the mode of the values instead."""
+    """Checks the wrong byte order in the stamp, for which mrcfile uses the mode instead."""
     data = ccp4(values)
     head = np.frombuffer(data[:224], "<i4").byteswap().tobytes()
     stored = np.frombuffer(data[1104:], "<f4").byteswap().tobytes()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""MRtrix: any order and direction of axes, bits, scaled values, and values in other files."""
+"""Tests MRtrix: any order and direction of axes, bits, scaled values, values in other files."""
 
 import gzip
 import itertools
@@ -25,7 +25,7 @@ def header(dims=(6, 5, 4), layout="+0,+1,+2", kind="Int16LE", file=". 500", *mor
 
 
 def laid_out(values, layout):
-    """The bytes of an array [x, y, z, ...] as the layout has them, from a definition of it."""
+    """Returns the bytes of an array [x, y, z, ...] in a layout, by MRtrix's definition."""
     words = layout.split(",")
     for axis, word in enumerate(words):
         values = np.flip(values, axis) if word[0] == "-" else values
@@ -62,7 +62,7 @@ def test_frames(tmp_path, values, layout, pack):
 
 
 def test_bits(tmp_path, values):
-    """Eight of them are in each byte, the first in the highest place."""
+    """Checks bits: each byte has eight of them, the first in the highest place."""
     bits = np.stack([values > 50, values > 70])
     data = header((6, 5, 4, 2), "+0,+1,+2,+3", "Bit").ljust(500) + np.packbits(bits).tobytes()
     reads(bits[1], written(tmp_path / "x.mif", data), frame=1)
@@ -107,7 +107,7 @@ def test_files_of_mrtrix(tmp_path, values, strides, kind):
     files = [str(tmp_path / name) for name in ("x.nii", "x.mif")]
     subprocess.run(["mrconvert", *options, *files], check=True)
     volume = read_volume(tmp_path / "x.mif")
-    # MRtrix turns the axes so that they run to the right, to the front and up.
+    # MRtrix reorders axes to right, front, up.
     np.testing.assert_array_equal(volume.values, values[:, :, ::-1])
     corner = volume.index_to_world @ [5, 0, 0, 1]
     np.testing.assert_allclose(corner, affine[:, 3], atol=1e-4)

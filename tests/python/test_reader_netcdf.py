@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""NetCDF: the classic format as SciPy writes it, and version 4 by h5py."""
+"""Tests netCDF: the classic format written by SciPy, and version 4 by h5py."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from scipy.io import netcdf_file
 
 
 def classic(path, values, dimensions, version=1, **attributes):
-    """A variable "h" with the places of its dimensions: {name: (places or None, attributes)}."""
+    """Writes a variable "h" with coordinates: {name: (coordinates or None, attributes)}."""
     with netcdf_file(str(path), "w", version=version) as file:
         for (name, (places, about)), size in zip(dimensions.items(), values.shape):
             file.createDimension(name, None if name == "time" else size)
@@ -32,7 +32,7 @@ def even(step, size, first=0.0):
 
 @pytest.mark.parametrize("version", [1, 2])
 def test_a_classic_file(tmp_path, values, version):
-    """Checks a classic file with times as frames, and a depth that grows downwards."""
+    """Checks a classic file with times as frames and a depth that increases downwards."""
     dimensions = {
         "time": (np.arange(2, dtype=np.int32), {"units": "days since 1900-01-01"}),
         "depth": (even(10, 4), {"units": "m", "positive": "down"}),
@@ -57,7 +57,7 @@ def test_degrees_are_no_lengths(tmp_path, values):
     }
     path = classic(tmp_path / "x.nc", values, dimensions)
     volume = read_volume(path)
-    # Pressure falls upwards, and the first latitude is the northernmost.
+    # Pressure decreases upwards, and the first latitude is the northernmost.
     assert np.diag(volume.index_to_world).tolist() == [1, -1, 1, 1] and volume.unit == ""
     assert volume.notes == (
         "The units of its axes, degrees, degrees, hPa, cannot be compared; voxels are read as "
@@ -90,7 +90,7 @@ def test_packed_and_missing_values(tmp_path, values):
 
 
 def test_version_4(tmp_path, values):
-    """HDF5 by another name; a dimension without places has a scale, too."""
+    """Checks version 4, which is HDF5; dimensions without coordinates have a scale, too."""
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "x.nc"
     with h5py.File(path, "w") as file:

@@ -29,7 +29,7 @@ def write(path, text, data):
     return path
 
 
-# Bytes to skip, and what stands before and behind the values.
+# Bytes to skip, and bytes before and after the values.
 SKIPS = [
     (3, b"xyz", b""),
     (0, b"", b"more"),
@@ -43,7 +43,7 @@ SKIPS = [
 @pytest.mark.parametrize("skip, before, behind", SKIPS)
 @pytest.mark.parametrize("lines", [0, 2])
 def test_skips(tmp_path, shorts, encoding, skip, before, behind, lines):
-    """Lines are skipped before the values are unpacked, bytes afterwards."""
+    """Checks that lines are skipped before values are unpacked, and bytes afterwards."""
     fields = (f"line skip: {lines}", f"byte skip: {skip}", "data file: x.bin")
     path = written(tmp_path / "x.nhdr", header((6, 5, 4), encoding, *fields))
     data = b"a line\n" * lines + PACK[encoding](before + shorts.tobytes() + behind)
@@ -67,7 +67,7 @@ def test_text_is_not_found_from_its_end(tmp_path, shorts, encoding):
     refused("number of bytes", read_volume, path)
 
 
-# The field, how many axes a file has, the order of the files.
+# Value of the field, number of axes in a file, order of the files.
 SPREAD = [
     ("LIST", 2, 1),
     ("LIST 2", 2, 1),
@@ -83,7 +83,7 @@ SPREAD = [
 @pytest.mark.parametrize("encoding", PACK)
 @pytest.mark.parametrize("field, axes, order", SPREAD)
 def test_several_files(tmp_path, shorts, encoding, field, axes, order):
-    """Listed behind the header or numbered; those with all axes are slabs along the last."""
+    """Checks files in a list or by numbers; files with all axes are slabs along the last axis."""
     parts = {1: shorts.reshape(20, 6), 2: shorts, 3: shorts.reshape(2, 2, 5, 6)}[axes][::order]
     names = [f"x{k:03d}.bin" for k in range(len(parts))]
     for name, part in zip(names, parts):
@@ -109,7 +109,7 @@ def test_lists_that_do_not_fit(tmp_path, shorts):
         refused(sentence, read_volume, written(path, header() + f"data file: {field}\n"))
 
 
-# The fields, the voxel size and the first voxel's place.
+# Fields, voxel size and position of the first voxel.
 PLACES = [
     ("axis mins: 1 2 3|axis maxs: 4 12 11", (0.5, 2, 2), (1.25, 3, 4)),
     ("axismins: 1 2 3|axismaxs: 4 12 11|centers: cell ??? none", (0.5, 2, 2), (1.25, 3, 4)),
@@ -149,7 +149,7 @@ def test_a_unit_for_each_axis(tmp_path, shorts, line, scale, unit):
 
 
 THREE = "(1,0,0) (0,2,0) (0,0,3)"
-# sizes, fields, the role of the axis beside x, y and z, its place, a word of the note.
+# Sizes, fields, role and position of the axis beside x, y and z, and a word of the note.
 FOURTH = [
     ((2, 6, 5, 4), "kinds: vector domain domain domain", "channels", -1, ""),
     ((2, 6, 5, 4), "kinds: list space space space", "channels", -1, ""),
@@ -191,7 +191,7 @@ def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, n
 
 
 def test_time_as_a_fourth_dimension_of_space(tmp_path, shorts):
-    """Checks the way in which ITK writes images of four dimensions."""
+    """Checks ITK's way to write images of four dimensions."""
     fields = (
         "space: right-anterior-superior-time",
         "space directions: (1,0,0,0) (0,2,0,0) (0,0,3,0) (0,0,0,4)",

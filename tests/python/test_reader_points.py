@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scattered points become a volume."""
+"""Tests volumes from scattered points."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def test_a_smooth_function_comes_back(points):
     assert sizes.max() / sizes.min() < 1.1
     assert 0.5 * len(points) < volume.values.size < 2 * len(points)
     error = np.abs(volume.values - bump(world_nodes(volume)))
-    # Half a voxel beside the node the steepest slope, 1.7, makes this.
+    # Half a voxel off a node, the steepest slope of 1.7 gives this error.
     assert error.max() < 1.7 * sizes.max() and error.mean() < 0.02
 
 
@@ -45,7 +45,7 @@ def test_a_lattice_of_points_comes_back_exactly(values):
 
 
 def grid(values, steps, first, digits=None):
-    """Places and values of a grid, in any order, as a table has them."""
+    """Returns positions and values of a grid as a table, in any order."""
     nz, ny, nx = values.shape
     k, j, i = np.mgrid[:nz, :ny, :nx]
     places = np.stack([i, j, k], axis=-1).reshape(-1, 3) * np.array(steps, float) + first
@@ -77,7 +77,7 @@ def test_a_grid_with_other_distances_along_each_axis(tmp_path, values, steps, fi
 
 
 def test_a_grid_in_single_precision_far_from_the_origin(values):
-    """As of surveys, whose coordinates have seven digits before the point."""
+    """Checks coordinates with seven digits before the decimal point, as in surveys."""
     places, h = grid(values, (1, 2.3, 0.7), (4_000_000.1, 500_000, 10))
     volume = interpolated(places.astype(np.float32), h, "h")
     np.testing.assert_array_equal(volume.values, values)
@@ -92,13 +92,13 @@ def test_a_grid_keeps_its_missing_values_and_its_precision():
 
 
 def test_no_whole_grid_is_interpolated(values):
-    """Nor is one where another number of nodes is chosen."""
+    """Checks incomplete grids, and grids with another requested number of nodes."""
     places, h = grid(values, (1, 2, 3), (0, 0, 0))
     for points, of_points in (
         (places[1:], h[1:]),
         (np.r_[places[1:], places[1:2]], np.r_[h[1:], h[1:2]]),
         (places + np.random.default_rng(2).uniform(-0.1, 0.1, places.shape), h),
-        # Denser towards one end.
+        # Points are denser towards one end.
         (places**1.2, h),
     ):
         assert interpolated(points, of_points, "h").values.dtype == np.float32
@@ -135,7 +135,9 @@ def test_csv(tmp_path, points, comma, names):
 
 
 def test_csv_of_a_catalogue(tmp_path, points):
-    """Names in quotes, texts with commas, numbers of lines, empty fields elsewhere, remarks."""
+    """Checks quoted names, texts with commas, line numbers, empty fields in other columns,
+    comments.
+    """
     path = tmp_path / "x.csv"
     lines = ['"","z","name","x","y","mag","note"']
     for i, (x, y, z) in enumerate(points):
@@ -174,7 +176,7 @@ def test_ply(tmp_path, points, form):
     ply(path, points, form, red=h, density=h)
     expected = interpolated(points, h, "x").values
     np.testing.assert_allclose(read_volume(path).values, expected, atol=1e-6)
-    # As programs on Windows write the header.
+    # Write the header with Windows' line ends.
     path.write_bytes(path.read_bytes().replace(b"end_header\n", b"end_header\r\n"))
     np.testing.assert_allclose(read_volume(path).values, expected, atol=1e-6)
     ply(path, points, form, density=h, heat=-h)
@@ -186,7 +188,7 @@ def test_damaged(tmp_path, points):
     path = tmp_path / "x.csv"
     for text, sentence in (
         ("1,2,3,4\n5,6,7\n", "'5, 6, 7'"),
-        # An empty field must not shift those behind it.
+        # An empty field must not shift the following ones.
         ("x,y,z,value,w\n1,2,3,4,5\n1,,3,4,5\n", "lacks numbers or fields"),
         ("x,y,z,value,w\n1,2,3,4,5\n1,2,3,4\n", "fields"),
         ("1;2;3;4\n1,5;2;3;4\n", "lacks numbers or fields"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process that reads: what it imports, and how errors and values come back from it."""
+"""Tests the process that reads files: its imports, and how it returns errors and values."""
 
 import json
 import sys
@@ -77,7 +77,7 @@ def test_values_come_piece_by_piece(call):
         one = process.array(most=24)
         np.testing.assert_array_equal(one, values[0])
         refused("crashed or exceeded", process.array, most=23)
-    # No array is returned that is not filled, and none is filled beyond its end.
+    # The array must have exactly the size of the values.
     for shape in ((3, 3, 4), (1, 3, 3)):
         with call("two_pieces") as process:
             process.answer()
@@ -113,15 +113,15 @@ def test_one_process_decodes_all_pages(call, tmp_path):
         number = page("file.dat", -1, most=1000)
         np.testing.assert_array_equal(number, page("other.dat", -1, most=1000))
         refused("other.dat: no page 9", page, "other.dat", 9)
-        # Another one takes its place.
+        # A new process takes its place.
         assert not np.array_equal(number, page("other.dat", -1, most=1000))
-    # Without it, a process decodes one page.
+    # Without kept_processes(), each page has its own process.
     np.testing.assert_array_equal(page("file.dat", 3), first + 3)
     refused("file.dat: .* crashed", page, "file.dat", 3, most=23)
 
 
 def test_packages_of_its_own_win(call, tmp_path, monkeypatch):
-    """Whatever version of them another add-on has put into Blender's Python."""
+    """Checks that the package's own versions win over those of other add-ons in Blender."""
     assert reader_process.PACKAGES[0].endswith("leaflight_readers")
     monkeypatch.setattr(reader_process, "PACKAGES", [str(tmp_path / "own")])
     (tmp_path / "shadowed.py").write_text("VERSION = 'of another add-on'")
@@ -133,7 +133,7 @@ def test_packages_of_its_own_win(call, tmp_path, monkeypatch):
         assert process.answer() == "own"
 
 
-# Program for a separate process, which prints its sys.modules.
+# Program that prints its sys.modules.
 ALL_READERS = """
 import importlib, json, sys
 from leaflight.io import readers

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Real files of every format, where there are some: LEAFLIGHT_DATA, or data/ beside the others."""
+"""Tests real files of every format, if there are some in LEAFLIGHT_DATA or ../data."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ from leaflight.io.readers import probe
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = Path(os.environ.get("LEAFLIGHT_DATA", ROOT.parent / "shared" / "data"))
 
-# Name -> (options, dims, range, sizes of a voxel and their unit), from what their makers say.
+# Options, dims, range, voxel size and unit by file name, as published.
 FILES = {
     "ch2.nii.gz": ({}, (181, 217, 181), (0, 254), (1, 1, 1), "mm"),
     "heptane.nii.gz": ({}, (302, 302, 302), (0, 255), (1, 1, 1), "mm"),
@@ -71,14 +71,14 @@ def of_pydicom():
 
 
 def test_a_real_enhanced_dicom(of_pydicom):
-    """An MR of ten planes in one file, which pydicom brings along."""
+    """Checks ten planes of an MR scan in one file of pydicom."""
     volume = read_volume(of_pydicom("emri_small.dcm"))
     assert volume.values.shape == (10, 64, 64)
     np.testing.assert_allclose(np.linalg.norm(volume.index_to_world[:3, 0]), 0.3125)
 
 
 def test_a_real_hdf5(tmp_path):
-    """A scan as MINC 2 has it, which is HDF5, against nibabel, which scales each of its planes."""
+    """Compares a scan in MINC 2, which is HDF5, with nibabel, which scales each of its planes."""
     import nibabel
 
     file = Path(nibabel.__file__).parent / "tests" / "data" / "small.mnc"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scans that nibabel writes or brings along: NIfTI, Analyze, FreeSurfer, AFNI and MINC."""
+"""Tests scans that nibabel writes or contains: NIfTI, Analyze, FreeSurfer, AFNI and MINC."""
 
 import gzip
 import re
@@ -34,7 +34,7 @@ def test_names_that_are_wrong_about_the_packing(tmp_path, shorts, image, name, p
     assert volume.name == "x"
 
 
-# A code of the header, the unit, and what the note says.
+# Unit code of the header, unit, and text of the note.
 UNITS = [(0, "mm", ""), (1, "m", ""), (2, "mm", ""), (3, "µm", ""), (2 + 8, "mm", "")]
 UNITS += [(5, "mm", "code 5"), (7 + 0xF8, "mm", "code 7")]
 
@@ -51,7 +51,7 @@ def test_units(tmp_path, shorts, image, code, unit, note):
 @pytest.mark.parametrize("suffix", [".nii", ".nii.gz"])
 @pytest.mark.parametrize("slope", [1, 2])
 def test_vectors_of_nifti_have_channels(tmp_path, shorts, suffix, slope):
-    """Its fifth axis is theirs; the fourth is of time."""
+    """Checks that the fifth axis has channels and the fourth has times."""
     data = np.empty((6, 5, 4, 2, 3), np.int16)
     for frame in range(2):
         for channel in range(3):
@@ -83,7 +83,7 @@ PAIRS = (
 @pytest.mark.parametrize("kind", PAIRS)
 @pytest.mark.parametrize("end", ["", ".gz"])
 def test_pairs(tmp_path, shorts, kind, end):
-    """Either of their files is opened; a header of Analyze does not say which side is left."""
+    """Checks that either file can be opened; Analyze's header does not tell left from right."""
     if "Spm" in kind.__name__:
         pytest.importorskip("scipy")
     plain = kind is nibabel.AnalyzeImage
@@ -105,7 +105,7 @@ def test_damaged_pairs(tmp_path, shorts):
     refused("x.hdr: .*6 x 5 x 4", read_volume, tmp_path / "x.hdr")
     (tmp_path / "x.hdr").write_bytes(b"ENVI\nsamples = 3\n" + bytes(400))
     refused("not a readable NIfTI", read_volume, tmp_path / "x.hdr")
-    # The header of a pair in a file that should hold both.
+    # Write the header of a pair into a file that should contain both.
     refused("not a readable NIfTI", read_volume, written(tmp_path / "y.nii", header + values))
     (tmp_path / "x.img").unlink()
     refused("x.img", read_volume, tmp_path / "x.hdr")
@@ -171,7 +171,7 @@ count = 10
 @pytest.mark.parametrize("packed", [False, True])
 @pytest.mark.parametrize("factors", [(0, 0), (0, 0.5)])
 def test_afni(tmp_path, shorts, order, packed, factors):
-    """Its world is left-posterior-superior; a factor of 0 is none."""
+    """Checks axes, which are left, posterior, superior; a factor of 0 means no factor."""
     both = np.stack([shorts, shorts + 1]).astype("<i2" if order == "LSB_FIRST" else ">i2")
     brick = tmp_path / ("x+orig.BRIK.gz" if packed else "x+orig.BRIK")
     brick.write_bytes(gzip.compress(both.tobytes()) if packed else both.tobytes())
@@ -200,7 +200,7 @@ def test_damaged_afni(tmp_path):
     refused("x.BRIK is missing", read_volume, head)
 
 
-# Files that nibabel includes, with their numbers of frames.
+# Sample files of nibabel, with their numbers of frames.
 FILES = {
     "test.mgz": 2,
     "example4d+orig.HEAD": 3,
@@ -217,7 +217,7 @@ FILES = {
 
 @pytest.mark.parametrize("name", FILES)
 def test_real_files(name):
-    """The values are those of nibabel, in the single precision that volumes have."""
+    """Compares with nibabel's values in single precision."""
     if not (DATA / name).exists():
         pytest.skip(f"nibabel's {name} is not here")
     if re.match("small|minc2", name):

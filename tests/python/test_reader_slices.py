@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folders with one picture per slice, and what lies beside the slices."""
+"""Tests folders with one picture per slice, and other files among the slices."""
 
 import struct
 import zlib
@@ -51,7 +51,7 @@ def test_slices_of_16_bits(tmp_path):
 
 @pytest.mark.parametrize("suffix", ["png", "bmp"])
 def test_slices_in_color(tmp_path, suffix):
-    """Gray ones have one value a voxel, others three channels."""
+    """Checks colors: gray pictures have one value per voxel, others three channels."""
     folder = tmp_path / "scan"
     save_all(folder, f"s{{}}.{suffix}", np.stack([GRAY] * 3, axis=-1))
     reads(GRAY, folder)
@@ -64,7 +64,7 @@ def test_slices_in_color(tmp_path, suffix):
 
 
 def test_colors_of_16_bits_are_read_by_8(tmp_path):
-    """Pillow has no more of them, which the volume says."""
+    """Checks 16-bit colors, which Pillow reads with 8 bits; the volume notes it."""
 
     def chunk(kind, data):
         return (
@@ -89,7 +89,7 @@ def test_alpha_is_left_out(tmp_path):
 
 
 def test_slices_with_a_palette(tmp_path):
-    """A gray one gives gray values; the numbers of colors are values themselves: labels."""
+    """Checks palettes: a gray one gives gray values; other indices are labels."""
     folder = tmp_path / "scan"
     folder.mkdir()
     for palette, right, notes in (
@@ -155,7 +155,7 @@ def test_missing_numbers_are_reported(tmp_path, numbers, note):
     "pattern", ["x_t{t:03}_z{z}_c{c}.tif", "Series1_ch{c:02}_z{z:02}_t{t}.tif", "t{t}ch{c}z{z}.tif"]
 )
 def test_frames_and_channels_in_the_names(tmp_path, pattern):
-    """Checks names that Fiji, Leica and others export."""
+    """Checks frames and channels in names by Fiji, Leica and others."""
     for t in range(2):
         for c in range(3):
             for z in range(4):
@@ -226,7 +226,7 @@ def test_a_damaged_picture_is_refused_by_its_name(tmp_path, damage):
 
 
 def dicom(path):
-    """The beginning of a file alone, by which its kind is told."""
+    """Returns the start of a DICOM file, which identifies its format."""
     path.write_bytes(bytes(128) + b"DICM")
 
 
@@ -263,7 +263,7 @@ def test_a_folder_of_two_kinds_is_refused(tmp_path):
 
 
 def test_dicom_slices_and_a_preview(tmp_path):
-    """The volume is the one of the DICOM slices."""
+    """Checks that the volume consists of the DICOM slices."""
     write_series(tmp_path, GRAY)
     save(tmp_path / "preview.tif", GRAY[0, :2, :3])
     volume = reads(GRAY, tmp_path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""TIFF as microscopes and ImageJ write it: sets of files, previews, units, colors."""
+"""Tests TIFF of microscopes and ImageJ: sets of files, previews, units, colors."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def diagonal(volume):
 
 
 def ome(data, uuid="urn:uuid:0", more=""):
-    """OME-XML of an image of two channels and four planes; data: its elements TiffData."""
+    """Returns OME-XML of two channels and four planes; data: its elements TiffData."""
     return (
         f'<?xml version="1.0" encoding="UTF-8"?><OME UUID="{uuid}" '
         'xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06">'
@@ -61,7 +61,7 @@ def of_planes(folder):
 
 
 def of_companion(folder):
-    """Writes files of planes, and a companion file of metadata to which they refer."""
+    """Writes files of planes, and a companion file with the metadata."""
     names = ["a.tif", "b.tif"]
     data = "".join(tiff_data(n, f'FirstC="{c}"', "", c) for c, n in enumerate(names))
     (folder / "set.companion.ome").write_text(ome(data, "urn:uuid:9"))
@@ -111,7 +111,7 @@ def test_a_set_stays_in_its_folder(tmp_path, name):
 
 @pytest.mark.parametrize("uuid", ["urn:uuid:0", "urn:uuid:7"])
 def test_a_renamed_ome_tiff_is_read(tmp_path, uuid):
-    """Its metadata name the file as it was called once."""
+    """Checks a file whose metadata contain its former name."""
     data = tiff_data("old name.ome.tif", "", 'IFD="0" PlaneCount="8"')
     write(tmp_path / "new.ome.tif", PIXELS.reshape(8, 5, 6), ome(data, uuid))
     reads(PIXELS[1], tmp_path / "new.ome.tif", channel=1)
@@ -182,7 +182,7 @@ def test_units_of_imagej(tmp_path, unit, right):
 
 
 def write_imagej(path, pages, text, resolution=(2, 4), unit=1):
-    """As ImageJ does: with a unit of resolution that is none, and the real one in a text."""
+    """Writes a file like ImageJ: its resolution has no valid unit; a text names the unit."""
     options = {"resolution": resolution, "resolutionunit": unit, "photometric": "minisblack"}
     tifffile.imwrite(path, pages, metadata=None, description=text.encode(), **options)
 
@@ -201,7 +201,7 @@ def write_imagej(path, pages, text, resolution=(2, 4), unit=1):
     ],
 )
 def test_voxel_size_of_imagej(tmp_path, more, sizes, unit):
-    """ImageJ leaves out what is 1, and the unit of an axis that is that of x."""
+    """Checks that absent sizes are 1, and that an absent unit is that of x."""
     path = tmp_path / "x.tif"
     write_imagej(path, PIXELS[0], f"ImageJ=1.53t\nimages=4\nslices=4\n{more}")
     volume = read_volume(path)
@@ -235,7 +235,7 @@ def test_values_are_those_that_imagej_shows(tmp_path, c0, c1, dtype, note):
 
 
 def test_lsm(tmp_path):
-    """Zeiss' older microscopes: after each page its thumbnail, and all channels in one page."""
+    """Checks Zeiss' older microscopes: each page has all channels, and a thumbnail follows it."""
     path = tmp_path / "x.lsm"
     fields = [field for field in tifffile.TIFF.CZ_LSMINFO if field[0]]
     info = np.zeros(1, np.dtype([(name, kind) for name, kind in fields][:32]))
@@ -321,7 +321,7 @@ def test_two_stacks_in_a_file_are_chosen_by_their_dims(tmp_path):
 
 
 def test_gray_colors_are_gray_values(tmp_path):
-    """Such as viewers save gray pictures; with true colors there are three channels."""
+    """Checks that gray pictures in color have one value; others have three channels."""
     path = tmp_path / "x.tif"
     gray = (PIXELS[0] % 256).astype(np.uint8)
     pages = [Image.fromarray(np.stack([page] * 3, axis=-1)) for page in gray]
@@ -349,7 +349,7 @@ def test_alpha_is_no_value(tmp_path):
 @pytest.mark.parametrize("byteorder", "<>")
 @pytest.mark.parametrize("options", [{}, {"tile": (16, 16)}, {"rowsperstrip": 2}])
 def test_planes_are_read_one_by_one(tmp_path, byteorder, options):
-    """Frames and channels of tifffile's own files and of ImageJ's, contiguous or not."""
+    """Checks single frames and channels in files of tifffile and ImageJ, contiguous or not."""
     path = tmp_path / "x.tif"
     whole = np.stack([PIXELS, PIXELS + 1, PIXELS + 2])
     for kind, axes in (({}, "TCZYX"), ({"imagej": True}, "TZCYX")):
@@ -372,7 +372,7 @@ def test_planes_are_read_one_by_one(tmp_path, byteorder, options):
 
 
 def test_pages_with_too_few_strips_are_refused(tmp_path):
-    """tifffile would return memory that nobody wrote."""
+    """Checks that a page with missing strips is refused; tifffile would return unwritten memory."""
     path = tmp_path / "x.tif"
     tifffile.imwrite(
         path, PIXELS[0], rowsperstrip=2, compression="zlib", metadata=None, photometric="minisblack"
@@ -382,7 +382,7 @@ def test_pages_with_too_few_strips_are_refused(tmp_path):
         tags = [file.pages[2].tags[name] for name in ("StripOffsets", "StripByteCounts")]
         assert tags[0].count == 3
         for tag in tags:
-            # The count stands after the number and the type; a value of one stands in its place.
+            # The count follows the number and the type; a single value is stored after it.
             data[tag.offset + 4 : tag.offset + 8] = (1).to_bytes(4, "little")
             data[tag.offset + 8 : tag.offset + 12] = tag.value[0].to_bytes(4, "little")
     refused("ends before|readable TIFF", read_volume, written(path, data))

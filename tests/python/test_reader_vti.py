@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK's image data in all the ways that VTK writes them."""
+"""Tests all ways in which VTK writes image data."""
 
 import base64
 import lzma
@@ -15,7 +15,9 @@ from outcomes import reads, refused, written
 
 
 def header(size, data, *blocks):
-    """Of compressed VTK data in blocks: their number, two sizes, and that of each."""
+    """Returns the header of VTK's compressed data: number of blocks, two sizes, size of each
+    block.
+    """
     lengths = [len(block) for block in blocks]
     return np.array([len(blocks), 50, len(data) - 50, *lengths], size).tobytes()
 
@@ -107,7 +109,7 @@ def test_other_writers(tmp_path, values, layout):
 
 
 def test_a_place_in_space(tmp_path, values):
-    """VTK: the point of an index is origin + direction (spacing index)."""
+    """Checks VTK's formula: a point is origin + direction (spacing index)."""
     more = 'Origin="10 20 30" Spacing="1 2 3" Direction="0 -1 0 1 0 0 0 0 1"'
     data = vti(values, "Float32", "appended", more=more, first=(2, 0, 0))
     volume = read_back(tmp_path / "x.vti", data)
@@ -162,7 +164,9 @@ def test_damaged(tmp_path, values):
 
 
 def image_of_vtk(values, cells=None, spacing=(1, 2, 3)):
-    """A vtkImageData of these values of points, and of cells; its first point has the index -2."""
+    """Returns a vtkImageData with values of points and of cells; its first point has the
+    index -2.
+    """
     pytest.importorskip("vtkmodules")
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData
@@ -220,7 +224,7 @@ def test_all_that_vtk_writes(tmp_path, values, mode, compressor, big_endian):
 
 
 def in_pieces(folder, image, **settings):
-    """Files of five pieces along x, which share the points between them, in the order of x."""
+    """Writes five files along x, which share the points between them."""
     from vtkmodules.vtkImagingCore import vtkExtractVOI
 
     paths = []
@@ -240,7 +244,7 @@ DIRECTION = 'Direction="0 -1 0 1 0 0 0 0 1"'
 
 @pytest.mark.parametrize("direction", ["", DIRECTION])
 def test_pieces_in_files_of_their_own(tmp_path, values, direction):
-    """VTK 9.1 leaves out the direction, which then is that of the pieces."""
+    """Checks VTK 9.1, whose file leaves out the direction and takes it from the pieces."""
     path = tmp_path / "x.pvti"
     cells = -values[:3, :4, :5]
     paths = in_pieces(tmp_path, image_of_vtk(values, cells))
@@ -261,7 +265,7 @@ def test_pieces_in_files_of_their_own(tmp_path, values, direction):
 
 
 def test_missing_pieces(tmp_path, values):
-    """At an end the image is smaller, and within it a piece that is not there has no data."""
+    """Checks missing pieces: at an end the image is smaller, otherwise there are no data."""
     path = tmp_path / "x.vti"
     paths = in_pieces(tmp_path, image_of_vtk(values), SetDataModeToAscii=[], SetCompressor=[None])
     pieces = [re.search(r"<Piece .*?</Piece>", one.read_text(), re.DOTALL)[0] for one in paths]
@@ -278,7 +282,7 @@ def test_missing_pieces(tmp_path, values):
     np.testing.assert_array_equal(volume.values, values[..., 1:])
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, 19, 30])
     assert volume.notes == ("The pieces hold 5 x 5 x 4 of the 6 x 5 x 4 points in the header.",)
-    # The points on a border belong to both pieces.
+    # Both pieces contain the points on their border.
     volume = of_pieces(0, 2, 4)
     np.testing.assert_array_equal(volume.values, values)
     volume = of_pieces(0, 3, 4)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK's old files, as VTK itself and other programs write them."""
+"""Tests VTK's legacy files, written by VTK and other programs."""
 
 import locale
 
@@ -21,14 +21,14 @@ SPACING 0.5 1 2
 
 @pytest.fixture(autouse=True)
 def own_locale():
-    """VTK's writers of these files set the locale of the whole process."""
+    """Restores the process's locale, which VTK's writers of these files change."""
     before = locale.setlocale(locale.LC_ALL)
     yield
     locale.setlocale(locale.LC_ALL, before)
 
 
 def by_hand(values, form="ASCII", kind="float", more="LOOKUP_TABLE default\n"):
-    """As a small program writes it: one array of points."""
+    """Returns a handwritten file with one array of points."""
     dims = " ".join(map(str, values.shape[::-1]))
     head = HEADER.format(form, dims) + f"POINT_DATA {values.size}\nSCALARS h {kind}\n{more}"
     if form == "ASCII":

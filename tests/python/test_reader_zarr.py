@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OME-Zarr and plain Zarr, written by zarr 2 or 3, whichever is installed."""
+"""Tests OME-Zarr and plain Zarr, written by zarr 2 or 3, whichever is installed."""
 
 import json
 
@@ -15,7 +15,7 @@ ZARR_2 = {"zarr_format": 2} if _ZARR > 2 else {}
 
 
 def ome_zarr(path, values):
-    """Two channels at two levels, the second half as fine, as OME-NGFF 0.4 has it."""
+    """Writes two channels at two levels, in OME-NGFF 0.4; the second level is half as fine."""
     group = zarr.open_group(str(path), mode="w", **ZARR_2)
     levels = [np.stack([values, values + 1])]
     levels.append(levels[0].reshape(2, 2, 2, 2, 2, 3, 2).mean((2, 4, 6)).astype(values.dtype))
@@ -45,7 +45,7 @@ def test_ome_zarr(tmp_path, values):
     np.testing.assert_array_equal(coarse.index_to_world[:3, 3], [0.5] * 3)
     refused("level 2.* 0..1", read_volume, path, level=2, channel=0)
     refused("2 channels.* 0..1", read_volume, path)
-    # Without its suffix it is known by what is in it.
+    # Without its suffix, its contents identify it.
     path.rename(tmp_path / "plain")
     reads(values, tmp_path / "plain", channel=0)
     (tmp_path / "plain" / ".zattrs").write_text("{}")
@@ -54,7 +54,7 @@ def test_ome_zarr(tmp_path, values):
 
 
 def image(path, values, axes, scale, name="", **extra):
-    """One level of Zarr 2, as OME-NGFF 0.4 has it; axes: as of its metadata."""
+    """Writes one level of Zarr 2 in OME-NGFF 0.4; axes: of its metadata."""
     group = zarr.open_group(str(path / name) if name else str(path), mode="w", **ZARR_2)
     group.create_dataset("0", data=values, shape=values.shape, chunks=(2,) * values.ndim)
     step = {"type": "scale", "scale": scale}
@@ -70,7 +70,7 @@ def space(**units):
 @pytest.mark.parametrize(
     "units, unit, sizes",
     [
-        # As the axes are in the file: z, y, x.
+        # Units and sizes are in the order of the file: z, y, x.
         (("nanometer", "micrometer", "micrometer"), "µm", (1.2, 0.9, 2.5e-3)),
         (("micrometer", "nanometer", "nanometer"), "nm", (1.2, 0.9, 2500)),
         (("um", "\u03bcm", "micron"), "µm", (1.2, 0.9, 2.5)),
@@ -78,7 +78,7 @@ def space(**units):
         (("decimeter", "centimeter", "inch"), "cm", (1.2 * 2.54, 0.9, 25)),
         (("picometer",) * 3, "Å", (0.012, 0.009, 0.025)),
         (("pixel",) * 3, "", (1.2, 0.9, 2.5)),
-        # These have no common measure.
+        # These have no common unit.
         (("second", "micrometer", "micrometer"), "", (1, 1, 1)),
     ],
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every format gives back the values, the shape and the place that were written."""
+"""Tests that all formats return the values, the shape and the position that were written."""
 
 import gzip
 
@@ -71,14 +71,14 @@ def test_tiff_stack(tmp_path, values, options):
 
 @pytest.mark.parametrize("compression", ["tiff_lzw", "zstd", "jpeg", "packbits"])
 def test_tiff_as_microscopes_compress_it(tmp_path, values, compression):
-    """Checks files of Pillow's libtiff. tifffile leaves most compression to imagecodecs."""
+    """Checks Pillow's compressed files, for most of which tifffile needs imagecodecs."""
     if not reader_process.has_package("imagecodecs"):
         pytest.skip("imagecodecs is not installed")
     path = tmp_path / "stack.tif"
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression=compression)
     if compression == "jpeg":
-        # JPEG is lossy: the values that remain, by Pillow's decoder.
+        # JPEG is lossy, so compare with Pillow's decoder.
         with Image.open(path) as file:
             values = np.stack([np.asarray(page) for page in ImageSequence.Iterator(file)])
     found = read_volume(path).values.astype(float)
@@ -132,7 +132,7 @@ def test_nrrd(tmp_path, values, encoding, suffix):
     volume = read_volume(path)
     assert volume.values.dtype == np.uint16
     np.testing.assert_array_equal(volume.values, values)
-    # Whichever way the world is oriented, lengths and the determinant's size are those of the file.
+    # For any orientation, lengths and the determinant's magnitude are those of the file.
     lengths = np.linalg.norm(volume.index_to_world[:3, :3], axis=0)
     np.testing.assert_allclose(lengths, [0.5, 2, 3])
     np.testing.assert_allclose(np.abs(volume.index_to_world[:3, 3]), [10, 20, 30])

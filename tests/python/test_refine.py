@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Going on with a bake that was stopped, or that shall err less."""
+"""Tests refine(): it continues a stopped bake, or lowers the error of a bake."""
 
 import json
 
@@ -33,7 +33,7 @@ def test_a_stopped_bake_goes_on_to_its_error(box, previous):
     assert blocks(more) > blocks(previous)
     for name in ("rays", "seconds"):
         assert getattr(more.statistics, name) > getattr(previous.statistics, name) > 0
-    # As near to the truth as one that was never stopped.
+    # The result is as close to the truth as an uninterrupted bake.
     truth = np.mean([box(error=0.05, seed=seed).grid.dense("radiance") for seed in (1, 2, 3)], 0)
     never_stopped = box(error=0.3)
     errors = [
@@ -77,7 +77,7 @@ def test_passes_are_shown_and_stopped_as_those_of_a_bake(previous):
     assert more.statistics.stopped and more.statistics.passes == 3
     same = refine(previous, error=0.01, **stopping(2)[0])
     assert_same_light(more, same)
-    # Over before its first pass is.
+    # The time ends before the first pass.
     limited = refine(previous, error=0.01, time=1e-9)
     assert limited.statistics.stopped and limited.statistics.passes == 2
     progress = leaflight.Progress()
@@ -93,7 +93,7 @@ def test_walls_are_lit_anew(box):
     before, after = (b.walls.radiance(0, 50.0) for b in (previous, more))
     assert before.shape == after.shape and not np.array_equal(before, after)
     assert after.mean() == pytest.approx(before.mean(), rel=0.05)
-    # Asked for or not.
+    # Bake without walls, whether they were requested or not.
     without = refine(previous, walls=False)
     assert without.walls is None and without.provenance.walls is False
 
@@ -145,7 +145,7 @@ def test_the_command_line(cli, root, tmp_path):
     assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
-    # Continue the bake into its own file.
+    # Continue the bake into the same file.
     assert cli("bake", "--continue", more, "--out", more, "--error", "0.4").status == 0
     refused = cli(*continued)
     assert refused.status == 2 and refused.err.endswith("(--error).\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake with its lamps at other strengths, against bakes of scenes with those strengths."""
+"""Tests a bake with other strengths of its lamps, against bakes of such scenes."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ def baked(scene, **settings):
 
 
 def lit_by(scene, factors, exposure=1.0):
-    """Returns the scene with its lamps brighter by factors (r, g, b)."""
+    """Returns the scene with its lamps scaled by (r, g, b)."""
     lights = [
         replace(light, radiance=tuple(np.multiply(light.radiance, factor)))
         if hasattr(light, "radiance")
@@ -51,14 +51,15 @@ def of_two(two_lamps):
 
 
 def light_of(bake):
-    """Returns the radiance of an isosurface and of all walls, front sides."""
+    """Returns the radiance of the front of an isosurface and of all walls."""
     points = bake.surface(47.0).vertices
     walls = [bake.walls.radiance(mesh, 47.0) for mesh in range(len(bake.scene.meshes))]
     return points, bake.radiance(points), np.concatenate(walls)
 
 
 def test_with_one_lamp_it_is_a_new_bake(of_one, one_lamp):
-    # A power of two, and colors on the screen as before: the new bake takes the same decisions.
+    # Use a power of two and unchanged displayed colors, so that the new bake takes the same
+    # branches.
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: 4})
     new = baked(lit_by(one_lamp, [(4, 4, 4)], exposure=0.25))
@@ -84,7 +85,7 @@ def test_with_two_lamps_direct_light_is_exact(of_two, two_lamps):
     own, other = (bake.grid.dense("radiance") - s for bake, s in zip((relit, new), soft))
     np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4 * other.max())
     assert other.max(axis=(0, 1, 2)).min() > 0.1
-    # Indirect light has the right amount by and large, though not the right places.
+    # Indirect light has about the right amount, but not the right distribution.
     means = [s[relit.grid.mask().astype(bool)].mean(axis=0) for s in soft]
     np.testing.assert_allclose(means[0], means[1], rtol=0.1)
     assert np.abs(relit.radiance(points) / of_two.radiance(points) - 1).max() > 0.5
@@ -96,13 +97,13 @@ def test_lamps_go_out_and_on(of_two, two_lamps):
     for light in light_of(out)[1:]:
         assert np.all(light == 0)
     assert out.original is of_two and np.all(out.grid.dense("radiance") == 0)
-    # Factors are against the strengths that a bake has, and the texels stay those of the first.
+    # Factors are relative to the original bake, whose texels stay.
     half = of_two.relit({first: 0.5})
     assert half.relit({first: 2}) is of_two
     assert half.relit({first: 0.5, second: 3}).factors == ((0.25,) * 3, (3.0,) * 3)
     assert half.original is of_two and half.id != of_two.id
     assert half.relit({second: (1, 2, 3)}).original is of_two
-    # All alike is exact, but for the light of other sources.
+    # A common factor is exact, except for the light of other emitters.
     assert scales_exactly(of_two.relit({first: 2, second: 2}))
     assert not scales_exactly(half)
 

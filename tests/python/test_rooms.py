@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Rules for the sources: imports and includes run one way (docs/architecture.md), functions are
-short, and no error outside the command line names a flag.
+"""Tests rules for the sources: imports and includes run downwards (docs/architecture.md),
+functions are short, and no error outside the command line names a flag.
+
+A package or folder there is a room.
 """
 
 import ast
@@ -18,7 +20,7 @@ from leaflight.thesis.settings import FixedSamples, SampleOptions
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Rooms from the bottom up. Files in no room are below all rooms, except FACES at the top.
+# Packages from the bottom up. Files in no package are below all, except FACES at the top.
 PACKAGE = (
     "volume",
     "scene",
@@ -47,7 +49,7 @@ ADDON = (
 )
 FACES = ("__init__.py", "__main__.py", "blender.py")
 CORE = (
-    "math",
+    "base",
     "field",
     "surface",
     "scene",
@@ -135,7 +137,7 @@ def imports(folder):
             continue
         for node in ast.walk(ast.parse(path.read_text())):
             if isinstance(node, ast.ImportFrom) and node.level:
-                # One dot is the module's own folder, each more the one above.
+                # One dot is the module's own folder; each further dot is one folder up.
                 base = place[: len(place) - node.level]
                 target = (*base, *(node.module or "").split("."))
                 names = [a.name for a in node.names] if target[-1] == "" else [None]
@@ -167,7 +169,7 @@ def test_functions_are_short():
 
 
 def test_functions_have_few_parameters():
-    """At most 8; settings by their names, which a dataclass holds, count as one."""
+    """Checks for at most 8 parameters; the fields of a settings dataclass count as one."""
     many = []
     for place, node in functions():
         known = node.args
@@ -194,7 +196,7 @@ def test_options_are_the_settings_by_their_names(settings, options):
 
 
 def test_functions_of_the_core_are_short():
-    """Checks for at most 60 lines, from the first column to a brace there."""
+    """Checks for at most 60 lines, from a first column to the closing brace there."""
     start = re.compile(r"(?!namespace|struct|class|enum|using|template|inline constexpr)[A-Za-z]")
     long, found = [], 0
     for path in core_sources():

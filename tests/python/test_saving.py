@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a full disk, a kill, a cancel or another writer leaves: the old file, or a whole new one."""
+"""Tests that a full disk, a kill, a cancel or another writer leaves the old file or a complete new
+one.
+"""
 
 import os
 import resource
@@ -28,7 +30,7 @@ BEFORE = b"what was there before"
 
 @contextmanager
 def files_of_at_most(count):
-    """Limits files to this many bytes; the system refuses to write more, as on a full disk."""
+    """Limits the size of files, as a full disk does."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (count, hard))
     try:
@@ -80,7 +82,7 @@ def test_a_full_disk_leaves_the_file_before(box_bake, tmp_path, name):
     write(path)
     whole = path.stat().st_size
     path.write_bytes(BEFORE)
-    # Nowhere is half a file taken for a whole one: neither early nor in its last bytes.
+    # Half a file is never mistaken for a complete one, even if only its last bytes are missing.
     for share in (0.1, 0.6, 0.999):
         with files_of_at_most(int(share * whole)):
             said = refused(".", write, path)
@@ -98,7 +100,7 @@ def test_a_disk_that_is_full(box_bake, small_disk):
 
 
 def test_flatland_keeps_both_files_where_one_fails(cli, tmp_path):
-    """The picture is larger than the texture, so that only the second file does not fit."""
+    """Checks that both files stay: the picture does not fit on the disk, but the texture does."""
     for name in ("x.exr", "x.png"):
         (tmp_path / name).write_bytes(BEFORE)
     arguments = ["flatland", "bump_box", "--dims", "9", "--error", "50", "--resolution", "9"]
@@ -111,7 +113,7 @@ def test_flatland_keeps_both_files_where_one_fails(cli, tmp_path):
 
 
 def test_a_saved_bake_ends_with_its_checksum(box_file, tmp_path):
-    """Every bit of a file counts, before OpenVDB sees it; another program's copy is still read."""
+    """Checks that every changed bit is detected, and that another program's copy is still read."""
     whole = box_file.read_bytes()
     path = tmp_path / "x.vdb"
     rng = np.random.default_rng(5)
@@ -130,7 +132,7 @@ def test_a_saved_bake_ends_with_its_checksum(box_file, tmp_path):
 
 
 def test_two_writers_of_one_file(box_bake, small, tmp_path):
-    """Each save is whole, whichever comes last, and nothing else is left."""
+    """Checks that the last save wins completely, and that no other file remains."""
     path = tmp_path / "x.vdb"
     other = leaflight.bake(leaflight.bump_box(12), **small)
     bakes = [box_bake, other] * 4
@@ -146,7 +148,7 @@ def test_two_writers_of_one_file(box_bake, small, tmp_path):
 def test_what_a_killed_process_left_is_removed(tmp_path):
     script = "import sys; from leaflight.io.output import replaced\n"
     script += "with replaced(sys.argv[1]) as file: file.write_text('half'); print(1, flush=True);"
-    # Until it is killed.
+    # Wait until it is killed.
     script += " sys.stdin.read()"
     child = subprocess.Popen(
         [sys.executable, "-c", script, str(tmp_path / "a.txt")],
@@ -184,7 +186,9 @@ def test_a_cancelled_save_writes_nothing(box_bake, tmp_path):
 
 
 def test_reading_can_be_cancelled_and_has_a_share(lapr_file):
-    """Checks that progress nears 1 after direct light of isosurfaces, and again after walls."""
+    """Checks that progress approaches 1 twice: after the direct light of isosurfaces, and of
+    walls.
+    """
     cancelled, progress = Progress(), Progress()
     cancelled.cancel()
     with pytest.raises(Cancelled):
@@ -197,7 +201,7 @@ def test_reading_can_be_cancelled_and_has_a_share(lapr_file):
 
 
 def test_a_cancel_that_comes_too_late():
-    """A file that is written already is reported, not denied."""
+    """Checks that a file which is already complete is reported."""
 
     def work(progress):
         progress.cancel()
@@ -211,7 +215,7 @@ def test_a_cancel_that_comes_too_late():
         run_with_progress(work, "test")
 
 
-# The program, interrupted in its work before a bake is saved, or after that.
+# Program that interrupts itself before, or after, a bake is saved.
 INTERRUPTED = """
 import os, signal, sys, time
 from leaflight import Bake
@@ -251,7 +255,7 @@ def test_ctrl_c_beside_saving(tmp_path, when):
 
 @pytest.mark.slow
 def test_ctrl_c_while_saving(root, tmp_path):
-    """Whatever moment it comes at, the program says what it did."""
+    """Checks that the program reports the result of an interruption at any moment."""
     command = [root / "scripts" / "leaflight", "bake", "bump_box", "--dims", "64", "--error"]
     for delay in (0.0, 0.01, 0.03, 0.1):
         path = tmp_path / f"{delay}.vdb"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shipped scenes, how scenes fit volumes, and how they are checked against each other."""
+"""Tests the shipped scenes, how scenes fit volumes, and the checks of scenes."""
 
 from dataclasses import replace
 
@@ -70,7 +70,7 @@ def test_box_coordinates_fit_any_volume(scale, offset):
     points = corners(fitted)
     assert fitted.coordinates == "world"
     assert (points.min(axis=0) < bounds[0]).all() and (points.max(axis=0) > bounds[1]).all()
-    # One scale for all axes, from the longest side (z, 10 steps).
+    # All axes have one scale, from the longest side (z, 10 steps).
     box = corners(leaflight.cornell_box())
     np.testing.assert_allclose(np.ptp(points, axis=0), 5 * scale * np.ptp(box, axis=0), rtol=1e-4)
     light = fitted.lights[0]
@@ -92,11 +92,11 @@ def test_several_volumes_fit_as_one():
 
 
 def test_a_point_light_grows_with_the_scene():
-    """Twice as far away and four times as strong, it lights a surface as before."""
+    """Checks that a light twice as far and four times as strong gives the same irradiance."""
     point = PointLight("bulb", (0.0, 0.0, 2.0), 0.1, (1.0, 2.0, 3.0))
     sun = SunLight("sun", (0.0, 0.0, -1.0), (1.0, 1.0, 1.0))
     box = replace(leaflight.cornell_box(), lights=[point, sun])
-    # The longest side measures 10, so that the scale is 5.
+    # The longest side is 10, so the scale is 5.
     fitted = fit_scene(box, brick())
     assert fitted.lights[0].radius == pytest.approx(0.5)
     assert fitted.lights[0].intensity == pytest.approx((25, 50, 75))

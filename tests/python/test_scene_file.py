@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene files: what they hold, and what is wrong with a bad one."""
+"""Tests scene files: their contents, and the errors of bad ones."""
 
 import base64
 import copy
@@ -230,7 +230,7 @@ def test_what_a_scene_holds(good):
     assert spot.cone.axis == (0, 0, -1) and spot.cone.angle == pytest.approx(math.pi / 3)
     assert isinstance(sun, SunLight) and sun.direction == pytest.approx((0.6, 0, -0.8))
     assert sun.angle == pytest.approx(math.radians(0.5))
-    # The image is turned by a quarter: what it shows along -y is now seen along +x.
+    # The image is rotated by 90 degrees: its colors along -y are now seen along +x.
     to_image = np.array(scene.environment.world_to_image)
     np.testing.assert_allclose(to_image @ [1, 0, 0], [0, -1, 0], atol=1e-15)
 
@@ -261,7 +261,7 @@ def test_images_are_relative_to_the_file(good, tmp_path):
     path = written(tmp_path / "scene.json", json.dumps(good))
     scene = load_scene(path)
     texture = scene.meshes[1].texture
-    # Linear, and the bottom row first.
+    # The texture is linear, with the bottom row first.
     assert texture.dtype == np.float32 and (texture[1] == 1).all()
     np.testing.assert_allclose(texture[0, 0], [0.503, 0, 0], atol=1e-3)
     np.testing.assert_array_equal(scene.environment.image, sky[::-1])
@@ -360,7 +360,7 @@ def assert_same(value, expected):
     if is_dataclass(expected):
         for field in fields(expected):
             if field.name == "angle":
-                # In the file it is in degrees.
+                # The file has degrees.
                 assert value.angle == pytest.approx(expected.angle, rel=1e-13)
             else:
                 assert_same(getattr(value, field.name), getattr(expected, field.name))
@@ -381,7 +381,9 @@ def test_shipped_scenes_round_trip(shipped):
 
 
 def test_how_to_read_a_source(tmp_path, cli, root):
-    """Checks that two channels of a file are two volumes, and that the command line overrides."""
+    """Checks two channels of a file as two volumes, and options of the command line that
+    override.
+    """
     bumps = leaflight.bump_box(12).values
     np.save(tmp_path / "x.npy", np.stack([bumps, 2 * bumps]))
     look = {"albedo": [0.5, 0.5, 0.5], "source": "x.npy"}
@@ -400,6 +402,6 @@ def test_how_to_read_a_source(tmp_path, cli, root):
     first, second = leaflight.load_bake(out).volumes
     assert second.field().range[1] == 2 * first.field().range[1]
     np.testing.assert_allclose(np.diag(second.index_to_world), [1, 1, 2, 1])
-    volumes[0]["reading"] = {"colour": 1}
+    volumes[0]["reading"] = {"color": 1}
     path.write_text(json.dumps({**scene, "volumes": volumes}))
-    assert "colour" in cli("bake", "--scene", path, *work).err
+    assert "color" in cli("bake", "--scene", path, *work).err

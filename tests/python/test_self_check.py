@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors of `import leaflight`, each in one sentence."""
+"""Tests the errors of `import leaflight`, each one sentence."""
 
 import platform
 import shutil
@@ -18,7 +18,7 @@ NUMPYS_FOLDER = str(Path(np.__file__).parents[1])
 
 
 class Changed:
-    """The compiled module, but for one of its functions."""
+    """The compiled module with one other function."""
 
     def __init__(self, **changed):
         self.__dict__.update(changed)
@@ -93,7 +93,7 @@ def test_a_newer_library_of_the_same_major_version():
 
 
 def _shifted(values, matrix):
-    """As read with the offsets of another NumPy: the first numbers are not the array's."""
+    """Returns a field of moved values, as if read with the array layout of another NumPy."""
     return _core.Field(np.roll(values, 1).copy(), matrix)
 
 
@@ -141,7 +141,7 @@ def test_rays_that_go_elsewhere(trace):
 
 @pytest.fixture
 def copy(tmp_path):
-    """Returns a copy of the package in a new folder, whose files a test can change."""
+    """Copies the package to a new folder, so that a test can change its files."""
     target = tmp_path / "leaflight"
     ignored = shutil.ignore_patterns("__pycache__", "_core*")
     for name in ("leaflight", "leaflight_command"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes of several volumes, of backs, of the walls and of capped volumes."""
+"""Tests bakes of several volumes, of backs, of walls and of capped volumes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -34,12 +34,12 @@ def test_single_volume_keeps_its_isovalues(box_bake):
 
 
 def test_volumes_shade_each_other(lapr_scene):
-    """The dirt particle is darker above the exploding water than alone."""
+    """Checks that the dirt particle is darker above the exploding water than alone."""
     settings = {"error": 5.0, "resolution": 24}
     dirt, water = (open_volume(f"lapr:{k}", dims=[24]) for k in (0, 1))
     both = leaflight.bake([dirt, water], lapr_scene, **settings)
     alone = replace(lapr_scene, isosurfaces=lapr_scene.isosurfaces[:1])
-    # With a single volume, the scene's isovalues are the isovalue range.
+    # The isovalue range is that of the single volume's scene.
     single = leaflight.bake(dirt, alone, **settings)
     assert single.isovalues == (50, 200)
     points = single.surface(100.0).vertices
@@ -49,9 +49,10 @@ def test_volumes_shade_each_other(lapr_scene):
 
 @pytest.mark.slow
 def test_near_isosurfaces_do_not_look_each_other_up():
-    """Between the balls of glowing nucleons, texels hold the light of isosurfaces that face away.
+    """Checks that glowing nucleons light each other as path tracing does.
 
-    Gathered from texels however near, the neutrons' light was 19 % too much at 64 nodes.
+    Texels between them contain light of isosurfaces that face away; using these made neutrons 19 %
+    too bright at 64 nodes.
     """
     scene = leaflight.load_scene(SCENES / "emission.json")
     volumes = [open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
@@ -108,7 +109,7 @@ def test_back(lapr_bake):
             "ij,ij->i", np.cross(b - a, c - a), surface.normals[surface.triangles[:, 0]]
         )
         assert (facing > 0).mean() > 0.9
-    # Light comes in where the volume is cut off, but less of it.
+    # Less light enters where the volume is cut off.
     assert 0.001 < back.radiance.mean() < 0.5 * front.radiance.mean()
     result = leaflight.compare(lapr_bake, 0.2, points=300, spp=256, volume=1, back=True)
     assert result["rms_percent"] < 10 and result["exposed"] is None
@@ -146,7 +147,7 @@ def test_no_walls_unless_asked_for(box_bake):
 
 @pytest.mark.parametrize("capped", [False, True])
 def test_capped(capped):
-    """Between two higher ends a slab is open at its rim, unless it is capped."""
+    """Checks a slab between two higher ends, which is open at its rim unless it is capped."""
     x = np.linspace(-1, 1, 9, dtype=np.float32)
     values = np.broadcast_to(1 - np.abs(x)[:, None, None], (9, 9, 9)).copy()
     volume = Volume(values, np.diag([0.25, 0.25, 0.25, 1]), "slab")
@@ -158,7 +159,7 @@ def test_capped(capped):
     surface = baked.surface(0.5)
     at_rim = np.abs(surface.vertices[:, 0] - 1) > 0.999
     assert (np.abs(surface.normals[at_rim, 0]).max() > 0.9) == capped
-    # Baking what is capped does not cap it again.
+    # Baking a capped volume again must not cap it twice.
     again = leaflight.bake(baked.volume, baked.scene, error=50.0, isovalues=(0.2, 0.8))
     assert again.volume is baked.volume
 
@@ -177,7 +178,7 @@ def test_caps_are_lit_like_the_reference():
     difference = baked.radiance(caps) - truth
     assert truth.mean() > 0.05
     assert abs(difference.mean()) < 0.05 * truth.mean()
-    # At so few voxels much of a cap is its rim, where texels mix two sides.
+    # At this size, much of a cap is its rim, where texels mix two sides.
     assert np.sqrt((difference**2).mean()) < 0.3 * truth.mean()
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Normals of smoothed values, on isosurfaces that stay where they are."""
+"""Tests smoothed normals, which do not move the isosurfaces."""
 
 import leaflight
 from outcomes import refused
@@ -28,7 +28,7 @@ def smooth(values):
 
 
 def expected_normals(values, vertices):
-    """Returns normals by central differences of the values at voxels (x, y, z), interpolated."""
+    """Returns normals by central differences at voxels (x, y, z), interpolated."""
     gradients = np.stack(np.gradient(values)[::-1], axis=-1)
     at = np.minimum(vertices.astype(int), np.array(values.shape[::-1]) - 2)
     local = vertices - at
@@ -53,7 +53,7 @@ def test_isosurfaces_stay_and_their_normals_are_smooth(values, tmp_path):
     np.testing.assert_array_equal(vertices, sharp_vertices)
     assert np.abs(normals - expected_normals(smooth(values), vertices)).max() < 1e-3
     assert np.abs(sharp_normals - expected_normals(values.astype(float), vertices)).max() < 1e-3
-    # The noise is gone from them.
+    # The normals must be free of noise.
     out = (vertices - 14.5) / np.linalg.norm(vertices - 14.5, axis=1, keepdims=True)
     assert (normals * out).sum(axis=1).min() > 0.9 > (sharp_normals * out).sum(axis=1).min()
 
@@ -63,7 +63,8 @@ def test_caps_are_no_part_of_what_is_smoothed(values):
     capped = plain.capped()
     assert capped.layers == 1 and capped.smooth_normals == SIGMA
     vertices, normals, _ = _core.contour(capped.field(), 110.5)[:3]
-    # On the ball, a voxel beside the cut; towards it differences go to the layer as others do.
+    # Select vertices on the ball, one voxel from the cut. Their differences use the cut's layer as
+    # usual.
     beside = np.flatnonzero((vertices[:, 2] > 14) & (vertices[:, 2] <= 15))
     beside = beside[np.hypot(*(vertices[beside, :2] - 14.5).T) > 5]
     expected = expected_normals(smooth(values), vertices[beside])
@@ -81,7 +82,7 @@ def test_a_bake_has_them_in_its_light_and_its_file(values, tmp_path):
     bake.save(tmp_path / "bake.vdb")
     again = leaflight.load_bake(tmp_path / "bake.vdb")
     assert again.id == bake.id and again.volumes[0].smooth_normals == SIGMA
-    # Files hold halves.
+    # Files store half precision.
     np.testing.assert_allclose(again.radiance(surface.vertices), light, rtol=1e-3)
 
 
@@ -99,7 +100,7 @@ def test_light_does_not_see_the_stairs_of_masks():
     """Checks that a tilted half space of zeros and ones under a sun is as bright as a plane."""
     z, y, x = np.mgrid[:24, :24, :24]
     mask = np.uint8(3 * (z - 12) + (x - 12) < 0)
-    # It does not reach the sides of stairs.
+    # The sun does not reach the vertical sides of the stairs.
     sun = SunLight("sun", (2**-0.5, 0.0, -(2**-0.5)), (1.0, 1.0, 1.0))
     scene = SceneDescription("stairs", [Isosurfaces("stairs", (0.5, 0.5, 0.5))], 1.0, [], [sun])
     volume = leaflight.Volume(mask, smooth_normals=3.0)
@@ -107,9 +108,9 @@ def test_light_does_not_see_the_stairs_of_masks():
     is_inside = np.all(np.abs(surface.vertices[:, :2] - 11.5) < 6, axis=1)
     light = surface.radiance[is_inside].mean(axis=1)
     plane = 0.5 / np.pi * 2 / 20**0.5
-    # Some of the shadows that stairs cast on each other stay.
+    # Some shadows between the stairs remain.
     assert len(light) > 300 and np.mean(light < 0.9 * plane) < 0.1
-    # Single texels are lit by few lines, since few values of a mask lie between zero and one.
+    # Few lines light single texels, since few values of a mask lie between zero and one.
     assert np.quantile(light, 0.99) < 1.07 * plane
 
 

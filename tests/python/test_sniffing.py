@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files whose names do not say what they hold are tried by their contents."""
+"""Tests files without a known suffix, whose contents show their format."""
 
 import gzip
 from fnmatch import fnmatchcase
@@ -14,7 +14,7 @@ from outcomes import refused, written
 from test_damaged_files import FORMATS as FILES
 from test_reader_crystals import mtz
 
-# Reader that the contents name, by file of test_damaged_files.py.
+# Reader of each file of test_damaged_files.py by its contents.
 MODULES = {
     "x.mha": "metaimage",
     "x.dcm": "dicom",
@@ -38,7 +38,7 @@ MODULES = {
 
 
 def good(path):
-    """Returns the bytes of a small file of this name."""
+    """Returns the bytes of the small file of this name."""
     if path.name != "x.mtz":
         return FILES[path.name](path)
     pytest.importorskip("gemmi")
@@ -120,7 +120,7 @@ def test_every_reader_that_contents_name_is_there():
 
 
 def test_the_patterns_of_the_file_browser():
-    """Checks the limits of Blender: 15 characters for each pattern, and 255 for all."""
+    """Checks Blender's limits: 15 characters per pattern, and 255 in total."""
     patterns = name_patterns().split(";")
     assert len(name_patterns()) <= 255 and max(map(len, patterns)) <= 15
     for name in (*(f"x{suffix}" for suffix in SUFFIXES), "CHGCAR", "LOCPOT_1", "my_PARCHG.0001"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snippets of docs/*.md, as they stand, on small files of the names that they use."""
+"""Tests the snippets of docs/*.md on small files with the names that they use."""
 
 import re
 import shlex
@@ -16,7 +16,7 @@ from waiting import run_python
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("scripting", "export", "clusters", "validation")
-# Place of the tests of snippets that need other programs, by a word in the snippet.
+# Tests of snippets that need other programs, by a word in the snippet.
 ELSEWHERE = {
     "blender": "tests/blender/inside/check_scripting.py, test_examples.py",
     "obj.": "tests/blender/inside/check_scrub.py",
@@ -27,13 +27,13 @@ ELSEWHERE = {
     "--skip": "test_raw.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
-# Snippets are of large volumes.
+# Replacements that make snippets faster, because they use large volumes.
 SMALLER = {
     "bump_box(100)": "bump_box(16)",
     "spp=16384": "spp=16",
     "1_000_000": "10_000",
     "samples=64": "samples=4",
-    # Small ones err less.
+    # Small volumes need a smaller error.
     "error=0.7": "error=0.2",
     '"/scratch"': '"."',
 }
@@ -55,7 +55,7 @@ def blocks(page):
 
 
 def snippets(page):
-    """Returns (commands, Python) of a page, each in its order."""
+    """Returns (commands, Python) of a page, in order."""
     commands, scripts = [], []
     for block in blocks(page):
         python = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures by the core's own rays."""
+"""Tests pictures that the core renders."""
 
 import json
 from dataclasses import replace
@@ -14,7 +14,7 @@ from leaflight.stills.first_view import camera_around_bake
 from outcomes import refused, written
 
 SIZE = (80, 60)
-# Comes over the wall before the ball.
+# A sun that shines over the wall in front of the ball.
 SUN = SunLight("sun", (0.0, 0.6, -0.8), (4.0, 2.0, 1.0))
 
 
@@ -26,7 +26,7 @@ def sphere_scene(lights=(SUN,), meshes=()):
 
 @pytest.fixture(scope="module")
 def ball():
-    """Spheres about the middle of the unit cube: the isovalue is 1 less the radius."""
+    """Returns spheres about the center of the unit cube; the radius is 1 - isovalue."""
     z, y, x = (np.mgrid[:33, :33, :33] / 32 - 0.5).astype(np.float32)
     values = 1 - np.sqrt(x**2 + y**2 + z**2)
     volume = leaflight.Volume(values, np.diag([1 / 32, 1 / 32, 1 / 32, 1]), "ball")
@@ -50,7 +50,7 @@ CAMERA = Camera((0.5, -4.0, 0.5), (0.5, 0.5, 0.5), angle=20.0)
 
 
 def on_the_sphere():
-    """(which pixels see the sphere of radius 0.35, or nearly miss it; the points that they see)."""
+    """Returns (pixels that see the sphere of radius 0.35, pixels near its edge, visible points)."""
     directions = CAMERA.directions(*SIZE, range(SIZE[1]))
     along = directions @ np.array([0.0, 4.5, 0.0])
     inside = along**2 - (4.5**2 - 0.35**2)
@@ -66,7 +66,7 @@ def test_a_sphere_is_a_disc_with_the_light_of_the_bake(ball):
     np.testing.assert_array_equal(filled[~is_near], is_hit[~is_near])
     plain = filled & ~is_near
     points, seen = points[plain], picture[plain][:, :3]
-    # The edge of a shadow may be a little off.
+    # The edge of a shadow may differ slightly.
     inside, outside = (ball.radiance(0.5 + (points - 0.5) * scale) for scale in (0.98, 1.02))
     is_edge = np.abs(inside - outside).max(axis=1) > 0.2
     assert is_edge.mean() < 0.05
@@ -91,7 +91,7 @@ def test_walls_between_the_viewer_and_the_volume_are_left_out(ball):
     isosurface = without[..., 3] == 1
     np.testing.assert_array_equal(with_walls[isosurface], without[isosurface])
     assert with_walls[..., 3].all() and with_walls[~isosurface][:, :3].max() > 0.05
-    # From between them, looking back, the one before is seen.
+    # From between the isosurfaces, looking back, the front one is visible.
     back = Camera((0.5, 1.9, 0.5), (0.5, -1.0, 0.5), angle=20.0)
     assert leaflight.still(ball, 0.65, back, SIZE, samples=1)[..., 3].all()
 
@@ -104,7 +104,7 @@ def test_rays_of_a_pixel_are_averaged(ball):
 
 
 def test_backs(lapr_bake):
-    """Through the open border they are seen as they were baked; other bakes shade them."""
+    """Checks backs, seen through the open border: as baked, or shaded if they were not."""
     camera = camera_around_bake(lapr_bake, azimuth=90)
     picture = leaflight.still(lapr_bake, 0.5, camera, SIZE, walls=False)
     assert picture[..., 3].any() and np.isfinite(picture).all()
@@ -124,7 +124,7 @@ def test_the_command(cli, box_file, tmp_path):
 
     colors = np.asarray(Image.open(tmp_path / "box.png"))
     assert colors.shape == (48, 64, 4) and colors[..., 3].min() == 0 and colors[..., :3].max() > 100
-    # A camera is a file, too.
+    # A file can define the camera.
     camera = tmp_path / "camera.json"
     camera.write_text('{"position": [0.5, 0.5, 4], "target": [0.5, 0.5, 0.5], "up": [0, 1, 0]}')
     out = tmp_path / "other.png"

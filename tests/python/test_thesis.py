@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes with fixed samples: their estimators and strategies by the names that Python has."""
+"""Tests bakes with fixed samples: estimators and strategies by their names."""
 
 from dataclasses import asdict
 
@@ -41,7 +41,7 @@ def brightness(baked):
 
 @pytest.mark.parametrize("region", ["sphere", "clipped_sphere", "box", "cylinder", "graph"])
 def test_thesis_estimator(bake_box, bake_flat, region):
-    """It sees the same light, give or take the blur of so few photons."""
+    """Checks for the same light, except for the blur of few photons."""
     photon_map = PhotonMap(k=50, region=region)
     for bake in (bake_box, bake_flat):
         baked = bake(estimator="thesis", photon_map=photon_map)
@@ -49,7 +49,7 @@ def test_thesis_estimator(bake_box, bake_flat, region):
 
 
 def test_photon_map_settings_matter(bake_box):
-    """A wider reach in the range, and a nearer limit in space, count other photons."""
+    """Checks that the weight of the range and the radius change the result."""
     results = [
         bake_box(estimator="thesis", photon_map=photon_map).grid.dense("radiance")
         for photon_map in (PhotonMap(), PhotonMap(g=1.0), PhotonMap(k=20), PhotonMap(radius=0.05))
@@ -69,7 +69,7 @@ def test_scattered_samples(bake_box, bake_flat, strategy):
 
 
 def test_level_sets_of_given_isovalues(bake_flat):
-    """Samples on one isoline say nothing about others but those next to it."""
+    """Checks that samples on one isoline light only texels near it."""
     at_50, at_150 = (
         bake_flat(scattered=Scattered("level_set", 2000, isovalues=(c,), radius=50))
         for c in (50.0, 150)
@@ -119,7 +119,7 @@ def test_threads_do_not_matter(tmp_path, bake_box, estimator):
 
 
 def test_only_some_texels(bump_scene, fixed_work):
-    """Checks that a bake for lookups at some points finds the same light there."""
+    """Checks that a bake only for lookups at some points gives the same light there."""
     volume, settings = leaflight.bump_box(12), {**fixed_work, "estimator": "path"}
     points = np.random.default_rng(1).uniform(0.2, 0.8, (5, 3)) @ np.diag([11.0] * 3)
     points = (np.c_[points, np.ones(5)] @ volume.index_to_world.T)[:, :3]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words of the add-on's interface can be translated: each is a constant that Blender looks up, or a
-template that iface_() does.
+"""Tests that texts of the add-on can be translated. Each is a constant that Blender looks up, or a
+template for iface_().
 """
 
 import ast
@@ -14,7 +14,7 @@ ADDON = Path(__file__).resolve().parents[2] / "addon" / "leaflight"
 SOURCES = sorted(ADDON.rglob("*.py"))
 LANGUAGES = [path for path in sorted((ADDON / "languages").glob("*.py")) if path.stem[0] != "_"]
 
-# Methods of Blender that take a text as an argument of this name or at this place, and our own.
+# Names or positions of arguments that are texts, by method of Blender or of the add-on.
 _TEXTS = {
     "label": "text",
     "prop": "text",
@@ -30,7 +30,7 @@ _TEXTS = {
     "draw_wrapped": 1,
     "draw_progress": 2,
 }
-# A unit, as in "12 s", has nothing to translate.
+# A unit, as in "12 s", needs no translation.
 _WORD = re.compile(r"[A-Za-z]{3}")
 
 
@@ -46,7 +46,7 @@ def shown_texts(tree):
 
 
 def values(tree, expression):
-    """Yields the expression, and what its module assigns to it where it is a name."""
+    """Yields the expression; for a name, the values that its module assigns to it."""
     yield expression
     for name in (node.id for node in ast.walk(expression) if isinstance(node, ast.Name)):
         for node in ast.walk(tree):
@@ -57,7 +57,9 @@ def values(tree, expression):
 
 
 def untranslatable(expression):
-    """Words of an expression that no catalog can hold: put together where it is run."""
+    """Yields words of an expression that no catalog can contain, because they are built at run
+    time.
+    """
     if isinstance(expression, ast.Call):
         # The result of a function is checked elsewhere; the argument of iface_() must be constant.
         if getattr(expression.func, "id", "") == "iface_":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Data come in any units, such as particles per cubic metre: the light is the same."""
+"""Tests that units of the data, such as particles per cubic meter, do not change the light."""
 
 import leaflight
 from outcomes import refused

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No reader returns memory that it did not fill."""
+"""Tests that no reader returns memory that it has not filled."""
 
 import platform
 import shutil
@@ -15,7 +15,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "fuzz"))
 
 from targets import TARGETS, missing_library, seeds_of  # noqa: E402
 
-# The files that are fuzzed: of every reader one or several.
+# Targets of the fuzzer: at least one for each reader.
 READ = [target for target in TARGETS if target.arguments[0] == "info"]
 
 pytestmark = pytest.mark.skipif(
@@ -31,12 +31,12 @@ def test_what_is_read_is_the_same_whatever_the_memory_held(tmp_path):
         made = tmp_path / target.name
         for number, data in enumerate(seeds_of(target, made)):
             names.append(f"{target.name} {number}")
-            # With what the file refers to.
+            # Copy the folder, because the file refers to others.
             path = shutil.copytree(made, tmp_path / names[-1]) / f"input{target.suffix}"
             (path / target.within).write_bytes(data)
             files.append((path, _options(target)))
     first, second = answers(files)
-    # The patterns are there: whoever fills nothing is found.
+    # An unfilled array must show the patterns.
     assert [first.pop(0), second.pop(0)] == [[[hex(pattern)]] * 6 for pattern in PATTERNS]
     refused = [text for text in first if not text.startswith("read ")]
     assert [text for text in refused if "needs the Python package" not in text] == []

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fill values are missing data, and values far from 0 keep their differences; real data stay."""
+"""Tests that fill values become missing data, values far from 0 keep their differences, and real
+data stay.
+"""
 
 import itertools
 
@@ -55,7 +57,7 @@ def test_fill_values_are_missing_data(tmp_path, fill, low, high, kind):
     assert note.startswith("25 % of the voxels are ") and "read as missing data" in note
     lo, hi = volume.field().range
     assert low - 1 <= lo < hi <= high + 1
-    # Nothing of them is in means.
+    # Means must ignore fill values.
     for options in ({"downsample": 2}, {"smooth": 1.0}):
         part = read(tmp_path, values, **options)
         lo, hi = part.field().range
@@ -92,7 +94,7 @@ REAL = {
 def test_real_values_stay(tmp_path, name):
     values = REAL[name]
     if name in ("metal in a scan", "hot pixels"):
-        # As near as 0.1 % and less.
+        # Make the outliers rare: 0.1 % of the voxels or less.
         values = np.repeat(values[:, :, :1], 5 * N, axis=2).astype(values.dtype)
         values[..., -1] = REAL[name][..., N // 2]
     read_again = read(tmp_path, values).values
@@ -111,7 +113,7 @@ TAILS = {
 @pytest.mark.parametrize("name", TAILS)
 @pytest.mark.parametrize("kind", [np.float32, np.int16, np.uint16, np.int32])
 def test_heavy_tails_stay(name, kind):
-    """Checks that heavy tails, saturated at the limits of a type, are not taken for fills."""
+    """Checks that outliers, saturated at the limits of a type, are not mistaken for fill values."""
     for seed, scale in itertools.product(range(12), (1, 100, 10000)):
         with np.errstate(over="ignore"):
             values = scale * TAILS[name](np.random.default_rng(seed), N**3)
@@ -125,7 +127,7 @@ def test_a_header_may_name_any_fill_value():
     values = np.where(LAND, -1, 100 + BODY).astype(np.float32)
     assert not occurring(values).fills
     assert occurring(values, (-1.0,)).fills == {-1.0: LAND.sum()}
-    # Not where it is a value among others.
+    # A value among others is not a fill value.
     assert not occurring(np.where(LAND, 0, BODY), (0.0,)).fills
     assert not occurring(np.where(LAND, 1, (BODY > 0.5) * 2), (0.0,)).fills
     assert occurring(np.where(LAND, -127, 9 * BODY).astype(np.int8), (-127,)).fills
@@ -157,7 +159,7 @@ def test_fill_values_of_other_readers(tmp_path):
         (2**53, 2**53 + 3, np.int64, 9_007_199_254_740_990),
         (2**63, 2**63 + 40, np.uint64, 9_223_372_036_854_775_800),
         (16_000_000, 16_000_003, np.float32, 16_000_000.0),
-        # As they are.
+        # These values need no offset.
         (1_000_000, 1_000_003, np.int32, 0),
         (101325.0, 101425.0, np.float32, 0),
         (0.0, 1.0, np.float64, 0),
@@ -181,7 +183,7 @@ def test_values_far_from_0_keep_their_differences(tmp_path, low, high, kind, off
     lo, hi = leaflight.default_isovalue_range(volume)
     assert lo < leaflight.default_isovalue(volume) < hi
     text = f" less {offset:.15g}"
-    # Wherever the volume goes, its name and its source do, too.
+    # Name and source must mention the offset, also after other operations.
     assert (volume.name == f"x{text}") == (offset != 0) == (f", {text[1:]}" in volume.source)
     assert offset == 0 or f": {text[6:]} is subtracted from them" in volume.notes[0]
     for options in ({"downsample": 2}, {"smooth": 1.0}):

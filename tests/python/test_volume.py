@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The built-in volume and the isovalues to begin with."""
+"""Tests the built-in volume and the default isovalues."""
 
 import leaflight
 import numpy as np
@@ -18,7 +18,7 @@ def test_bump_box_fills_the_unit_cube():
     assert box.values.shape == (30, 30, 30)
     np.testing.assert_allclose(box.field().range, (0, 255), atol=1e-3)
     np.testing.assert_allclose(box.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-6)
-    # The field grows towards y = 1.
+    # The field increases towards y = 1.
     assert box.values[:, -1, :].mean() > box.values[:, 0, :].mean() + 40
 
 
@@ -59,7 +59,7 @@ def test_isovalue_lies_in_the_range():
 def test_colin27(colin27):
     brain = leaflight.read_volume(colin27)
     lo, hi = default_isovalue_range(brain)
-    # The isovalues that the thesis and the notes of this project look at.
+    # The range must include the isovalues of the thesis.
     assert lo < 24.5 and 150.5 < hi
     assert 40 < default_isovalue(brain) < 60
 
@@ -72,7 +72,7 @@ def test_isovalue_parts_the_object_from_noisy_air():
 
 
 def test_the_next_isovalue_is_inside():
-    """Bone in skin in air; within bone all is alike."""
+    """Checks bone in skin in air; bone has no further material inside."""
     rng = np.random.default_rng(7)
     values = rng.normal(-1000, 10, (24, 24, 24))
     values[4:20, 4:20, 4:20] = rng.normal(40, 20, (16, 16, 16))
@@ -88,7 +88,7 @@ def test_values_are_not_copied():
     field = volume(values).field()
     assert np.shares_memory(field.values, values)
     assert field.dims == [7, 6, 5]
-    # The field keeps the values alive.
+    # The field must keep the values alive.
     del values
     assert np.isfinite(field.values).all()
 
@@ -132,7 +132,8 @@ def test_caps_lie_flat_just_beyond_the_border():
         vertices, normals, triangles = leaflight._core.contour(capped.field(), isovalue)
         beyond = np.maximum(-vertices, vertices - [9, 8, 7]).max(axis=1)
         assert 0 < beyond.max() < 1 / 3
-        # Closed: every edge belongs to two triangles, or to four where noise touches itself.
+        # The mesh is closed: every edge belongs to two triangles, or to four where noise touches
+        # itself.
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         assert (np.unique(edges, axis=0, return_counts=True)[1] % 2 == 0).all()
 
@@ -199,7 +200,7 @@ def test_whole_numbers_but_for_the_background():
 
 
 def test_coarse_vertices_stay_on_their_side_of_a_thin_shell():
-    """Along the gradient some would go to the other side, which light does not reach."""
+    """Checks vertices that would move to the shell's other, dark side along the gradient."""
     k, j, i = np.mgrid[:49, :49, :49]
     distance = np.sqrt((i - 24.0) ** 2 + (j - 24.0) ** 2 + (k - 24.0) ** 2)
     head = volume(np.interp(distance, [15.5, 16.5, 19.5, 20.5], [0.45, 1, 1, 0]))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Voxels stay what the file holds, and nothing but memory depends on it."""
+"""Tests that voxels keep the type of the file, and that only memory depends on it."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ INTEGERS = VOXEL_TYPES[:3]
 
 
 def bumps(kind, n=20):
-    """Returns the bump box in whole numbers of a type, noisy, most of the type's range."""
+    """Returns the bump box as integers of a type, noisy, over most of the type's range."""
     box = leaflight.bump_box(n)
     limits, noise = np.iinfo(kind), np.random.default_rng(1).normal(0, 4, box.values.shape)
     share = np.clip((box.values + noise) / 255, 0.02, 0.98)
@@ -69,7 +69,7 @@ def test_bakes_have_the_same_bits_and_ids(kind, bump_scene, tmp_path):
     for name in ("radiance", "radiance_indirect"):
         light = [bake.grid.dense(name) for bake in (own, floats)]
         assert light[0].any() and sha256(light[0]) == sha256(light[1])
-    # The file holds floats, and what they were.
+    # The file stores floats, and the name of the original type.
     own.save(tmp_path / "own.vdb")
     loaded = leaflight.load_bake(tmp_path / "own.vdb")
     assert loaded.id == own.id and loaded.volume.values.dtype == kind
@@ -116,7 +116,9 @@ def test_the_layer_of_a_cap_is_held_too(kind, low, high, kept):
 
 
 def test_differences_do_not_wrap_around():
-    """The reference by Cycles cuts the field finer with them."""
+    """Checks differences near the limits of a type, which the Cycles reference uses to subdivide
+    cells.
+    """
     from leaflight.measure.cycles import _finer
 
     volume = bumps(np.uint8)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The data in a web page; tests/web opens pages in a browser."""
+"""Tests the data in a web page. tests/web opens pages in a browser."""
 
 import base64
 import json
@@ -21,7 +21,7 @@ from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
 
 @pytest.fixture(autouse=True)
 def template(tmp_path, monkeypatch):
-    """Replaces the page that Node builds from web/ by the parts that are filled."""
+    """Replaces the page that Node builds from web/ by its placeholders."""
     path = tmp_path / "template.html"
     path.write_text("<title></title>leaflight-connect-src<!--leaflight:data-->")
     monkeypatch.setattr(page_template, "TEMPLATE", path)
@@ -29,7 +29,7 @@ def template(tmp_path, monkeypatch):
 
 
 def body_of(text):
-    """Returns the bytes of all elements of the data, in their order."""
+    """Returns the bytes of all data elements, in order."""
     parts = re.findall('<script type="text/plain">(.*?)</script>', text, re.DOTALL)
     return b"".join(map(base64.b64decode, parts))
 
@@ -81,7 +81,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
         grid = lapr_bake.grids[number]
         light = volume["light"]
         active = active_texels(header, body, light)
-        # Backs of two volumes hold all light.
+        # Backs of two volumes contain all light.
         assert volume["direct"]["front"] and volume["direct"]["back"] is None
         for side, name in (("front", "radiance_indirect"), ("back", "radiance_back")):
             dense = grid.dense(name) * lapr_bake.scene.exposure
@@ -98,7 +98,7 @@ def test_the_page_holds_the_bake(lapr_bake, tmp_path):
 
 
 def check_wall(header, body, wall, lit, number, bake):
-    """Returns how many ways are in the shadow of some isosurfaces alone."""
+    """Checks a wall; returns the number of its shadow rays that only isosurfaces block."""
     sets, least, greatest, shares, *unshadowed = lit.direct_ways(number)
     assert (least is None) == (wall["least"] is None)
     exposed = list(zip(wall["unshadowed"], unshadowed))
@@ -136,7 +136,7 @@ def test_dark_and_overbright_colors():
 
 
 def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
-    """Each code of a map lies in the part of the range about its texel that its level says."""
+    """Checks that each code of a map lies in the part of the local range that its level gives."""
     finer = {**small, "resolution": 24}
     bake = leaflight.bake(leaflight.bump_box(24), bump_scene, both_sides=True, **finer)
     bake.export_page(tmp_path / "box.html")
@@ -163,7 +163,7 @@ def test_the_page_holds_maps_of_direct_light(bump_scene, small, tmp_path):
             off = abs(part - part_of(level, point))[sharp & (level < DARK)]
             assert len(off) > 1000 and off.max() < 0.5 / 12 + 2 / 60
             np.testing.assert_array_equal(level == DARK, code == 255)
-    # Beside them texels hold indirect light.
+    # Other texels have indirect light.
     lit = active_texels(header, body, volume["light"])
     expected = grid.dense("radiance_indirect")[lit] * bake.scene.exposure
     got = colors(header, body, volume["light"]["front"])
@@ -177,7 +177,7 @@ def part_of(level, point):
 
 
 def of_27(values):
-    """Returns the minimum and the maximum of the 27 voxels around each voxel."""
+    """Returns minimum and maximum of the 27 voxels around each voxel."""
     padded = np.pad(values, 1, "edge")
     n = [range(3)] * 3
     shifted = [
@@ -192,7 +192,7 @@ def test_bricks_hold_all_texels_with_light(share, layers):
     lit[5:, 7:30, :20] = np.random.default_rng(1).random((18, 23, 20)) < share
     bricks = light_bricks(lit, layers)
     brick, counts = np.array(bricks.brick), np.array(bricks.table.shape[2::-1])
-    # A lookup in each cell of texels, as the page does it, finds its eight.
+    # Each lookup as in the page, in any cell of texels, must find its eight texels.
     for cell in np.argwhere(lit[:-1, :-1, :-1]):
         within = np.minimum(cell[::-1] // (brick - 1), counts - 1)
         first = cell[::-1] - within * (brick - 1)
@@ -253,7 +253,7 @@ def test_the_size_of_a_page_is_known_before(walls, tmp_path):
 
 def test_a_folder_to_embed(cli, box_file, tmp_path):
     out = tmp_path / "box.html"
-    for _ in range(2):  # it may be written again
+    for _ in range(2):  # can be written again
         done = cli("export", box_file, "--out", out, "--embed", "--json")
         assert done.status == 0, done.err
     folder = tmp_path / "box"
@@ -300,7 +300,7 @@ def test_titles_are_no_markup(box_bake, tmp_path):
 
 
 def test_levels_of_light_points_round_unlike_each_other():
-    """A code and the mean of what the light points make of it are nearer than half a part."""
+    """Checks that the rounding errors of different light points average out."""
     points, least, greatest = 36, 20, 140
     codes = np.arange(256, dtype=np.uint8)
     about = np.full_like(codes, least), np.full_like(codes, greatest)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Zarr 2 as zarr writes it, Zarr 3 as tensorstore does, and a shard that is made by hand."""
+"""Tests Zarr 2 by zarr, Zarr 3 by tensorstore, and a shard made by hand."""
 
 import gzip
 import json
@@ -53,7 +53,7 @@ def sharded(chunks=(2, 3, 4)):
 
 
 def write_group_3(path, axes="zyx"):
-    """OME-Zarr 0.5 around the array "0"."""
+    """Writes OME-Zarr 0.5 metadata for the array "0"."""
     axes = [{"name": axis, "type": "space", "unit": "micrometer"} for axis in axes]
     datasets = [{"path": "0", "coordinateTransformations": [SCALE]}]
     ome = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
@@ -78,20 +78,20 @@ def test_codecs_of_zarr_3(tmp_path, codecs):
 
 
 def test_ome_zarr_of_shards(tmp_path):
-    """OME-Zarr from 0.5 on, of which one slab touches a part of each shard."""
+    """Checks OME-Zarr 0.5 with shards; a slab reads parts of them."""
     path = write_group_3(tmp_path / "x.ome.zarr")
     write_3(path / "0", VALUES, sharded(), chunks=(4, 6, 8))
     stored = probe(path)
     assert (stored.dims, stored.voxel_size, stored.unit) == ((7, 6, 5), (1, 2, 4), "µm")
     reads(VALUES, path)
-    # Its axes may stand in any order.
+    # Axes may be in any order.
     other = write_group_3(tmp_path / "y.ome.zarr", axes="xzy")
     write_3(other / "0", VALUES, sharded(), chunks=(4, 6, 8))
     reads(VALUES.transpose(1, 2, 0), other)
 
 
 def test_a_shard_that_is_made_by_hand(tmp_path):
-    """By the specification: packed chunks, behind them the places and the sizes of all."""
+    """Checks the specification: compressed chunks, then the positions and sizes of all."""
     path = tmp_path / "x.zarr"
     (path / "c" / "0" / "0").mkdir(parents=True)
     shard = {
@@ -143,7 +143,7 @@ def test_packings_of_zarr_2(tmp_path):
     reads(VALUES, path)
     path = _zarr_2(tmp_path / "y.zarr", order="F", dimension_separator="/")
     reads(VALUES, path)
-    # Voxels of an absent chunk have the fill value.
+    # Voxels of absent chunks have the fill value.
     (tmp_path / "y.zarr" / "1" / "0" / "0").unlink()
     _change(tmp_path / "y.zarr" / ".zarray", fill_value=7)
     values = read_volume(path).values

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How tests wait: for what happens, however long that takes here."""
+"""Functions with which tests wait for events, however long they take."""
 
 import os
 import subprocess
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
-# Seconds after which a program hangs, whatever the machine.
+# Seconds after which a program is assumed to hang, on any machine.
 HANG = 1800
 
 
@@ -44,7 +44,7 @@ def run_python(*arguments, paths=None, variables=None, **options):
 
 @contextmanager
 def started(*command, **options):
-    """Starts a program that may never end by itself, and ends it with the context."""
+    """Starts a program that may never end by itself; the context ends it."""
     with subprocess.Popen(*command, **options) as process:
         try:
             yield process

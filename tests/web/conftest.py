@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes, their pages, and one browser for all."""
+"""Fixtures: bakes, their web pages, and one browser for all tests."""
 
 import math
 import shutil
@@ -57,7 +57,9 @@ def brain():
 
 
 def oblong():
-    """All that is unlike: turned, of three spacings, floats with a hole, backs not baked."""
+    """Returns a bake with unusual properties: rotated, with three voxel sizes, floats with a hole,
+    no backs.
+    """
     z, y, x = np.mgrid[:30, :22, :26].astype(np.float32)
     values = np.sin(0.4 * x) + np.cos(0.3 * y + 0.1 * z) + np.float32(0.01) * z * y
     values[12:20, 3:9, 4:12] = np.nan
@@ -69,15 +71,16 @@ def oblong():
 
 
 def two():
-    """Two volumes that are seen together, whose backs have no maps."""
+    """Returns two volumes that are shown together, whose backs have no visibility maps."""
     scene = leaflight.load_scene(ROOT / "scenes" / "lapr.json")
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
     return leaflight.bake(volumes, scene, both_sides=True, **WORK)
 
 
 def shadows():
-    """Posts on a floor before a wall, in light with sharp edges from above and below; one of the
-    shadows is a plate's."""
+    """Returns posts on a floor in front of a wall, with sharp shadows from above and below. One
+    shadow is that of a plate.
+    """
     z, y, x = np.mgrid[:40, :48, :44].astype(np.float32)
     values = 60 - 6 * z + 0.4 * np.sin(0.7 * x) * np.sin(0.5 * y)
     for px, py, height, width in ((12, 14, 26, 3), (29, 20, 18, 5), (16, 36, 32, 2.5)):
@@ -103,7 +106,7 @@ def shadows():
 
 
 def ball():
-    """About the origin, in the light of one point."""
+    """Returns a ball around the origin, lit by one point light."""
     z, y, x = (np.mgrid[:41, :41, :41] - 20.0) / 20.0
     values = (100 - 100 * np.sqrt(x * x + y * y + z * z)).astype(np.float32)
     index_to_world = np.diag([0.05, 0.05, 0.05, 1.0])

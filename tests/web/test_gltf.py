@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An exported .glb as three.js reads it."""
+"""Tests that three.js reads an exported .glb."""
 
 import json
 import shutil
@@ -23,7 +23,7 @@ def test_colors_and_places_arrive_in_three(bakes, tmp_path):
     done = subprocess.run([node, script, path], capture_output=True, text=True, check=True)
     found = json.loads(done.stdout)
     surface = bake.surface(47.0)
-    # y is up.
+    # In glTF, y is up.
     x, y, z = surface.vertices.T
     np.testing.assert_allclose(np.reshape(found["places"], (-1, 3)), np.c_[x, z, -y], atol=1e-5)
     np.testing.assert_allclose(found["size"], np.ptp(np.c_[x, z, y], axis=0), atol=1e-5)

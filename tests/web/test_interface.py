@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What people expect of a viewer: its first view, its progress, its link, its controls."""
+"""Tests the interface of the page: first view, progress, link, controls."""
 
 import http.server
 import threading
@@ -14,7 +14,7 @@ from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
 SIZE = {"width": 800, "height": 300}
-# test_the_page() is of the short suite.
+# The short suite has test_the_page().
 pytestmark = pytest.mark.slow
 LOOK, VIEWPOINT = "leaflight.view.look", "leaflight.view.orbit.viewpoint"
 SHOWN = f"{LOOK}.isosurfaces"
@@ -122,7 +122,9 @@ def test_it_is_rolled_and_flipped_and_the_link_keeps_all(page, pages):
 
 @pytest.mark.parametrize("bake, end", [("box", "2"), ("brain", "3")])
 def test_clips_begin_at_the_front(browser, pages, bake, end):
-    """Checks the side of "front": greatest y of a patient, least y of a room, its open side."""
+    """Checks that clips start at the front: greatest y of a patient, least y of a room, its
+    open side.
+    """
     browser.open(pages(bake).as_uri(), SIZE)
     shown = browser.evaluate(
         "(e => [e.value, e.selectedOptions[0].text])(document.querySelector('#clip-from'))"
@@ -146,7 +148,7 @@ def choose(page, control, value):
 
 
 def test_slices_show_the_data_in_colors(page, bakes, pages):
-    """Across y, seen along it, before an isosurface that nothing has: the data of the plane."""
+    """Checks the data on a plane across y, seen along y. No isosurface hides it."""
     bake = bakes("box")
     low, high = np.asarray(bake.volume.field().bounds)
     place = 0.3
@@ -157,7 +159,7 @@ def test_slices_show_the_data_in_colors(page, bakes, pages):
     assert page.evaluate(f"{LOOK}.slices") == [None, place, None]
     page.atRest()
     colors = page.picture()
-    # Rays of some pixels, from the page's own camera.
+    # Rays of some pixels, from the page's camera.
     points, pixels = [], ((400, 150), (370, 120), (440, 190), (420, 100), (380, 180))
     for x, y in pixels:
         at = page.evaluate(
@@ -188,14 +190,14 @@ def test_slices_show_the_data_in_colors(page, bakes, pages):
 
 
 def test_a_color_map_changes_the_albedo_alone(page, bakes):
-    """Light in proportion to the albedo: as baked times the ratio of the colors."""
+    """Checks that only the albedo changes: light is multiplied by the ratio of the colors."""
     page.evaluate(f"{LOOK}.showsWalls = false")
     page.atRest()
     before = page.picture()
     choose(page, "#isosurfaces .colors", "VIRIDIS")
     page.atRest()
     after = page.picture()
-    # By what exposes and displays colors, more light is more and none is none.
+    # Exposure and display keep the order of colors, and black.
     lit = (before[..., 3] == 255) & (before[..., :3].min(axis=-1) > 40)
     assert lit.sum() > 1000
     ratio = after[lit][:, :3].astype(float) / before[lit][:, :3]
@@ -207,7 +209,9 @@ def test_a_color_map_changes_the_albedo_alone(page, bakes):
 
 
 def test_isosurfaces_are_seen_through_each_other(page, bakes, pages):
-    """Three, of which the outer two are translucent: the pictures of each, over one another."""
+    """Checks three isosurfaces, of which the outer two are translucent, against blended pictures of
+    each.
+    """
     low, high = bakes("box").isovalues
     isovalues, opacities = low + (high - low) * np.array([0.8, 0.5, 0.2]), (1.0, 0.4, 0.7)
     page.evaluate(f"{LOOK}.showsWalls = false")
@@ -228,7 +232,8 @@ def test_isosurfaces_are_seen_through_each_other(page, bakes, pages):
         expected = alpha * picture[..., :3] / 255 + (1 - alpha) * expected
     off = abs(shown[..., :3] * shown[..., 3:] - expected).max(axis=-1)
     assert (off > 0.03).mean() < 0.01 and (shown[..., 3] > 0.5).mean() > 0.1
-    # The link has all of them; they can be removed up to the last, and there are at most eight.
+    # The link contains all of them. They can be removed up to the last, and there are at most
+    # eight.
     seen = page.evaluate(SHOWN)
     page.atRest()
     page.evaluate(FRAMES)
@@ -243,7 +248,9 @@ def test_isosurfaces_are_seen_through_each_other(page, bakes, pages):
 
 
 def test_looks_have_a_color_a_coat_and_a_background(browser, bakes, pages):
-    """The coat of a ball, which has no shadow on its lit side, is GGX in the light of its lamp."""
+    """Checks the coat of a ball against GGX in the light of its lamp. The lit side of a ball has no
+    shadow.
+    """
     page, look, stops = browser, LOOKS["SKIN"], -2
     (lamp,) = bakes("ball").scene.lights
     page.open(pages("ball").as_uri(), SIZE)
@@ -357,7 +364,7 @@ def test_lengths_are_those_of_the_world(page, bakes):
     assert page.evaluate("leaflight.panel.ruler.distance") == pytest.approx(distance, rel=0.05)
     shown = page.evaluate("document.querySelector('#ruler-text').textContent")
     assert float(shown.split()[0]) == pytest.approx(distance, rel=0.05) and "units" in shown
-    # The scale bar, at the depth of the middle.
+    # Check the scale bar at the depth of the center.
     bar = page.evaluate("document.querySelector('#scale-bar').getBoundingClientRect().width")
     length = float(page.evaluate("document.querySelector('#scale-text').textContent").split()[0])
     camera = page.evaluate(VIEWPOINT)

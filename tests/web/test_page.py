@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The web page in a browser: its pictures against the core's own, its interface, its sentences."""
+"""Tests the web page in a browser: its pictures against the core's, its interface, its messages."""
 
 import functools
 import http.server
@@ -15,7 +15,7 @@ from leaflight.stills.photograph import tone_mapped
 
 SIZE = {"width": 320, "height": 200}
 ISOVALUE = "leaflight.view.look.isosurfaces[0].isovalue"
-# Keys on the slider after which pictures are compared: to the end, and back by tenths and steps.
+# Keys pressed on the slider before pictures are compared: to the end, back by tenths and by steps.
 KEYS = (["Home", "PageUp", "PageUp", "PageUp"], ["PageUp", "ArrowRight"], ["PageUp", "ArrowLeft"])
 
 
@@ -26,8 +26,9 @@ def linear(colors):
 
 
 def difference_percent(picture, still, exposure):
-    """RMS over what both fill, of colors 0..1 as compare() has them, and the share that one fills
-    alone, both in percent."""
+    """Returns, in percent, the RMS of colors 0..1 as in compare() over pixels that both fill, and
+    the share that only one fills.
+    """
     filled, expected = picture[..., 3] == 255, still[..., 3] == 1
     both = filled & expected
     assert both.sum() > 2000
@@ -68,17 +69,17 @@ def test_shadows_have_the_edges_of_the_core(browser, bakes, pages, side):
         both = (picture[..., 3] == 255) & (still[..., 3] == 1)
         expected = tone_mapped(still[both][:, :3] * exposure_of(browser, bake))
         off = abs(linear(picture[both][:, :3]) - expected).max(axis=1)
-        # Light of texels alone is wrong in 1 to 2 % of the pixels, beside the edges of shadows.
+        # With the light of texels alone, 1 to 2 % of the pixels are wrong, at edges of shadows.
         mean, wrong = 100 * off.mean() / expected.max(), 100 * (off > 0.05).mean()
         assert mean <= 0.25 and wrong <= 0.15, f"{isovalue}: mean {mean:.2f} %, {wrong:.2f} % wrong"
 
 
-# Strengths and sRGB colors of lamps, None for those of the bake; the sun stays as it is.
+# Strengths and sRGB colors of lamps; None: color of the bake. The sun does not change.
 LAMPS = {1: (0.5, None), 2: (2.0, "#20ff40"), 3: (0.0, None)}
 
 
 def with_lamps(bake, chosen):
-    """Returns the bake with the lamps, by their numbers, as the page has them."""
+    """Returns the bake with these lamps, by their numbers, as the page shows it."""
     factors = {}
     for number, (strength, color) in chosen.items():
         light = bake.scene.lights[number]
@@ -90,7 +91,7 @@ def with_lamps(bake, chosen):
 
 
 def choose_lamps(browser, chosen):
-    """By their controls."""
+    """Sets the lamps by the controls."""
     change = (
         "(e => (e.value = '{}', e.dispatchEvent(new Event('input'))))"
         "(document.getElementById('{}'))"
@@ -103,7 +104,9 @@ def choose_lamps(browser, chosen):
 
 
 def test_lamps_change_as_in_relit(browser, bakes, pages):
-    """On isosurfaces, their backs and walls, and in local shading; the link keeps them."""
+    """Checks isosurfaces, their backs, walls and local shading. The link must keep the
+    strengths.
+    """
     bake, url = bakes("shadows"), pages("shadows").as_uri()
     browser.open(url, SIZE)
     choose_lamps(browser, LAMPS)
@@ -118,7 +121,7 @@ def test_lamps_change_as_in_relit(browser, bakes, pages):
     check_like_still(browser, relit, local=True)
     browser.open(url + link, SIZE)
     check_like_still(browser, relit)
-    # A page of the bake that was relit begins with these strengths, and goes on from them.
+    # The page of a relit bake starts with its strengths.
     path = pages("shadows").with_name("relit.html")
     relit.export_page(path)
     browser.open(path.as_uri(), SIZE)
@@ -144,14 +147,16 @@ def test_pictures_are_those_of_the_core(browser, bakes, pages, name):
     assert len(seen) == 3
     browser.click("#local")
     check_like_still(browser, bake, local=True)
-    # Nothing leaves the page, and nothing went wrong in it.
+    # The page must send no request and report no error.
     assert [request for request in browser.requests() if not is_local(request)] == [url]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("isovalue", [70.5, 80.5])
 def test_shadows_of_thin_shells_are_those_of_the_core(browser, bakes, pages, isovalue):
-    """The visibility codes of all light points there are close to that of the isosurface."""
+    """Checks a thin shell, where the visibility codes of all light points are close to that of the
+    isosurface.
+    """
     browser.open(pages("brain").as_uri(), {"width": 640, "height": 400})
     browser.evaluate(f"{ISOVALUE} = {isovalue}; leaflight.view.changed()")
     check_like_still(browser, bakes("brain"))
@@ -170,7 +175,7 @@ def test_a_pixel_costs_few_fetches(browser, pages):
 
 
 def test_the_page(browser, bakes, pages):
-    """It shows the light of the bake, and its controls work."""
+    """Checks that it shows the light of the bake, and that its controls work."""
     browser.open(pages("box").as_uri(), {"width": 800, "height": 300})
     check_like_still(browser, bakes("box"))
     lo, hi = bakes("box").isovalues
@@ -188,7 +193,7 @@ def test_the_page(browser, bakes, pages):
             f"(document.querySelector('{selector}').getBoundingClientRect())"
         )
 
-    # The slider, the histogram and the number are one isovalue.
+    # Slider, histogram and number must show one isovalue.
     x, y = middle("#histogram")
     browser.drag([x - 20, y], [x, y])
     assert abs(browser.evaluate(ISOVALUE) - (lo + hi) / 2) < 0.01 * (hi - lo)
@@ -199,7 +204,7 @@ def test_the_page(browser, bakes, pages):
         "document.querySelector('#number').dispatchEvent(new Event('change'))"
     )
     assert browser.evaluate(ISOVALUE) == 80
-    # The view is turned by hand and by keys, and comes back.
+    # Rotate the view by mouse and keys, and restore it.
     assert changed(lambda: browser.drag([600, 150], [660, 180]))
     assert changed(lambda: browser.press(["ArrowLeft", "+"], "#view"))
     assert changed(lambda: browser.press(["r"]))
@@ -213,7 +218,7 @@ def test_the_page(browser, bakes, pages):
     colors = browser.picture()
     gray = (colors[..., 3] == 255) & (np.ptp(colors[..., :3].astype(int), axis=-1) <= 1)
     assert gray.mean() > 0.002
-    # It plays, and stops.
+    # Play the isovalue and stop it.
     start = browser.evaluate(ISOVALUE)
     browser.press([" "], "#view")
     browser.evaluate(
@@ -225,7 +230,7 @@ def test_the_page(browser, bakes, pages):
     stopped = browser.evaluate(ISOVALUE)
     browser.evaluate(FRAMES)
     assert stopped != start and browser.evaluate(ISOVALUE) == stopped
-    # It takes the size of its window.
+    # It must adapt to the size of its window.
     browser.resize(200, 300)
     assert browser.picture().shape == (300, 200, 4)
 
@@ -257,7 +262,7 @@ def test_a_phone_turns_it_by_touch(browser, bakes, pages):
     browser.touchDrag([180, 150], [240, 190])
     browser.atRest()
     assert browser.evaluate("leaflight.view.camera.position.toArray()") != before
-    # The panel is within the screen, and the canvas fills it.
+    # The panel must fit the screen, and the canvas must fill it.
     panel = "document.querySelector('#panel').getBoundingClientRect()"
     assert browser.evaluate(f"{panel}.right") <= 360 and browser.evaluate(f"{panel}.top") > 200
     x, y, width = browser.evaluate(

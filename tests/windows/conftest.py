@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The packages for Windows, and Windows' Python with the wheel, run by Wine."""
+"""Fixtures: the packages for Windows, and Windows' Python with the wheel in Wine."""
 
 import os
 import shutil
@@ -11,10 +11,9 @@ import pytest
 from waiting import HANG
 
 ROOT = Path(__file__).resolve().parents[2]
-# Version of Python -> NumPy: what Blender 4.5 for Windows brings along, and the newest that needs
-# no function that Wine 8 lacks.
+# NumPy by version of Python: that of Blender 4.5 for Windows, and the newest that works in Wine 8.
 NUMPYS = {"3.11": "1.26.4", "3.13": "2.1.3"}
-# Packages that tests/python needs, in versions that run with that NumPy of Python 3.11.
+# Packages that tests/python needs, in versions for that NumPy of Python 3.11.
 PACKAGES = (
     *("hypothesis", "scipy==1.11.4", "matplotlib==3.8.4", "meshio==5.3.5", "trimesh==4.6.0"),
     *("nibabel==5.3.2", "tifffile==2025.5.10", "pydicom==3.0.1", "mrcfile==1.5.4"),
@@ -33,7 +32,7 @@ def call(*command, **variables):
         stderr=subprocess.STDOUT,
         encoding="utf-8",
         errors="replace",
-        timeout=4 * HANG,  # some are whole suites of tests
+        timeout=4 * HANG,  # some are whole test suites
         cwd=ROOT,
         env={**kept, "PYTHONNOUSERSITE": "1", **variables},
     )
@@ -51,7 +50,7 @@ def root():
 def made():
     """Returns the paths of the wheels, by version of Python, and of the extension."""
     command = (ROOT / "scripts" / "package", "--platform", "windows-x64")
-    # A compiler does not hang.
+    # No time limit, because a compiler does not hang.
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     *wheels, extension = [ROOT / name for name in done.stdout.splitlines()[-1].split()]
     return dict(zip(NUMPYS, wheels, strict=True)), extension
@@ -69,7 +68,7 @@ def numpy_version(python_version):
 
 @pytest.fixture(scope="session")
 def tag(python_version):
-    """Returns the version as in names of wheels."""
+    """Returns a version of Python as in names of wheels."""
     return f"cp{python_version.replace('.', '')}"
 
 
@@ -82,7 +81,9 @@ def windows_python(version, name, *packages):
 
 @pytest.fixture(scope="session")
 def package_tests(made):
-    """Runs Windows' Python 3.11 with the wheel and the packages that tests/python takes."""
+    """Returns a function that runs Windows' Python 3.11 with the wheel and the packages of
+    tests/python.
+    """
     program = windows_python("3.11", "tests", *PACKAGES)
     site = ROOT / "build" / "windows" / "tests-3.11" / "wheel"
     shutil.rmtree(site, ignore_errors=True)
@@ -93,7 +94,9 @@ def package_tests(made):
 
 @pytest.fixture(scope="session")
 def windows(made, python_version, tag, tmp_path_factory):
-    """Runs Windows' Python with the wheel and the readers of the extension."""
+    """Returns a function that runs Windows' Python with the wheel and the readers of the
+    extension.
+    """
     program = windows_python(python_version, "plain")
     site = tmp_path_factory.mktemp("site")
     with zipfile.ZipFile(made[1]) as extension:
@@ -106,6 +109,6 @@ def windows(made, python_version, tag, tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def linux():
-    """Runs Debian's Python with the build tree."""
+    """Returns a function that runs Debian's Python with the build tree."""
     built = ROOT / "build" / "release" / "python"
     return lambda *arguments: call("/usr/bin/python3", *arguments, PYTHONPATH=str(built))

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python read_bake.py BAKE.vdb OUT.npz: the light of a bake's texels and of an isosurface."""
+"""python read_bake.py BAKE.vdb OUT.npz: writes the light of a bake's texels and of an
+isosurface.
+"""
 
 import sys
 

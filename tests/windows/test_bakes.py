@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Windows' Python bakes the bits that Debian's does, and each reads the other's files."""
+"""Tests that Windows' and Debian's Python bake the same bits, and read each other's files."""
 
 import os
 from pathlib import Path
@@ -34,7 +34,7 @@ def test_the_bump_box(windows, numpy_version, linux, root, tmp_path):
 
 @pytest.fixture(scope="module")
 def nucleon(windows, linux, root, tmp_path_factory):
-    """Returns the folder of nucleon.raw's bakes: windows.vdb and linux.vdb."""
+    """Returns the folder with bakes of nucleon.raw: windows.vdb and linux.vdb."""
     volume = DATA / "nucleon.raw"
     if not volume.exists():
         pytest.skip(f"{volume} is missing; name its folder by LEAFLIGHT_DATA")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The core's tests of the short suite, compiled for Windows and run by Wine."""
+"""Runs the core's tests of the short suite, compiled for Windows, in Wine."""
 
 import subprocess
 import sys
@@ -15,11 +15,11 @@ def test_core():
     wine = ("env", f"WINEPREFIX={libraries.WORK / 'wine'}", "WINEDEBUG=-all", "wine")
     options = ("LEAFLIGHT_TESTS=ON", f"CMAKE_CROSSCOMPILING_EMULATOR={';'.join(wine)}")
     folder = wheel.build_folder("3.11", *options)
-    # A compiler does not hang, and ctest has a limit for each test.
+    # No time limit, because a compiler does not hang, and ctest limits each test.
     subprocess.run(["cmake", "--build", folder, "--target", "core_tests"], check=True)
     command = ["ctest", "--test-dir", folder, "--output-on-failure", "-LE", "slow|machine"]
-    # Wine's services hold the output of the program that starts them open while any program runs.
-    # So the first program here starts them without an output. The second ends once they run.
+    # Wine's services keep the output of the program that starts them open. So a first program
+    # without output starts them, and a second ends once they run.
     nowhere = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen([*wine, "cmd"], stdin=subprocess.PIPE, **nowhere):
         subprocess.run([*wine, "cmd", "/c", "rem"], stdin=subprocess.DEVNULL, check=True, **nowhere)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The package's tests of the short suite in Windows' Python 3.11."""
+"""Runs the package's tests of the short suite in Windows' Python 3.11."""
 
-# The files and tests of tests/python that do not run there, and why.
+# Files and tests of tests/python that do not run there, with the reason.
 NOT_HERE = {
     **dict.fromkeys(
         ("test_progress_bar.py", "test_saving.py"), "terminals, signals and limits of Linux"
@@ -26,7 +26,7 @@ NOT_HERE = {
 
 
 def test_package(package_tests, tmp_path):
-    # A file of which all is left out may import modules of Linux.
+    # Files that are excluded completely may import modules of Linux.
     left_out = (
         f"--{'deselect' if '::' in name else 'ignore'}=tests/python/{name}" for name in NOT_HERE
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contents of the packages for Windows, and the libraries that the module loads."""
+"""Tests the contents of the packages for Windows, and the libraries that the module loads."""
 
 import re
 import subprocess
@@ -8,7 +8,7 @@ import zipfile
 
 import pytest
 
-# Libraries of every Windows. The module loads Python's library, too.
+# Libraries that every Windows has. The module also loads Python's library.
 SYSTEM = {
     "kernel32.dll",
     "msvcrt.dll",
@@ -30,7 +30,7 @@ def module(tag):
 
 @pytest.fixture(scope="module")
 def listed(wheel, module, tmp_path_factory):
-    """Returns the headers of the module as binutils print them."""
+    """Returns the headers of the module, by binutils."""
     folder = tmp_path_factory.mktemp("module")
     with zipfile.ZipFile(wheel) as archive:
         path = archive.extract(module, folder)
@@ -48,14 +48,18 @@ def test_the_name_tells_the_python_and_the_system(wheel, tag):
 
 
 def test_the_module_takes_libraries_of_the_system_alone(listed, tag):
-    """Else another program's library of the same name would serve it."""
+    """Checks that it needs no other library, because another program's library of the same name
+    could replace it.
+    """
     taken = {name.lower() for name in re.findall(r"DLL Name: (\S+)", listed)}
     own = f"python{tag[2:]}.dll"
     assert {"kernel32.dll", own} <= taken <= {*SYSTEM, own}
 
 
 def test_the_module_exports_its_entry(listed):
-    """And oneTBB's functions, which declare themselves so. On Windows nobody takes them unasked."""
+    """Checks the exports: the module's entry, and oneTBB's functions, which Windows resolves only
+    on request.
+    """
     table = listed.partition("[Ordinal/Name Pointer] Table")[2].partition("\n\n")[0]
     exported = re.findall(r"\[\s*\d+\].*?(\w+)$", table, re.M)
     others = [name for name in exported if not re.match(r"TBB_|_Z\w*3tbb6detail", name)]

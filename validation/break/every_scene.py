@@ -48,13 +48,13 @@ COLUMNS = (
 )
 # Target errors of bakes whose bits are compared, and of bakes that show a setting's effect.
 BITS, ROUGH = 4.0, 50.0
-# No bake reaches it, so that the time ends it.
+# Target error that no bake reaches, so that the time ends the bake.
 NO_ERROR = 0.001
 
 
 @dataclass(frozen=True)
 class Case:
-    """make: of the nodes a side, gives (volumes, scene) as bake() takes them."""
+    """A kind of scene. make: returns (volumes, scene) for bake(), given the nodes per axis."""
 
     name: str
     make: Callable
@@ -74,13 +74,13 @@ def from_file(name):
 
 
 def brain(nodes):
-    """Returns Colin27, about as many nodes a side, in the Cornell box."""
+    """Returns Colin27, with about this many nodes per axis, in the Cornell box."""
     downsample = max(step for step in (1, 2, 4, 8) if 200 / step >= min(nodes, 200))
     return leaflight.read_volume(COLIN27, downsample=downsample), leaflight.cornell_box()
 
 
 def mirror_ball(nodes):
-    """Returns the brain beside a ball that mirrors it."""
+    """Returns the brain with a mirror ball beside it."""
     volume, scene = brain(nodes)
     vertices, triangles = ball(center=(-1.1, -1.4, -0.79), radius=0.35)
     mesh = Mesh("ball", vertices, triangles, (0.9, 0.9, 0.9), scattering="mirror")
@@ -126,10 +126,12 @@ CASES = (
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     names = [case.name for case in CASES]
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(names)} (all)")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"scenes among {', '.join(names)} (all)"
+    )
     parser.add_argument("--error", type=float, default=1.5, help="percent (1.5)")
     parser.add_argument("--time", type=float, default=20.0, help="seconds (20)")
-    parser.add_argument("--nodes", type=int, default=32, help="of a volume, a side (32)")
+    parser.add_argument("--nodes", type=int, default=32, help="nodes of a volume per axis (32)")
     parser.add_argument(
         "--killed", nargs=2, metavar=("CHECKPOINT", "RESULT"), help=argparse.SUPPRESS
     )
@@ -170,7 +172,7 @@ class Row:
         return self.case.bake(self.volumes, self.scene, **settings)
 
     def coarse(self, error, **options):
-        """One whose texels are no finer than voxels."""
+        """Returns a bake whose texels are at least as wide as voxels."""
         return self.bake(error=error, **{"resolution": self.nodes, **options})
 
     def check(self, holds, sentence):
@@ -241,7 +243,7 @@ class Row:
         return self.check(digest(baked) == whole, "workers give other bits")
 
     def settings(self):
-        """Tries each of them; the names of those that are refused or warned of."""
+        """Tries each setting; returns the names of those that are refused or warned about."""
         rough = self.coarse(ROUGH)
         (lo, hi), plain = rough.isovalues, digest(rough)
         middle = (lo + 0.4 * (hi - lo), lo + 0.6 * (hi - lo))
@@ -274,7 +276,7 @@ def leave_checkpoints(case, nodes, checkpoint, result):
         baked = row.coarse(BITS, checkpoint=Checkpoint(checkpoint, resume=True))
         result.write_text(json.dumps(digest(baked)))
         return 0
-    # Once there is a checkpoint the next pass waits for the end.
+    # After a checkpoint, the next pass waits to be killed.
     row.coarse(
         BITS,
         checkpoint=Checkpoint(checkpoint, seconds=0.0),
@@ -299,7 +301,7 @@ def light_of(baked):
 
 
 def digest(baked):
-    """Returns a digest that differs for bakes of different bits."""
+    """Returns a digest, which is different for bakes with different bits."""
     found = hashlib.sha256(baked.id.encode())
     for grid in grids_of(baked):
         names = ["radiance", "radiance_indirect", "radiance_error"]

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kills, fills disks, takes memory and input away, and looks whether anything was lost.
+"""Interrupts Leaflight: kills it, fills disks, limits memory and removes input; then looks for
+losses.
 
-A try is lost unless the earlier file is untouched or a whole new one has its place. It is unclean
-if the next run leaves something else behind. It is also unclean if a process that was not killed
-ends without success and without one sentence. All other tries survive.
+A trial is lost unless the old file is unchanged or a complete new one has replaced it. It is
+unclean if the next run leaves other files behind. It is also unclean if a process that was not
+killed fails without exactly one sentence. All other trials survive.
 """
 
 import argparse
@@ -26,8 +27,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "build" / "release" / "python"
 
-# Checkpoints after each block of light instead of each half minute, so that there are some to kill.
-# The command reports a package that refuses to load.
+# Program that saves a checkpoint after each block, so that there are some when it is killed. It
+# reports if the package refuses to load.
 HURRIED = """
 import sys
 from leaflight_command import main
@@ -50,7 +51,7 @@ lb.stage(obj)
 lb.bake(obj, error=8.0)
 bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])
 """
-# As when it is saved for the first time, each time: the bake moves along from where it was.
+# Program that saves as if for the first time, each time, so that the bake moves with the file.
 BLENDER_SAVE = """
 import bpy, os
 from leaflight_addon.store import atlases, bake_files
@@ -119,7 +120,9 @@ class Workplace:
         out.write_bytes(self.before)
 
     def judge(self, out=None, of_any=False):
-        """Judges the state of the bake. of_any: True if another volume's name gives another id."""
+        """Judges the state of the bake. of_any: True if another name of the volume changes
+        the id.
+        """
         out = out or self.out
         if not out.exists():
             return "lost"
@@ -151,7 +154,9 @@ def left_behind(folder):
 
 
 def kill_bake(place, chance):
-    """At any moment of a bake over an older one; half of those that left a checkpoint go on."""
+    """Kills a bake over an older one at a random moment. Half of those with a checkpoint are
+    resumed.
+    """
     place.reset()
     kill_after(start(HURRIED, *place.bake(place.out)), chance.uniform(0.2, 1.1) * place.seconds)
     found = place.judge()
@@ -213,8 +218,8 @@ def limited(place, arguments, out, **limits):
 
 
 def judged(done, found):
-    """A process that ends by itself says so in one sentence. Before it may be the warning that the
-    checkpoint could not be written, which alone ends no bake.
+    """Checks that a process which ends by itself prints one sentence. A warning about a checkpoint
+    that cannot be written may precede it; it does not end a bake.
     """
     lines = [line for line in done.stderr.splitlines() if not line.startswith("bake: ")]
     if len(lines) == 2 and ".checkpoint' cannot be written" in lines[0]:
@@ -263,14 +268,14 @@ def read_only(place, _chance):
 
 
 def little_memory(place, chance):
-    """Limits the memory at random, from too little to load the program to enough."""
+    """Limits the memory at random, from too little for a start to more than enough."""
     place.reset()
     bytes = chance.randrange(100, 2000) << 20
     return limited(place, place.bake(place.out), place.out, RLIMIT_AS=bytes)
 
 
 def lost_input(place, chance):
-    """Cuts, empties or removes the volume while the program starts to read it."""
+    """Truncates, empties or removes the volume while the program starts to read it."""
     place.reset()
     volume = place.folder / "lost.npy"
     shutil.copyfile(place.volume, volume)
@@ -293,7 +298,7 @@ def lost_input(place, chance):
 
 
 class BlenderSaves:
-    """A Blender with the add-on that saves a lit .blend over and over, until it is killed."""
+    """A Blender that saves a lit .blend repeatedly, until it is killed."""
 
     def __init__(self):
         self.blender = None
@@ -336,7 +341,12 @@ FAULTS: dict[str, tuple[Callable, float]] = {
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tries", type=int, default=100, help="of each kill; less of others (100)")
+    parser.add_argument(
+        "--tries",
+        type=int,
+        default=100,
+        help="trials per kind of kill, fewer of others (100)",
+    )
     parser.add_argument("--only", action="append", choices=FAULTS, help="(all)")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="(the time)")
     options = parser.parse_args()

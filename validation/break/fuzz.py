@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Damages files of every kind that Leaflight reads, and looks whether the program stands it.
+"""Reads damaged files of every kind and looks for crashes and other failures.
 
 Half of the time files are damaged at random. The seed is printed, so that a run can be repeated.
-The other half is Atheris (libFuzzer), where pip can install it into build/venv-fuzz. The targets
-core-... are of the C++ core alone: libFuzzer with sanitizers. They need Clang (Debian's package
-clang). Files that break the program are stored in build/fuzz/failures.
+The other half is Atheris (libFuzzer), if pip can install it into build/venv-fuzz. Targets core-...
+test only the C++ core: libFuzzer with sanitizers. They need Clang (Debian's package clang). Files
+that break the program are stored in build/fuzz/failures.
 """
 
 import argparse
@@ -70,7 +70,7 @@ def main():
 
 
 def fuzz(target, seconds, seed, guided):
-    """Tries one target for so many seconds; prints a line and returns the number of failures."""
+    """Tries one target for this many seconds; prints a line and returns the number of failures."""
     end = time.monotonic() + (seconds / 2 if guided else seconds)
     tried = accepted = failures = batch = 0
     slowest = 0.0
@@ -113,10 +113,10 @@ def fuzz_core(target, seconds, seed):
 
 
 def libfuzzer(target, command, folder, seconds):
-    """Runs a program of libFuzzer for so many seconds; returns its tries and its failures."""
+    """Runs a libFuzzer program for this many seconds; returns its tries and its failures."""
     limits = [f"-max_total_time={int(max(1, seconds))}", "-timeout=60", "-rss_limit_mb=3000"]
     limits += ["-report_slow_units=60"]
-    # Claimed memory that is not used does not count.
+    # Memory that is allocated but not used does not count.
     limits += ["-malloc_limit_mb=6000", "-max_len=200000", f"-artifact_prefix={folder}/bad-"]
     done = run([*command, *limits], seconds + 150, TMPDIR=folder)
     count = re.findall(r"(?:Done |#)(\d+)", done.stderr)
@@ -129,7 +129,7 @@ def libfuzzer(target, command, folder, seconds):
 
 
 def core_is_built():
-    """Builds the targets of the core; says so in one sentence where there is no Clang for it."""
+    """Builds the targets of the core; prints one sentence if there is no Clang."""
     if shutil.which("clang++") is None:
         print("The targets of the core are left out: there is no clang++, of Debian's clang.")
         return False
@@ -171,7 +171,7 @@ def keep(target, file, text):
 
 
 def atheris_python():
-    """Returns the Python of an environment with Atheris, or None where it cannot be had."""
+    """Returns the Python of an environment with Atheris, or None if it cannot be installed."""
     python = VENV / "bin" / "python"
     test = [str(python), "-c", "import atheris, numpy"]
     if python.exists() and subprocess.run(test, capture_output=True).returncode == 0:

@@ -95,8 +95,8 @@ MUTATIONS = (
     Mutation(
         "glass seen from inside as from outside",
         "src/trace/scene_tracer.cpp",
-        "s.ior = back ? 1 / of.ior : of.ior;",
-        "s.ior = of.ior;",
+        "s.ior = back ? 1 / scene_volume.ior : scene_volume.ior;",
+        "s.ior = scene_volume.ior;",
         "Specular.GlassIsDenserFromOutsideThanFromInside",
     ),
     Mutation(
@@ -158,8 +158,8 @@ MUTATIONS = (
     Mutation(
         "walls without shadows of isosurfaces",
         "src/bake/walls/mesh_direct_light.cpp",
-        "if (way.greatest < own || passes) lit += light;",
-        "if (way.greatest < own || std::isfinite(way.greatest) || passes) lit += light;",
+        "if (ray.greatest < isovalue || passes) lit += light;",
+        "if (ray.greatest < isovalue || std::isfinite(ray.greatest) || passes) lit += light;",
         "MeshDirectLight.KnowsShadowsOfAllVolumes",
     ),
 )
@@ -178,7 +178,7 @@ def main():
 
 
 def copy_tree():
-    """Copies the tracked files as they are changed; built files stay."""
+    """Copies the tracked files with their uncommitted changes; keeps built files."""
     listed = subprocess.run(
         ["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True
     )
@@ -219,7 +219,7 @@ def caught(mutation):
 
 def first_failure(preset, names="."):
     """Returns the first failing test of a ctest preset with a matching name; None if all pass."""
-    # Some bugs leave a test without an end.
+    # A bug may make a test run forever.
     command = ["ctest", "--preset", preset, "-R", names, "--stop-on-failure", "--timeout", "600"]
     run = subprocess.run(command, cwd=WORK, capture_output=True, text=True)
     failed = re.findall(r"^\s+\d+ - (\S+) \((.+)\)$", run.stdout, re.MULTILINE)

@@ -41,7 +41,7 @@ def main():
 
 
 def files_of(path, work):
-    """(file, options) of a file or of each file in a folder; work: a folder for archives."""
+    """Returns (file, options) of a file, or of each file in a folder; work: folder for archives."""
     if not path.is_dir():
         return [(path, {})]
     listed = path / "cases.json"

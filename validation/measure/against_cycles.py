@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Default bakes against Cycles, volume by volume: docs/validation/cycles.md."""
+"""Compares default bakes with Cycles, volume by volume: docs/validation/cycles.md."""
 
 import os
 
@@ -20,7 +20,7 @@ from .judged_bakes import (
     measure_against_cycles,
 )
 
-# A mean color below which a share of it says nothing.
+# Mean color below which a relative difference means nothing.
 DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",
@@ -44,7 +44,7 @@ CYCLES_FORMATS = {
 
 
 def main():
-    """Returns 1 if a bake errs by more than its target where it reported less."""
+    """Returns 1 if a bake has a larger error than its target but reported a smaller one."""
     options = parse_arguments(__doc__)
     find_blender()
     prepare(options.out, "cycles.md")
@@ -64,7 +64,7 @@ def main():
 
 def bake_rows(rows):
     """Returns one row for each bake."""
-    # A row a case, in the order of the cases.
+    # Make one row per case, in the order of the cases.
     bakes = {row.bake.case.name: row.bake for row in rows}
     return [
         {
@@ -156,5 +156,5 @@ def cycles_text(rows, absent, effort):
 
 
 def _off_by(errors):
-    """Returns the deviation of the mean in percent; None if all is dark."""
+    """Returns the deviation of the mean in percent; None if everything is dark."""
     return None if errors["mean_radiance"] < DARK else 100 * (errors["mean_ratio"] - 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake and the core's path tracer against Cycles, feature by feature: docs/validation.md.
+"""Compares the bake and the core's path tracer with Cycles, feature by feature: docs/validation.md.
 
     validation/run check_cycles [NAME ...] [--points N] [--spp N] [--detail N]
 
@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @dataclass(frozen=True)
 class Place:
-    """An isosurface of a volume, or a mesh of the walls, on one side."""
+    """A place to measure: an isosurface of a volume, or a wall, on one side."""
 
     volume: int = 0
     mesh: str = None
@@ -37,7 +37,9 @@ FLOOR = Place(mesh="floor")
 
 @dataclass(frozen=True)
 class Case:
-    """A bake and the places where it is measured. sources: None takes those of the scene."""
+    """A bake and the places where it is measured. sources: names of lights; None takes those of the
+    scene.
+    """
 
     name: str
     scene: str
@@ -80,8 +82,8 @@ CASES = (
     *(Case(name, "lights.json", (47.0,), (ISOSURFACE, FLOOR), alone=name) for name in LIGHTS),
 )
 
-# Cycles takes the mean over a pixel, the others are asked at its center. On a wall, where pixels
-# are wide, sharp shadows would make the difference.
+# Points per pixel on a mesh. Cycles averages over a pixel, others use its center. On walls, with
+# wide pixels, sharp shadows would make a difference.
 MESH_POINTS = 4
 
 HEAD = """\
@@ -119,7 +121,7 @@ def run(case, points, spp, detail):
 
 
 def lit_by(scene, name):
-    """Returns the scene with only the light of that name; or only the environment."""
+    """Returns the scene with only one light, by name, or with only the environment."""
     lights = [light for light in scene.lights if light.name == name]
     environment = scene.environment
     if environment is None or environment.name != name:

@@ -14,7 +14,7 @@ RESULTS = ROOT / "build" / "compatibility"
 TARGET = ROOT / "docs" / "reliability.md"
 BEGIN, END = "<!-- compatibility -->", "<!-- /compatibility -->"
 
-# The checks of check_lights.py by the lamps that they measure.
+# Names of checks in check_lights.py, by the lamp that they measure.
 LAMPS = {
     "area": "check_area_lights",
     "point": "check_a_point_light_whose_object_is_scaled",
@@ -68,7 +68,7 @@ def row(about, folder):
 
 
 def ratio(checks, name):
-    """Cycles / bake of one kind of lamp."""
+    """Returns the ratio of Cycles to the bake for one kind of lamp."""
     found = [
         x
         for check, what in checks.items()

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of the error of default bakes is that of direct light, and how much that of all other.
+"""Splits the error of default bakes into that of direct light and that of all other light.
 
     validation/run direct_against_paths --data DIR [--cases NAME ...] [--points N] [--spp N]
 
 The cases are those of `validation/run against_cycles`; the core's path tracer is the truth, without
-its noise. Direct light alone is that of the same scene with black walls and nearly black
-isosurfaces, as bright as before by the exposure. Prints a row for each isosurface (Markdown).
+its noise. For direct light alone, walls are black and isosurfaces nearly black, and the exposure
+restores the brightness. Prints a row for each isosurface (Markdown).
 """
 
 import argparse
@@ -20,7 +20,7 @@ from leaflight.measure.truth import errors_of, without
 
 from .judged_bakes import CASES
 
-# So little is reflected that light which bounces twice is none.
+# Albedo so small that light after two bounces is negligible.
 DARK = 1e-3
 
 
@@ -28,7 +28,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, help="folder of real data sets")
     parser.add_argument("--cases", nargs="+", default=[""], help="parts of names (all)")
-    parser.add_argument("--points", type=int, default=1200, help="of an isosurface (1200)")
+    parser.add_argument("--points", type=int, default=1200, help="points per isosurface (1200)")
     parser.add_argument("--spp", type=int, default=512, help="paths a point (512)")
     options = parser.parse_args()
     print("| bake | isovalue | all: RMS %, mean % | direct: RMS %, mean % | rest: RMS % |")
@@ -56,7 +56,7 @@ def rows_of(case, volumes, options):
 
 
 def darkened(scene):
-    """Returns the scene with hardly any light that bounces."""
+    """Returns the scene with almost no indirect light."""
     return replace(
         scene,
         isosurfaces=[replace(look, albedo=scaled(look.albedo, DARK)) for look in scene.isosurfaces],
@@ -66,14 +66,16 @@ def darkened(scene):
 
 
 def scaled(ramp, factor):
-    """Returns a color, or colors of a ramp with their places, times a factor."""
+    """Returns a color, or the stops of a ramp, times a factor."""
     if isinstance(ramp[0], (int, float)):
         return tuple(factor * channel for channel in ramp)
     return [(place, tuple(factor * channel for channel in color)) for place, color in ramp]
 
 
 def error_of(baked, isovalue, volume, options):
-    """Returns (RMS in percent without the noise of the paths, how far the mean is off as text)."""
+    """Returns (RMS error in percent without the noise of the paths, deviation of the mean as
+    text).
+    """
     side = IsosurfaceSide(baked, isovalue, volume)
     truth = side.path_traced(options.points, options.spp, 1, 0, None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far bakes by default are from Cycles, an independent judge, and whether they report it.
+"""Compares default bakes with Cycles, an independent reference, and with their own error estimates.
 
-Each case is baked once, as a user would who touches no setting. Some isosurfaces of it are measured
-by Cycles at random points of the mesh that users see (cycles.py), and by the core's path tracer on
-the isosurface next to these. The bake is held against both.
+Each case is baked once, with the default settings. Cycles measures some isosurfaces at random
+points of the mesh that users see (cycles.py). The core's path tracer measures the nearest points of
+the isosurface. The bake is compared with both.
 """
 
 import sys
@@ -37,9 +37,9 @@ from volume_recipes import (
     tooth,
 )
 
-# An estimated error is true if it is wrong by this factor at most.
+# Largest factor between an estimated error and a true one, if the estimate is right.
 TRUE_WITHIN = 1.5
-# Another seed than the bake's.
+# Seed of the reference, which differs from the bake's.
 SEED = 1
 REACHED, REPORTED, EXCEEDED = "reached", "reported", "exceeded"
 
@@ -80,7 +80,7 @@ CASES = (
     Case("abdomen (amos_0336.mhd)", amos, (-500.5, -200.5, 150.5)),
     Case("heptane (heptane.nii.gz)", heptane, (20.5, 40.5, 80.5)),
 )
-# The same in little, of what needs no data.
+# Smaller cases, which need no data.
 QUICK_CASES = (
     replace(CASES[1], name="bump box, 48^3", volumes=generated(bump_box, 48)),
     replace(CASES[2], name="hydrogen, 32^3", volumes=generated(hydrogen, 32)),
@@ -123,7 +123,7 @@ class BakeRow:
 
     @property
     def after(self):
-        """The error that the bake estimates at its end, in percent."""
+        """The error in percent that the bake estimates at its end."""
         return self.statistics.estimated_error_percent
 
     @property
@@ -133,14 +133,14 @@ class BakeRow:
 
     @property
     def true(self):
-        """True if the estimate at the end is within a factor TRUE_WITHIN of the found error."""
+        """True if the final estimate is within a factor TRUE_WITHIN of the measured error."""
         return 1 / TRUE_WITHIN <= self.after / max(self.found, 1e-9) <= TRUE_WITHIN
 
 
 @dataclass(frozen=True)
 class CyclesRow:
-    """One isosurface of a bake. volume: its name, None where there is one alone; paths: of Cycles,
-    at a point; errors: errors_of() the bake against Cycles; parts: parts_of() them.
+    """One isosurface of a bake. volume: its name, None if there is only one; paths: of Cycles, per
+    point; errors: errors_of() the bake against Cycles; parts: parts_of() them.
     """
 
     bake: BakeRow
@@ -153,7 +153,7 @@ class CyclesRow:
 
     @property
     def verdict(self):
-        """One of three, None where nothing is judged."""
+        """Returns one of three verdicts, or None if nothing is judged."""
         if not self.judged:
             return None
         if self.errors["rms_percent"] <= DEFAULT_ERROR:
@@ -164,7 +164,8 @@ class CyclesRow:
 def measure_against_cycles(effort, folder=None):
     """Returns (rows, absent): a CyclesRow for each isosurface, and names of cases without data.
 
-    folder: with the files of the real ones, or None. Raises LeaflightError, also without Blender.
+    folder: contains the files of real volumes, or None. Raises LeaflightError, also without
+    Blender.
     """
     rows, absent = [], []
     for case in effort.cases:
@@ -186,7 +187,7 @@ def _rows(case, volumes, effort):
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
-    # Their mean is without the noise of Cycles even where chance makes one of them negative.
+    # The mean has no noise of Cycles, even if chance makes a term negative.
     squares = [
         errors["rms_percent"] ** 2 - errors["reference_noise_percent"] ** 2
         for _, _, _, errors, _ in judged

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the core's path tracer and Cycles differ, by how far normals and triangles disagree.
+"""Compares the core's path tracer with Cycles by the angle between normals and triangles.
 
     validation/run normals_against_cycles VOLUME ISOVALUE [ISOVALUE ...] [--points N] [--spp N]
 
-No bake takes part. Each isosurface has a row for each range of the angle between the smooth normal
-and the triangle's. A row holds the RMS difference of the colors in percent, and its share of all
+Nothing is baked. Each isosurface has a row for each range of the angle between the smooth normal
+and the triangle's. A row contains the RMS difference of the colors in percent, and its share of all
 squared differences (docs/validation.md).
 """
 
@@ -27,7 +27,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("volume", help="a file, or a generated volume")
     parser.add_argument("isovalues", nargs="+", type=float, metavar="ISOVALUE")
-    parser.add_argument("--points", type=int, default=1500, help="of an isosurface (1500)")
+    parser.add_argument("--points", type=int, default=1500, help="points per isosurface (1500)")
     parser.add_argument("--spp", type=int, default=1024, help="paths a point (1024)")
     options = parser.parse_args()
     volumes, scene, isovalue_range = placed([open_volume(options.volume)], None, None)
@@ -48,7 +48,9 @@ def main():
 
 
 def at_points(volume, scene, isovalue_range, isovalue, options):
-    """Returns angles in degrees (n,) and radiance (n, 3) by paths and by Cycles, at mesh points."""
+    """Returns angles in degrees (n,) and radiance (n, 3) by the path tracer and by Cycles, at mesh
+    points.
+    """
     field = volume.field()
     sampling = Sampling(options.points, options.spp)
     measured = cycles.measure(scene, [field], isovalue, sampling=sampling)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake grows with workers: seconds and bytes for 1, 2 and 4 of them, for docs/validation.md.
+"""Measures how a bake scales with workers: time and traffic of 1, 2 and 4, for docs/validation.md.
 
     validation/run workers [--dims 100] [--link MBIT]
 
-Each worker has one thread. --link: as root, each is in a separate network, joined to others by
-a link of so many megabits a second (iproute2).
+Each worker has one thread. --link: as root, puts each into a separate network, joined by links of
+this many megabits per second (iproute2).
 """
 
 import argparse
@@ -30,7 +30,7 @@ def main():
     parser.add_argument("--dims", type=int, default=100, help="nodes of the bump box's sides (100)")
     parser.add_argument("--link", type=float, metavar="MBIT", help="megabits a second")
     options = parser.parse_args()
-    # So that networks are taken down, too.
+    # Exit normally, so that networks are removed.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     import leaflight
     from distributed import Client
@@ -70,13 +70,13 @@ def main():
 
 
 def peak_bytes():
-    """Returns bytes that this process has held at most; ru_maxrss knows of who started it, too."""
+    """Returns the peak memory of this process in bytes. ru_maxrss would include its parent."""
     lines = open("/proc/self/status").read().splitlines()
     return 1024 * next(int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
 
 
 def traffic(client, link):
-    """Returns bytes that have gone over the links, or through the loopback."""
+    """Returns the bytes that were sent over the links, or through the loopback."""
     name = BRIDGE if link else "lo"
     folder = Path("/sys/class/net") / name / "statistics"
     return sum(int((folder / f"{way}_bytes").read_text()) for way in ("rx", "tx"))
@@ -115,7 +115,7 @@ def networks(count, megabits):
             ip("-n", name, "link", "set", inner, "up")
             ip("-n", name, "link", "set", "lo", "up")
             shape = ["tbf", "rate", f"{megabits}mbit", "latency", "50ms"]
-            # A tick of the kernel's clock, of which there are 250 a second, takes so much.
+            # Allow this much per tick of the kernel's clock, of which there are 250 per second.
             shape += ["burst", f"{max(1, megabits / 100):g}mbit"]
             run("tc", "qdisc", "add", "dev", outer, "root", *shape)
             run("ip", "netns", "exec", name, "tc", "qdisc", "add", "dev", inner, "root", *shape)
@@ -130,7 +130,7 @@ def networks(count, megabits):
         for process in processes:
             process.wait()
         for k in range(count):
-            # The system removes links of a network that is gone, but only after a while.
+            # The system removes links of a deleted network only after some time.
             subprocess.run(["ip", "link", "del", f"leafout{k}"], capture_output=True)
             subprocess.run(["ip", "netns", "del", f"isosurface{k}"], capture_output=True)
         ip("link", "del", BRIDGE)

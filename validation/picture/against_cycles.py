@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- DATA FOLDER PICTURE.webp. Stills of default bakes with lit walls beside
-those of Cycles; prints their FLIP. DATA holds the volumes other than Colin27.
+"""Inside Blender: ... -- DATA FOLDER PICTURE.webp. Puts stills of default bakes with lit walls
+beside those of Cycles, and prints their FLIP. DATA contains the volumes other than Colin27.
 """
 
 import sys
@@ -9,15 +9,15 @@ from pathlib import Path
 import bpy
 import numpy as np
 from leaflight import _core, blender
-from leaflight.io.images import display_colours
+from leaflight.io.images import display_colors
 from leaflight.measure.flip import flip
 from PIL import Image
 
 SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
-# Side of a crop, which is shown twice as large, and gap between pictures, in pixels.
+# Size of a crop, which is shown twice as large, and of the gap between pictures, in pixels.
 CROP, GAP = SIZE // 4, 8
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
-# File, options to read it, and isovalue to show.
+# File, options to read it, isovalue to show.
 VOLUMES = (
     (COLIN27, {}, 45.5),
     (Path("nucleon.raw"), {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
@@ -43,7 +43,7 @@ def main():
 
 
 def compared(path, options, isovalue, folder):
-    """Bakes a volume by default, walls included, and compares one isosurface with Cycles."""
+    """Bakes a volume with default settings and walls, and compares one isosurface with Cycles."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     obj = blender.import_volume(path, **options)
     blender.stage(obj, "CORNELL")
@@ -67,14 +67,14 @@ def line_of(path, found):
 
 
 def row_of(found, folder):
-    """Returns both stills and the two places of largest FLIP, as (height, width, 3) of 0..255."""
+    """Returns both stills and the two crops of largest FLIP, as (height, width, 3) of 0..255."""
     stem = f"{found['name']}_{found['isovalue']:g}"
     baked, cycles = (
         _core.read_exr(str(folder / f"{stem}_{still}.exr"))[..., :3]
         for still in ("baked", "cycles")
     )
     seen = flip(baked, cycles, found["exposure"]).map
-    shown = [display_colours(still, found["exposure"]) for still in (baked, cycles)]
+    shown = [display_colors(still, found["exposure"]) for still in (baked, cycles)]
     crops = [
         np.concatenate([enlarged(still, place) for still in shown], axis=1)
         for place in largest(seen)
@@ -83,7 +83,7 @@ def row_of(found, folder):
 
 
 def largest(seen):
-    """Corners (y, x) of two squares that do not overlap, where the mean of a map is largest."""
+    """Returns corners (y, x) of two separate squares with the largest mean of a map."""
     half = CROP // 2
     count = SIZE // half
     tiles = seen[: count * half, : count * half].reshape(count, half, count, half).mean((1, 3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- FOLDER. Pictures of the window after each of the four clicks."""
+"""Inside Blender: ... -- FOLDER. Takes pictures of the window after each of the four clicks."""
 
 import os
 import sys
@@ -11,7 +11,7 @@ from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 
 FOLDER = sys.argv[sys.argv.index("--") + 1]
-# The tab Leaflight in the sidebar, from the right edge of the viewport and from its top.
+# Position of the tab Leaflight, from the right edge of the viewport and from its top.
 TAB = 10, 175
 
 
@@ -53,7 +53,7 @@ def call(operator, how="INVOKE_DEFAULT", **options):
 
 
 def open_tab():
-    """Before 4.2 only the mouse can choose a tab."""
+    """Opens the tab; before 4.2, only mouse events can choose one."""
     hand.view().spaces.active.show_region_ui = True
     yield 1.0
     region = hand.region("UI")

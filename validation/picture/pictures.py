@@ -32,7 +32,7 @@ WORK = ROOT / "build" / "pictures"
 SCANS_FOLDER = ROOT / "build" / "scans"
 BRAINS = Path("/usr/share/mricron/templates")
 HUMAN = SCANS_FOLDER / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz"
-# Name, file, look, and by how many voxels it is smoothed.
+# Name, file, preset, and standard deviation of smoothing in voxels.
 SCANS = (
     ("human", HUMAN, "SKIN", 0),
     ("human_smooth", HUMAN, "SKIN", 1),
@@ -60,7 +60,7 @@ def main():
 
 
 def inside(blender, script, *arguments):
-    """Runs a script of this folder in background Blender; prints the lines that it means for us."""
+    """Runs a script of this folder in background Blender; prints its marked lines."""
     output = blender.run(*driver.NAMED, "--python", HERE / script, "--", *arguments)
     print(*(line for line in output.splitlines() if line.startswith(("|", "docs/"))), sep="\n")
 

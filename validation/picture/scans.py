@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Inside Blender: ... -- FOLDER FILE NAME LOOK SMOOTH.
 
-Four clicks and one look, smoothed by so many voxels, and the same view by Cycles. Prints how many
-pixels are burnt or black in both, and the figures of the comparison.
+Makes four clicks and chooses a preset, smoothed by SMOOTH voxels, then renders the same view by
+Cycles. Prints how many pixels are white or black in both, and the figures of the comparison.
 """
 
 import json
@@ -21,7 +21,7 @@ from first_brain import FOLDER, bake, call, open_tab, picture  # noqa: E402
 FILE, NAME, LOOK, SMOOTH = sys.argv[-4:]
 # Size of the compared stills in percent of 1920 x 1080, and samples of Cycles.
 PERCENTAGE, SAMPLES = 25, 32
-# Levels of 255 from which a pixel counts as burnt, and up to which as black.
+# Lowest level of white pixels and highest level of black ones, of 255.
 BURNT, BLACK = 254, 1
 
 
@@ -37,7 +37,7 @@ def drive():
     call(bpy.ops.leaflight.isosurface_preset, "EXEC_DEFAULT", preset=LOOK)
     yield 1.0
     yield from bake()
-    # A render waits for the shaders that the viewport compiles beside other work.
+    # A render waits for shaders that the viewport compiles.
     scene = bpy.context.scene
     scene.render.resolution_percentage = 5
     bpy.ops.render.render()
@@ -66,7 +66,7 @@ def render_viewport(path):
 
 
 def extremes(path):
-    """Returns how many pixels of a picture are burnt, and how many are black."""
+    """Returns the numbers of white and of black pixels of a picture."""
     image = bpy.data.images.load(path)
     pixels = 255 * np.array(image.pixels, np.float32).reshape(-1, 4)[:, :3]
     bpy.data.images.remove(image)

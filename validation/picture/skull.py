@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The CT skull of Debian's invesalius-examples as NIfTI, without the head rest of the scanner."""
+"""Writes the CT skull of Debian's invesalius-examples as NIfTI, without the scanner's head rest."""
 
 import plistlib
 import tarfile
@@ -8,9 +8,9 @@ import nibabel
 import numpy as np
 from scipy import ndimage
 
-# In Hounsfield units.
+# Hounsfield units of bone and air.
 BONE, AIR = 150, -1024
-# Around the bones, in voxels.
+# Margin around the bones, in voxels.
 KEPT = 6
 
 
@@ -25,7 +25,7 @@ def write_skull(project, out):
     sizes = np.bincount(labels.ravel())
     head = ndimage.binary_dilation(labels == 1 + np.argmax(sizes[1:]), iterations=KEPT)
     values[~head & (values > BONE)] = AIR
-    # y runs to the face, z upwards; the file does not say to which side of the patient x runs.
+    # y points to the face and z up; the file does not tell left from right.
     image = nibabel.Nifti1Image(values.T, np.diag([*described["spacing"], 1.0]))
     image.header.set_xyzt_units("mm")
     nibabel.save(image, out)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- DATA WORK OUT. The pictures with which README.md begins.
+"""Inside Blender: ... -- DATA WORK OUT.
 
-A brain at 1080 p and a sweep of isovalues through a head, both of Debian's mricron-data; WORK's
-skull.nii at 1080 p; vessels where DATA has aneurism.nrrd.
+Renders the pictures at the start of README.md. They are a brain in 1080p and a sweep of isovalues
+through a head, both of Debian's mricron-data; WORK's skull.nii in 1080p; and vessels if DATA has
+aneurism.nrrd.
 """
 
 import math
@@ -26,10 +27,11 @@ SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 
 @dataclass(frozen=True)
 class Still:
-    """isovalue_range, isovalue: in data units; color: the albedo; turn: degrees about the vertical.
+    """A still.
 
-    zoom: how much narrower the camera's angle is than the stage's; lights_stage: whether the bake
-    lights the stage, too, or Cycles does, by so many samples.
+    isovalue_range, isovalue: in data units; color: the albedo; turn: degrees about the vertical.
+    zoom: factor by which the camera's angle is narrower than Stage's; lights_stage: True if the
+    bake lights the stage, too, otherwise Cycles does, with this many samples.
     """
 
     path: Path

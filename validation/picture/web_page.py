@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes docs/images/web_page*.webp, the page of Colin27 cut open in Debian's Chromium, on a desk
-and on a phone; prints the seconds of a table of docs/validation.md, by software WebGL."""
+"""Makes docs/images/web_page*.webp, the page of Colin27 with a cut in Debian's Chromium, on a
+desktop and a phone. Prints the seconds of a table of docs/validation.md, by software WebGL.
+"""
 
 import os
 import tempfile
@@ -16,18 +17,18 @@ ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / "docs" / "images"
 DESK = {"width": 1280, "height": 720}
 PHONE = {"width": 390, "height": 844, "touch": True}
-# The cut begins at the front; its depth, as a share; the isovalue.
+# Link with an isovalue, and a cut from the front; its depth is a share.
 LOOK = "#isovalue=45.5&clip=3,0.45"
-# The skull in translucent skin.
+# Link with the skull in translucent skin.
 LOOKS = "#isovalue=110,30&opacity=1,0.25&colors=IVORY,SKIN&walls=0"
 ISOVALUES = 8
 
-# When the picture stood that a page shows while it opens.
+# Script that returns the time of the picture shown while the page loads.
 FIRST = """new Promise((done) => {
   new PerformanceObserver((list) => done(list.getEntries().pop().startTime))
     .observe({ type: 'largest-contentful-paint', buffered: true });
 })"""
-# Milliseconds from an isovalue to its first picture, and to the whole one.
+# Script that returns milliseconds from an isovalue to its first and its complete picture.
 MOVES = f"""(async () => {{
   const {{ view, panel }} = leaflight, drawn = [], whole = [];
   const input = document.getElementById('isovalue');
@@ -67,7 +68,7 @@ def main():
             )
             browser.open(page.as_uri() + LOOK, size)
             save(browser, name, folder)
-        # All controls, on a phone.
+        # Show all controls, on a phone.
         browser.evaluate(
             "document.querySelectorAll('details').forEach(e => (e.open = true));"
             "document.querySelector('#more').scrollIntoView()"

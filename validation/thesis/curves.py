@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against seconds on the bump box: leaflight.bake, the thesis's methods, and Cycles.
+"""Measures error against time on the bump box: leaflight.bake, the thesis's methods, and Cycles.
 
-The effort of leaflight.bake is its texels a side: it takes as many passes as its error needs. The
-effort of the thesis's methods is their rays a texel. It doubles along each curve, as do photons.
-Bakes are repeated with other seeds, curve after curve, so that other work of the machine slows
-all equally. Seconds are processor time of all threads: other work disturbs it less than the
-clock.
+The effort of leaflight.bake is its texels per axis; it takes as many passes as its error needs. The
+effort of the thesis's methods is their rays per texel, which doubles along each curve, like the
+photons. Bakes are repeated with other seeds, curve after curve, so that other work of the machine
+slows all equally. Time is processor time of all threads, because other work affects it less than
+wall-clock time.
 """
 
 import contextlib
@@ -28,26 +28,26 @@ from leaflight.volume.volume import bump_box
 from .isosurfaces import isosurfaces
 
 ISOVALUES = (20.0, 47.0, 100.0)
-# Photons a ray of a texel: what `thesis.bake` takes by default.
+# Photons per ray of a texel, as in the defaults of `thesis.bake`.
 PHOTONS = 2_000_000 // 32
-# Rays of each scattered sample.
+# Rays per scattered sample.
 RAYS = 32
 BAKE = "leaflight.bake"
 CYCLES = "Cycles, one isosurface"
-# Name of the curve of thesis.bake's default.
+# Name of the curve with the default estimator of thesis.bake.
 GATHER = "gather"
-# Unit of the samples of a curve, by its group. Other groups count rays a texel.
-UNITS = {"bake": "texels a side", "Cycles": "paths a corner"}
+# Unit of the samples of a curve, by its group; other groups have rays per texel.
+UNITS = {"bake": "texels per axis", "Cycles": "paths per corner"}
 
 
 @dataclass(frozen=True)
 class CurveEffort:
     """The effort of the curves.
 
-    texels: nodes a side, and texels a side of the thesis's methods
-    resolutions: texels a side along the curve of leaflight.bake
-    rays: rays a texel along the curves of the thesis's methods
-    slow_rays: rays a texel along the curves of slow estimators
+    texels: nodes per axis, and texels per axis of the thesis's methods
+    resolutions: texels per axis along the curve of leaflight.bake
+    rays: rays per texel along the curves of the thesis's methods
+    slow_rays: rays per texel along the curves of slow estimators
     cycles: samples a corner of Cycles
     vertices: vertices of the reference in all
     paths: paths of the reference at each vertex
@@ -77,7 +77,7 @@ QUICK_CURVES = CurveEffort(
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of bake along a curve, and the group of curves that it belongs to."""
+    """A kind of bake along a curve, and the curve's group."""
 
     name: str
     group: str
@@ -86,7 +86,7 @@ class Kind:
     slow: bool = False
 
     def efforts(self, effort):
-        """Returns the samples along its curve."""
+        """Returns the samples along the curve."""
         if self.group == "bake":
             return effort.resolutions
         return [rays for rays in effort.rays if not self.slow or rays in effort.slow_rays]
@@ -106,9 +106,10 @@ KINDS = (
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """samples: see UNITS; costs: a Cost for each repetition.
+    """A point of a curve.
 
-    error: RMS in percent over all repetitions; noise: what of it changes from seed to seed.
+    samples: see UNITS; costs: a Cost for each repetition. error: RMS in percent over all
+    repetitions; noise: its random part.
     """
 
     samples: int
@@ -118,7 +119,7 @@ class Point:
 
     @property
     def seconds(self):
-        """The median of the repetitions."""
+        """Median seconds of the repetitions."""
         return float(np.median([cost.seconds for cost in self.costs]))
 
     @property
@@ -134,8 +135,8 @@ class Curve:
 
     @property
     def unit(self):
-        """The unit of the samples of its points."""
-        return UNITS.get(self.group, "rays a texel")
+        """Unit of the samples of the curve's points."""
+        return UNITS.get(self.group, "rays per texel")
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +154,8 @@ class Curves:
 
 @dataclass(frozen=True)
 class Cost:
-    """What a bake takes: seconds: of a processor, all threads together; rays: None where not known;
-    peak: the most bytes that the whole process held meanwhile; file: bytes, None without a file.
+    """The cost of a bake. seconds: processor time of all threads; rays: None if unknown; peak: peak
+    memory of the process in bytes; file: bytes, None without a file.
     """
 
     seconds: float
@@ -165,7 +166,7 @@ class Cost:
 
 def measured(work):
     """Returns (Bake, Cost) of work(), which bakes."""
-    # Linux then forgets the peak of earlier work, where it allows this.
+    # Reset the peak memory, which Linux may allow.
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
     start = time.process_time()
@@ -183,7 +184,7 @@ def measure_curves(effort, *, cycles=True, kinds=KINDS):
     volume = bump_box(effort.texels)
     scene = packaged_scene("bump_box.json")
     scene = fit_scene(match_isosurfaces(scene, [volume]), [volume])
-    # Another seed than that of any bake.
+    # Use another seed than all bakes.
     reference = isosurfaces(
         [volume],
         scene,
@@ -193,7 +194,7 @@ def measure_curves(effort, *, cycles=True, kinds=KINDS):
         effort.paths,
         seed=effort.repetitions,
     )
-    # By curve and samples: (radiance at the points, Cost) of each repetition.
+    # (radiance at the points, Cost) of each repetition, by curve and samples.
     runs = {}
     for repetition in range(effort.repetitions):
         for kind in kinds:
@@ -227,8 +228,7 @@ def _baked(volume, scene, kind, samples, seed):
 def _by_cycles(scene, reference, samples, seed):
     """Returns (radiance at the points, Cost of one isosurface) for each number of samples.
 
-    A pass before the first one warms up. Neither Blender's start nor its building of the scene
-    counts.
+    A warm-up pass comes first. Blender's start and its building of the scene do not count.
     """
     radiance, seconds, peaks = [], [], []
     for surface in reference.surfaces:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thesis's data sets and some real ones: one bake against isosurfaces rendered directly.
+"""Measures the thesis's data sets and some real ones: one bake against directly rendered
+isosurfaces.
 
-Thesis Fig. 5.14. Colin27 alone of its four data sets is public. particles.py generates others of
-the same kind. Scans join them, if there are any.
+This is thesis Fig. 5.14. Only Colin27 of its four data sets is public. particles.py generates
+others of the same kind. Scans are added if there are any.
 """
 
 from collections.abc import Callable
@@ -21,8 +22,8 @@ from .isosurfaces import isosurfaces
 
 @dataclass(frozen=True)
 class DataEffort:
-    """fineness: nodes of generated volumes, of those in the thesis; vertices, paths: of the
-    reference, in all and at each.
+    """The effort. fineness: ratio of nodes of generated volumes to those of the thesis; vertices,
+    paths: of the reference, in total and per vertex.
     """
 
     fineness: float = 1.0
@@ -35,7 +36,7 @@ QUICK_DATA = DataEffort(vertices=600, paths=2048)
 
 @dataclass(frozen=True)
 class Printed:
-    """What the thesis prints: seconds of the bake and of one isosurface, and RMS %."""
+    """The thesis's figures: seconds of the bake and of one isosurface, and RMS error in percent."""
 
     bake: float
     direct: float
@@ -44,9 +45,10 @@ class Printed:
 
 @dataclass(frozen=True)
 class DataSet:
-    """volumes(folder, fineness): see volume_recipes.py.
+    """A data set.
 
-    isovalues: that are judged, common isovalues; scene: of the package, None is the Cornell box.
+    volumes(folder, fineness): see volume_recipes.py. isovalues: common isovalues to judge; scene:
+    of the package, None is the Cornell box.
     """
 
     name: str
@@ -74,13 +76,13 @@ class DataRow:
     estimated: float
     error: float
     noise: float
-    colour: float
+    color: float
     vertices: float
     direct: float
 
     @property
     def break_even(self):
-        """How many isosurfaces one bake is worth."""
+        """Number of isosurfaces whose direct rendering costs as much as one bake."""
         return self.cost.seconds / self.direct
 
 
@@ -130,7 +132,7 @@ DATA_SETS = (
 
 
 def measure_data_sets(effort, folder=None):
-    """Returns (rows, absent): a DataRow for each data set there is, and the names of the others.
+    """Returns (rows, absent): a DataRow for each data set, and names of absent ones.
 
     folder: with the files of the real ones, or None.
     """
@@ -147,12 +149,12 @@ def measure_data_sets(effort, folder=None):
 def _row(data_set, volumes, effort):
     scene = packaged_scene(data_set.scene) if data_set.scene else cornell_box()
     scene = fit_scene(match_isosurfaces(scene, volumes), volumes)
-    # Bakes of the thesis cover the whole range of the data; others have the default range.
+    # Bakes in the thesis cover the whole range of the data; others have the default range.
     whole = (0.0, 1.0) if len(volumes) > 1 else volumes[0].data_range()
     isovalue_range = range_to_bake(whole if data_set.printed else None, volumes, scene.isosurfaces)
 
     baked, cost = measured(lambda: bake(volumes, scene, isovalues=isovalue_range))
-    # Another seed than the bake's.
+    # Use another seed than the bake.
     reference = isosurfaces(
         volumes,
         scene,
@@ -171,7 +173,7 @@ def _row(data_set, volumes, effort):
         baked.statistics.estimated_error_percent,
         error,
         reference.noise,
-        reference.colour,
+        reference.color,
         vertices,
         vertices * reference.seconds_to(error),
     )

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How often the error that a bake reports covers its true error: a table in docs/validation.md.
+"""Writes a table in docs/validation.md: how often reported errors cover the true ones.
 
-Bakes that differ in their seed alone are independent draws of one estimate. The deviation of each
-from the mean of the others, over the error it reports, is the z that shows whether that error is
-true. The bias, which all seeds share, does not show.
+Bakes that differ only in their seed are independent samples of one estimate. z is the deviation of
+each from the mean of the others, over the reported error. It shows whether that error is true. The
+bias, which all seeds share, does not show.
 """
 
 import argparse
@@ -59,13 +59,13 @@ def coverage(volume, scene=None, *, seeds=6, **settings):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--nodes", type=int, default=32, help="of the volumes, along each axis")
+    parser.add_argument("--nodes", type=int, default=32, help="nodes of the volumes per axis")
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--photons", type=int, default=200_000)
     parser.add_argument("--estimators", nargs="+", default=["gather", "volumetric", "path"])
     parser.add_argument("--volume", help="a file, or a generated volume, to bake instead")
-    parser.add_argument("--dims", nargs="+", type=int, help="of a raw file, or the nodes a side")
-    parser.add_argument("--type", help="of a raw file")
+    parser.add_argument("--dims", nargs="+", type=int, help="dims of a raw file, or nodes per axis")
+    parser.add_argument("--type", help="type of the values in a raw file")
     parser.add_argument("--isovalues", nargs=2, type=float, help="its isovalue range")
     options = parser.parse_args()
     n = options.nodes

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thesis's tables on sampling, computed again: the same scenes, samples and measure of error.
+"""Computes the thesis's tables on sampling again, with the same scenes, samples and error measure.
 
 Each table is a function of its Effort.
 """
@@ -18,14 +18,14 @@ from leaflight.volume.volume import bump_box
 from .isosurfaces import isosurfaces
 from .pictures import slice_picture, surface_picture, texture_picture
 
-# Strategies that leave gaps must be this many times worse than uniform samples.
+# Strategies that leave gaps, whose errors must be several times those of uniform samples.
 BAD = ("letters", "slabs", "level_set")
 CLEARLY_WORSE = 3.0
 # The isosurface of thesis Table 4.2, and the isovalues of its level sets.
 ISOVALUE = 47.0
 THESIS_ISOVALUES = (0.01, 6.4744, 13.17, 19.3451, 24.8489, 29.5883, 39.0118, 56.6704, 160.873)
 NEURON_ISOVALUE = 30.0
-# More isosurfaces that the samples of Table 4.2 are tried on, of which it prints nothing.
+# Further isosurfaces for the samples of Table 4.2, for which it has no figures.
 OTHER_ISOVALUES = (20.0, 100.0)
 
 
@@ -47,7 +47,7 @@ class Effort:
     flat_reference_samples: int = 10_000_000
     flat_reference_rays: int = 16
     texels: int = 100
-    # The columns of Table 4.2.
+    # Samples and rays of the columns of Table 4.2.
     samples_and_rays: tuple = ((1_000_000, 64), (10_000_000, 32))
     repetitions: int = 2
     filters: bool = True
@@ -57,7 +57,7 @@ class Effort:
     neuron_texels: int = 60
     neuron_samples: int = 64_000
     neuron_rays: int = 16
-    # Ratios of stratified samples to samples by importance.
+    # Ratios of the number of stratified samples to that of importance samples.
     neuron_factors: tuple = (1, 4, 8, 32)
 
 
@@ -136,7 +136,7 @@ def table_3_1(effort):
             seed=seed,
         )
 
-    # Another seed: with the same photons, their noise would cancel out.
+    # Use another seed, because noise of equal photons would cancel.
     reference = baked(_flat_reference(effort, "shepard", 1), seed=1)
     truth, exposure = reference.texture(), BRIGHTNESS_CORRECTION * reference.scene.exposure
     averaged = baked(_flat_reference(effort, "box", 0), seed=1).texture()
@@ -231,7 +231,7 @@ def table_4_2(effort):
 def _space_trials(effort, column, samples, rays):
     """Returns the rows of a column of thesis Table 4.2, numbered from 0.
 
-    The second has the thesis's filter alone.
+    The second column has only the thesis's filter.
     """
 
     def trial(name, strategy, filtering=("shepard", 3), isovalues=9, **options):
@@ -325,7 +325,7 @@ def judged(rows):
 
 
 class _Isosurface:
-    """An isosurface of a volume, and its path-traced radiance at some of its vertices."""
+    """An isosurface of a volume, with path-traced radiance at some of its vertices."""
 
     def __init__(self, volume, scene, isovalue, effort):
         self._volume, self._isovalue, self._effort = volume, isovalue, effort
@@ -335,7 +335,7 @@ class _Isosurface:
         self.vertices = self._mesh.vertices
 
     def bake(self, trial):
-        """Returns the Bake of a trial; samples in texels have the trial's total number of rays."""
+        """Returns the Bake of a trial; samples in texels get the trial's total number of rays."""
         texels = self._volume.values.size
         rays = trial.rays if trial.scattered else max(1, trial.samples * trial.rays // texels)
 
@@ -359,7 +359,7 @@ class _Isosurface:
         return (
             f"The error is that at {len(self._mesh.chosen)} of the isosurface's "
             f"{len(self.vertices)} vertices, against {self._effort.paths} paths at each; mean "
-            f"colour {self._reference.colour:.2f}. The "
+            f"color {self._reference.color:.2f}. The "
             f"reference's own noise is {self._reference.noise:.2f} %; nothing is subtracted."
         )
 
@@ -371,7 +371,7 @@ class _Isosurface:
         return self.picture(self._lit(len(self.vertices), self._effort.picture_paths).truth)
 
     def _lit(self, vertices, paths):
-        """Returns the Isosurfaces of this one alone."""
+        """Returns Isosurfaces with only this one."""
         isovalue_range = self._volume.data_range()
         return isosurfaces(
             [self._volume], self._scene, isovalue_range, [self._isovalue], vertices, paths, seed=0

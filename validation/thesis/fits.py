@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fits of curves of error: slopes, noise and floor, and where two of them break even.
+"""Fits curves of error: slopes, noise and floor, and the break-even of two curves.
 
-All fits are least squares of relative deviations, and intervals are those of 95 %.
+All fits are least squares of relative deviations, with 95 % intervals.
 """
 
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from leaflight.bake.color_error import REACH
 from scipy import stats
 
 CONFIDENCE = 0.95
-# Fits drawn to see how far a break-even is certain.
+# Number of random fits for the interval of a break-even.
 DRAWS = 4000
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value and its interval of 95 %; NaN where there are too few points."""
+    """A value and its 95 % interval; NaN if there are too few points."""
 
     value: float
     low: float
@@ -26,9 +26,9 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """y = first + second * samples^power.
+    """A fit y = first + second * samples^power.
 
-    coefficients: (first, second); covariance: theirs, (2, 2); freedom: points less 2.
+    coefficients: (first, second); covariance: (2, 2); freedom: points - 2.
     """
 
     coefficients: np.ndarray
@@ -43,7 +43,7 @@ class Fit:
         return Estimate(value, value - reach, value + reach)
 
     def drawn(self, count, rng):
-        """Coefficients (count, k) as they may be: Student's t around the fit."""
+        """Returns random coefficients (count, k): Student's t around the fit."""
         if self.freedom < 1:
             return np.full((count, len(self.coefficients)), np.nan)
         normal = rng.multivariate_normal(
@@ -54,7 +54,7 @@ class Fit:
 
 
 def quantile(freedom):
-    """Returns the number of standard errors that a value may be off, by degrees of freedom."""
+    """Returns the half width of an interval in standard errors, by degrees of freedom."""
     if freedom < 1:
         return float("nan")
     return float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, freedom))
@@ -74,18 +74,20 @@ def noise_and_floor(samples, errors, power=-0.5):
 
 
 def cost(samples, seconds):
-    """Returns the Fit of seconds = start + each * samples: its coefficients are (start, each)."""
+    """Returns the Fit of seconds = start + each * samples, with coefficients (start, each)."""
     return _least_squares(samples, seconds, 1.0, relative=True)
 
 
 def root(estimate):
-    """Returns the Estimate of the square root, of what may be below 0 by chance."""
+    """Returns the Estimate of a square root; its argument may be negative by chance."""
     values = (estimate.value, estimate.low, estimate.high)
     return Estimate(*(float(np.sqrt(max(0.0, value))) for value in values))
 
 
 def samples_for(error, fit):
-    """Samples with which a fit of noise and floor has an error; infinite below the floor."""
+    """Returns the samples at which a fit of noise and floor has an error; infinite below the
+    floor.
+    """
     return float(_samples_for(error, fit.coefficients[None], fit.power)[0])
 
 
@@ -105,7 +107,7 @@ def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
 
     value = isosurfaces(fit.coefficients[None], costs.coefficients[None])[0]
     drawn = isosurfaces(fit.drawn(DRAWS, rng), costs.drawn(DRAWS, rng))
-    # The ratio of two that vary.
+    # Divide both, with their variation from run to run.
     drawn *= rng.lognormal(0.0, np.sqrt(2) * varying / REACH, DRAWS)
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = np.quantile(drawn, (tail, 1.0 - tail))
@@ -113,7 +115,9 @@ def break_even(error, seconds, fit, costs, varying=0.0, seed=0):
 
 
 def _samples_for(error, coefficients, power):
-    """Returns the samples for an error by coefficients (n, 2); noise and floor are not below 0."""
+    """Returns the samples for an error, by coefficients (n, 2); negative noise or floor
+    counts as 0.
+    """
     floor_squared, a = np.maximum(coefficients, 0.0).T
     above = error**2 - floor_squared
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -121,7 +125,7 @@ def _samples_for(error, coefficients, power):
 
 
 def _least_squares(samples, values, power, relative=False):
-    """Returns the Fit of values (n,); relative: of their relative deviations."""
+    """Returns the Fit of values (n,) by least squares; relative: of relative deviations."""
     values = np.float64(values)
     columns = np.stack([np.ones_like(values), np.float64(samples) ** power], axis=1)
     if relative:

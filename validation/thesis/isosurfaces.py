@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Isosurfaces on which the report takes errors: vertices of theirs with path-traced radiance."""
+"""Path-traced radiance at vertices of isosurfaces, against which the report measures errors."""
 
 import time
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from leaflight.scene.scene import core_scene, covered, isovalue_at
 
 @dataclass(frozen=True, eq=False)
 class Isosurface:
-    """One isosurface and some of its vertices.
+    """An isosurface and some of its vertices.
 
     volume: its number; isovalue: the common isovalue; vertices: float32 (n, 3), world; normals and
-    triangles: of the mesh; chosen: (m,), numbers of the vertices that are judged.
+    triangles: of the mesh; chosen: (m,), numbers of the judged vertices.
     """
 
     volume: int
@@ -49,18 +49,18 @@ class Isosurfaces:
 
     @property
     def noise(self):
-        """The noise of the reference, which error() includes as a sum of squares."""
+        """Noise of the reference, which is part of error() as a sum of squares."""
         return noise_percent(self.truth, self.standard_error, self.exposure)
 
     @property
-    def colour(self):
+    def color(self):
         """The mean color."""
         return float(np.clip(self.truth * self.exposure, 0, 1).mean())
 
     def seconds_to(self, error):
-        """Seconds of a processor in which paths light one point with this error() to itself.
+        """Returns the processor seconds in which paths light one point with this error().
 
-        The reference's own noise is part of the error and taken out of it.
+        The reference's own noise is subtracted from the error.
         """
         own = max(error**2 - self.noise**2, 1e-12)
         return self.seconds * self.paths * self.noise**2 / own
@@ -74,9 +74,9 @@ class Isosurfaces:
         return rms_percent(radiance, self.truth, self.exposure)
 
     def spread(self, radiances):
-        """Returns RMS of the deviation, in percent, among bakes that differ by their seed alone."""
-        colours = np.clip(np.float64(radiances) * self.exposure, 0, 1)
-        return 100.0 * float(np.sqrt(colours.var(axis=0, ddof=1).mean()))
+        """Returns the RMS deviation, in percent, among bakes that differ only in their seed."""
+        colors = np.clip(np.float64(radiances) * self.exposure, 0, 1)
+        return 100.0 * float(np.sqrt(colors.var(axis=0, ddof=1).mean()))
 
 
 def isosurfaces(volumes, scene, isovalue_range, isovalues, vertices, paths, seed):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures for looking at: textures, slices and isosurfaces as uint8 [row, column, RGB]."""
+"""Pictures of textures, slices and isosurfaces as uint8 [row, column, RGB]."""
 
 import numpy as np
-from leaflight.io.images import display_colours
+from leaflight.io.images import display_colors
 
-# Direction of view towards isosurfaces, with y up.
+# View direction towards isosurfaces, with y up.
 TOWARDS = (0.3, 0.45, -1.0)
 SIZE = 600
 BACKGROUND = 40
@@ -12,8 +12,8 @@ GAP = 8
 
 
 def texture_picture(texture, exposure):
-    """Returns a texture of radiance [y, x, RGB], y up, as it is displayed."""
-    return display_colours(texture[::-1], exposure)
+    """Returns a displayed texture of radiance [y, x, RGB], y up."""
+    return display_colors(texture[::-1], exposure)
 
 
 def slice_picture(texture, exposure, zoom):
@@ -37,15 +37,17 @@ def surface_picture(vertices, triangles, radiance, exposure):
 
     image = Image.new("RGB", (SIZE, SIZE), (BACKGROUND,) * 3)
     draw = ImageDraw.Draw(image)
-    colours = display_colours(radiance[triangles].mean(axis=1), exposure)
-    # Nearer triangles are painted over farther ones.
+    colors = display_colors(radiance[triangles].mean(axis=1), exposure)
+    # Paint from far to near.
     for t in np.argsort(-seen[triangles, 2].mean(axis=1), kind="stable"):
-        draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colours[t].tolist()))
+        draw.polygon(pixels[triangles[t]].ravel().tolist(), fill=tuple(colors[t].tolist()))
     return np.asarray(image)
 
 
 def side_by_side(pictures, reduction=1):
-    """Pictures of one height in a row, white between them, each pixel the mean of reduction^2."""
+    """Returns pictures of one height in a row with white gaps; each pixel is the mean of
+    reduction^2.
+    """
     from PIL import Image
 
     images = [Image.fromarray(picture).reduce(reduction) for picture in pictures]

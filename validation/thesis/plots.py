@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from .curves import GATHER
 
 # Okabe and Ito's colors, which color-blind eyes distinguish.
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
+COLORS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = "osD^vPX"
 # Styles of the curves that both panels show.
 STYLES = {
@@ -30,7 +30,7 @@ def error_against_seconds(curves):
         if group == "strategies":
             shown.insert(0, curves.of(GATHER))
         for number, curve in enumerate(filter(None, shown)):
-            style = {"color": COLOURS[number], "marker": MARKERS[number], "markersize": 4}
+            style = {"color": COLORS[number], "marker": MARKERS[number], "markersize": 4}
             style |= STYLES.get(curve.group, {})
             is_here = curve.group in (group, *STYLES)
             label = curve.name if is_here else f"{curve.name}, each texel"
@@ -53,9 +53,9 @@ def error_against_seconds(curves):
 
 
 def convergence(curves, fits):
-    """Plots error and noise against samples, with the fits of noise and floor; a panel a curve.
+    """Plots error and noise against samples, with the fits of noise and floor; one panel per curve.
 
-    fits: by the names of the curves that are shown, Fit of noise_and_floor.
+    fits: Fit of noise_and_floor by the names of the shown curves.
     """
     columns = 4
     rows = -(-len(fits) // columns)
@@ -66,13 +66,13 @@ def convergence(curves, fits):
     for number, (panel, (name, fit)) in enumerate(zip(panels.ravel(), fits.items())):
         points = curves.of(name).points
         samples = np.array([point.samples for point in points], dtype=float)
-        panel.plot(samples, [point.error for point in points], "o", color=COLOURS[0], label="error")
+        panel.plot(samples, [point.error for point in points], "o", color=COLORS[0], label="error")
         noise = [point.noise for point in points]
-        panel.plot(samples, noise, "x", color=COLOURS[3], label="noise, from seed to seed")
+        panel.plot(samples, noise, "x", color=COLORS[3], label="noise, from seed to seed")
         fine = np.geomspace(samples.min(), samples.max(), 100)
         floor_squared, a = np.maximum(fit.coefficients, 0.0)
         fitted = np.sqrt(floor_squared + a * fine**fit.power)
-        panel.plot(fine, fitted, "-", color=COLOURS[0], linewidth=1, label="fit")
+        panel.plot(fine, fitted, "-", color=COLORS[0], linewidth=1, label="fit")
         floor = np.sqrt(floor_squared) or np.nan
         panel.axhline(floor, color="0.5", linewidth=1, linestyle="--", label="floor of the fit")
         _logarithmic(panel, name, "samples" if number >= len(fits) - columns else "")
@@ -85,15 +85,15 @@ def convergence(curves, fits):
 
 
 def break_even(rows, thesis):
-    """Isosurfaces after which one bake is worth it, against the error that both have.
+    """Plots the break-even number of isosurfaces against the error.
 
-    rows: see sections.py; thesis: (lowest, highest) of what it says.
+    rows: see sections.py; thesis: (lowest, highest) in the thesis.
     """
     figure = Figure(figsize=(6.6, 4.0))
     panel = figure.subplots()
     panel.axhspan(*thesis, color="0.9", label="thesis")
     for number, name in enumerate(dict.fromkeys(row["bake"] for row in rows)):
-        # A place on a logarithmic axis has only what is above 0.
+        # Logarithmic axes show only positive values.
         own = [row for row in rows if row["bake"] == name and row["isosurfaces"].value > 0]
         found = [row["isosurfaces"] for row in own]
         panel.errorbar(
@@ -103,7 +103,7 @@ def break_even(rows, thesis):
                 [one.value - max(one.low, 0.05 * one.value) for one in found],
                 [one.high - one.value for one in found],
             ),
-            color=COLOURS[number],
+            color=COLORS[number],
             marker=MARKERS[number],
             capsize=3,
             label=name,
@@ -130,6 +130,6 @@ def _logarithmic(panel, title, x):
 def _png(figure):
     file = io.BytesIO()
     figure.tight_layout()
-    # No date and no version: the same figures make the same file.
+    # Leave out date and version, so that equal figures make equal files.
     figure.savefig(file, format="png", dpi=DOTS_PER_INCH, metadata={"Software": None})
     return file.getvalue()

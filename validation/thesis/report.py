@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors against seconds of each method and of Cycles, and the data sets of the thesis.
+"""Writes errors against seconds of all methods and Cycles, and the data sets of the thesis.
 
 A row is a dict of the cells by the names of the columns.
 """
@@ -27,9 +27,9 @@ from .curves import (
 from .data_sets import QUICK_DATA, DataEffort, measure_data_sets
 from .fits import break_even, cost, noise_and_floor, root, samples_for, slope
 
-# From how many to how many isosurfaces the thesis breaks even.
+# Smallest and largest break-even number of isosurfaces in the thesis.
 THESIS_BREAK_EVEN = (3, 11)
-# By which share seconds vary from run to run on a shared machine (95 %).
+# Relative variation of seconds from run to run on a shared machine (95 %).
 SECONDS_VARY = 0.1
 MEBIBYTE = 2**20
 NO_BLENDER = "There is no Blender on the search path, so this section is empty."
@@ -74,8 +74,8 @@ def main():
 class Analysis:
     """Conclusions from the curves.
 
-    slopes: Estimates of the slope of each curve's noise, errors and costs: Fits, by name, but
-    for leaflight.bake, whose passes follow from its error; break_even: rows, dicts.
+    slopes: Estimates of the slope of each curve's noise; errors and costs: Fits by name, without
+    leaflight.bake, whose passes follow from its error; break_even: rows, dicts.
     """
 
     slopes: dict
@@ -97,7 +97,7 @@ def analysed(curves):
 
 
 def _sampled(curves):
-    """Returns the curves along which samples grow."""
+    """Returns the curves whose number of samples varies."""
     return [curve for curve in curves.curves if curve.name != BAKE]
 
 
@@ -152,10 +152,10 @@ def curves_text(curves):
         f"- Each bake lights all isosurfaces of the bump box, with {effort.texels}^3 nodes. The "
         f"error is measured at {len(reference.truth)} vertices of the isosurfaces "
         f"{isovalues}, against {reference.paths:,} paths at each. The mean color is "
-        f"{reference.colour:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
+        f"{reference.color:.2f}. The noise of the reference is {reference.noise:.2f} % and is not "
         "subtracted.",
-        f"- {BAKE} has default settings, but for its texels: their number a side is in the column "
-        "*samples*. The others are the methods of the thesis, with as many texels as nodes. "
+        f"- {BAKE} has default settings, but for its texels: their number per axis is in the "
+        "column *samples*. The others are the methods of the thesis, with as many texels as nodes. "
         "Along each curve of theirs the rays of a texel double, and so do the photons, with "
         f"{PHOTONS:,} for each ray. Scattered samples have {RAYS} rays each, and the same number "
         "of rays in all. Their filter is Shepard's of 3 texels.",
@@ -248,7 +248,7 @@ def data_rows(rows):
                 "estimated %": row.estimated,
                 "RMS %": row.error,
                 "of which noise %": row.noise,
-                "mean colour": row.colour,
+                "mean color": row.color,
                 "break-even": row.break_even,
                 "peak MiB": row.cost.peak / MEBIBYTE,
                 "file MiB": row.cost.file / MEBIBYTE,
@@ -311,7 +311,7 @@ DATA_FORMATS = {
     "estimated %": "{:.2f}",
     "RMS %": "{:.2f}",
     "of which noise %": "{:.2f}",
-    "mean colour": "{:.2f}",
+    "mean color": "{:.2f}",
     "break-even": "{:.1f}",
     "peak MiB": "{:.0f}",
     "file MiB": "{:.1f}",

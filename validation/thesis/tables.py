@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The thesis's tables on sampling, computed again, with a verdict for each row."""
+"""Writes the thesis's tables on sampling, computed again, with a verdict for each row."""
 
 import io
 import os
@@ -12,7 +12,7 @@ from .pictures import side_by_side
 
 TABLES = (table_3_1, table_4_2, table_4_9)
 COLUMNS = ("strategy", "samples", "rays", "filter", "ours", "printed", "seconds", "verdict")
-# Pixels, about, of each picture among those side by side.
+# Approximate size in pixels of each picture in a row.
 BESIDE = 300
 TABLES_SAY = (
     "Errors are RMS in percent (thesis Eq. 4.11, corrected) and the same in every run. "
@@ -25,7 +25,7 @@ TABLES_SAY = (
 
 
 def main():
-    """Returns 1 if an error is not what it must be."""
+    """Returns 1 if an error fails its verdict."""
     options = parse_arguments(__doc__, has_data=False)
     prepare(options.out, "tables.md")
     effort = QUICK if options.quick else Effort()
@@ -70,7 +70,7 @@ def _files(table):
 
 
 def _small_png(picture):
-    """Returns the bytes of a PNG file with 128 colors: a document does not need more."""
+    """Returns the bytes of a PNG file with 128 colors, which are enough for a document."""
     from PIL import Image
 
     file = io.BytesIO()

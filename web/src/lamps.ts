@@ -48,7 +48,7 @@ export function lampUniforms(header: Header): Record<string, three.IUniform> {
   };
 }
 
-// Uniforms of lamps.glsl.
+// Returns the uniforms of lamps.glsl.
 export function lampVectors(header: Header, factors: Vector[]): three.Vector4[] {
   const lamps = header.lamps.flatMap(([lamp, ...row]) => {
     const [position, axis, intensity] = [0, 4, 8].map((k) => new three.Vector4().fromArray(row, k));

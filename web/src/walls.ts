@@ -43,7 +43,7 @@ export class Wall {
     });
     const [low, high] = header.bounds;
     geometry.computeBoundingBox();
-    const centre = geometry.boundingBox?.getCenter(new three.Vector3()) ?? new three.Vector3();
+    const center = geometry.boundingBox?.getCenter(new three.Vector3()) ?? new three.Vector3();
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
@@ -56,7 +56,7 @@ export class Wall {
         albedo: { value: data.albedo },
         emission: { value: data.emission },
         middle: { value: low.map((x, a) => 0.5 * (x + high[a])) },
-        centre: { value: centre },
+        center: { value: center },
         worldEye: { value: null },
         worldToClip: { value: null },
         gain: { value: 1 },

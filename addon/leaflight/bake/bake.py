@@ -217,7 +217,10 @@ class BakeJob(jobs.Job):
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Bake Flattened Illumination"
-    bl_description = "Compute the light on all isosurfaces of the isovalue range. Esc stops"
+    bl_description = (
+        "Compute the light on all isosurfaces of the isovalue range, until its error "
+        "reaches the target. Esc stops the bake, and you can keep its finished light"
+    )
     conditions = (jobs.is_free, stopped.is_decided, *checks.VOLUME)
 
     def invoke(self, context, event):

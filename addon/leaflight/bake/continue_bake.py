@@ -57,7 +57,10 @@ _BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
 
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Continue"
-    bl_description = "Refine this bake to the target error or the time limit. Esc stops"
+    bl_description = (
+        "Refine this bake to the target error or the time limit. Esc stops it, and you "
+        "can keep the finished light"
+    )
     conditions = (
         *_BAKE,
         checks.needs(
@@ -77,7 +80,10 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
 
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Finer Texels"
-    bl_description = "Bake again with twice the texels along each axis (eight times the memory)"
+    bl_description = (
+        "Bake again with twice as many texels along each axis, with up to eight times the "
+        "memory and the time"
+    )
     conditions = _BAKE
 
     def start(self, context):
@@ -97,7 +103,10 @@ def suited(obj):
 
 class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Resume"
-    bl_description = "Resume the bake that was interrupted when Blender or the computer stopped"
+    bl_description = (
+        "Resume the bake that was interrupted when Blender or the computer stopped. The "
+        "result is that of an uninterrupted bake"
+    )
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
         checks.needs(
@@ -126,7 +135,10 @@ def is_interrupted(obj):
 
 class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Bake All Frames"
-    bl_description = "Bake each frame of the volume in the scene at its time. Esc stops"
+    bl_description = (
+        "Bake each frame of the volume in the scene at its time. Esc stops, and finished "
+        "frames stay baked"
+    )
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
         checks.needs(

@@ -96,7 +96,10 @@ class EstimateJob(jobs.Job):
 
 class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Estimate"
-    bl_description = "Estimate time and memory of each quality from the first passes. Esc cancels"
+    bl_description = (
+        "Estimate time and memory of Draft, Good and Final from the first passes of a "
+        "bake. Esc cancels"
+    )
     bl_options = set()
     conditions = (jobs.is_free, *checks.VOLUME)
 

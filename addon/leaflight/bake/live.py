@@ -37,8 +37,8 @@ _SLOW_PICTURE, _LONGEST_WAIT = 0.2, 1.0
 
 # LiveJob in progress and its BackgroundWork, or None.
 _job = _work = None
-# Time of the end of the last poll, and the longest time that Blender took until the next poll, to
-# draw rough light.
+# Time at the end of the last poll. Longest time between two polls, which Blender spent on drawing
+# rough light.
 _looked_at, _picture = 0.0, 0.0
 # True if the scene may have changed since the last poll.
 _has_changed = False
@@ -303,7 +303,7 @@ def _go_on():
 
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Stop"
-    bl_description = "Stop updating the light until an object moves again"
+    bl_description = "Keep the shown light until an object moves again. Esc does the same"
     bl_options = set()
     conditions = (checks.needs(lambda _: _work, "Nothing is in progress"),)
 
@@ -330,7 +330,11 @@ PROPERTIES = (
         bpy.types.Scene,
         "leaflight_live",
         BoolProperty(
-            "Live", "Update the light while lamps, walls and volumes move", update=_switched
+            "Live",
+            "Update the light while lamps, walls and volumes move: direct light at "
+            "once, indirect light by the passes of a new bake. The last pass is saved "
+            "to a new file",
+            update=_switched,
         ),
     ),
 )

@@ -25,7 +25,10 @@ from . import lighting
 
 class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
     bl_label = "Load Bake"
-    bl_description = "Light the selected volume by a bake file, or import the baked volumes"
+    bl_description = (
+        "Light the selected volume by a bake of it, from Blender or the command line. "
+        "Without a matching volume, import the baked volumes and their scene"
+    )
     conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
@@ -199,7 +202,10 @@ _MOST_ROWS = 12
 
 class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Remove Unused Bakes"
-    bl_description = "Delete bake files of this .blend that light no volume. Cannot be undone"
+    bl_description = (
+        "Delete the bake files of this .blend that light none of its volumes. Undo steps "
+        "and other .blend files that use them lose their light"
+    )
     bl_options = set()
     conditions = (
         checks.needs(lambda _: unused(), "Each bake in the folders of this .blend lights a volume"),

@@ -24,7 +24,10 @@ _KIND, _PHOTONS = "photons", "leaflight_photons"
 
 class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     bl_label = "Show Photon Map"
-    bl_description = "Trace photons and show their hits on isosurfaces as points"
+    bl_description = (
+        "Trace photons and show their hits on isosurfaces as colored points, which are "
+        "not rendered by default"
+    )
     conditions = (jobs.is_free, *checks.VOLUME)
 
     count: IntProperty(
@@ -121,7 +124,7 @@ def _fill(mesh, positions, flux, c, direct):
     mesh.vertices.add(len(positions))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(positions, np.float32).ravel())
     # Scale the mean flux to 1, because absolute flux is no useful color.
-    fill.colour(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
+    fill.color(mesh, FLUX, flux / max(float(flux.mean()), 1e-30))
     attribute = mesh.attributes.new(COMMON_ISOVALUE, "FLOAT", "POINT")
     attribute.data.foreach_set("value", np.ascontiguousarray(c, np.float32))
     attribute = mesh.attributes.new(DIRECT, "BOOLEAN", "POINT")

@@ -43,7 +43,9 @@ def save_offered():
 
 class LEAFLIGHT_OT_stop_bake(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Stop"
-    bl_description = "Stop the work in progress. Finished light can be kept"
+    bl_description = (
+        "Stop the work in progress, as Esc does. You can keep the finished light of a bake"
+    )
     bl_options = set()
     conditions = (checks.needs(lambda _: jobs.running(), "Nothing is in progress"),)
 

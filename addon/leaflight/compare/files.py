@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import leaflight._core as _core
 import numpy as np
-from leaflight.io.images import display_colours
+from leaflight.io.images import display_colors
 from leaflight.io.output import replaced
 
 from . import render
@@ -77,7 +77,7 @@ def write_sheet(path, name, result):
     text = max(13, size[0] // 42)
     gap, line = text, round(1.45 * text)
     font = _font(text)
-    pictures = [display_colours(result[name], exposure) for name in ("baked", "cycles", "local")]
+    pictures = [display_colors(result[name], exposure) for name in ("baked", "cycles", "local")]
     pictures.append(_colored(difference / most))
     bar = 7 * text
     top = gap + 2 * line

@@ -159,7 +159,11 @@ class ComparisonJob(jobs.Job):
 
 class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
     bl_label = "Render Comparison"
-    bl_description = "Compare renders of the bake, Cycles and local shading. Esc cancels"
+    bl_description = (
+        "Render the isosurface as baked, path-traced by Cycles and with local shading, "
+        "and measure the differences. A second Blender renders in the background. Esc "
+        "cancels"
+    )
     bl_options = set()
     conditions = (
         jobs.is_free,
@@ -168,7 +172,11 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     )
 
     samples: IntProperty(
-        "Cycles Samples", "Samples per pixel of the path-traced still", 256, min=2, soft_max=4096
+        "Cycles Samples",
+        "Samples per pixel of the path-traced still. More samples take longer and reduce noise",
+        256,
+        min=2,
+        soft_max=4096,
     )
     baked_samples: IntProperty(
         "Baked Samples",

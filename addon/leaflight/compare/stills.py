@@ -27,12 +27,14 @@ from ..show import display, fill, isosurface, isovalues, surface_material, surfa
 from ..stage import scene_export
 from . import render
 
-# Largest error of the mean in percent. Bakes of the tests, with 32 texels a side, reach 1.4.
+# Largest error of the mean in percent. Bakes of the tests, with 32 texels per axis, reach 1.4.
 MEAN_OF_A_GOOD_BAKE = 2.0
 
 
 def rms_percent(image, reference, exposure, mask):
-    """Returns the corrected thesis Eq. 4.11 over the pixels of a mask, NaN for an empty mask."""
+    """Returns the RMS error by thesis Eq. 4.11, corrected, over the pixels of a mask; NaN for an
+    empty mask.
+    """
     if not mask.any():
         return float("nan")
     return color_error.rms_percent(image[mask], reference[mask], exposure)
@@ -59,7 +61,9 @@ def mean_off(baked_halves, cycles_halves, mask):
 
 
 def _mean(halves, mask):
-    """Returns (mean over the mask, its standard error) of a still of two halves of samples."""
+    """Returns (mean over the mask, its standard error) of a still, given as two halves of its
+    samples.
+    """
     a, b = (half[mask].mean(axis=1, dtype=np.float64) for half in halves)
     return 0.5 * (a.mean() + b.mean()), 0.5 * np.sqrt(np.sum((a - b) ** 2)) / len(a)
 
@@ -173,7 +177,7 @@ def _flip(baked, cycles, exposure):
 
 
 class _SampleProgress:
-    """Counts samples, of which there are `total`, for a function of shares."""
+    """A count of rendered samples, whose share of `total` goes to a function."""
 
     def __init__(self, report, total):
         self._report, self._total, self._done = report, total, 0

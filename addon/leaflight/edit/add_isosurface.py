@@ -75,7 +75,11 @@ def _has_room(operator, context):
 
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Add Isosurface"
-    bl_description = "Show another isosurface inside this one, lit by the same bake"
+    bl_description = (
+        "Show another isosurface of this volume, inside the shown one, which becomes "
+        "translucent. The same bake lights it. Isosurfaces that are shown together "
+        "neither light nor shade each other"
+    )
     conditions = (
         *checks.VOLUME,
         checks.needs(
@@ -127,7 +131,10 @@ class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operato
 
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Add Clip Box"
-    bl_description = "Add an Empty whose box cuts the isosurfaces"
+    bl_description = (
+        "Add an Empty whose box cuts the isosurfaces; move, rotate and scale it. It "
+        "starts at the corner of the volume nearest to the camera"
+    )
 
     def run(self, context):
         volume = active_volume(context)

@@ -56,8 +56,8 @@ def _paint_slice(pixels, found, low, high, isovalue):
     first = (pixels.shape[0] - rows) // 2, (SIDE - columns) // 2
     part = pixels[first[0] : first[0] + rows, first[1] : first[1] + columns]
     middle = np.nan_to_num(found.middle, nan=found.low)
-    grey = np.clip((middle - low) / max(high - low, 1e-30), 0, 1)
-    part[..., :3] = grey[..., None]
+    gray = np.clip((middle - low) / max(high - low, 1e-30), 0, 1)
+    part[..., :3] = gray[..., None]
     inside = found.middle >= isovalue
     part[inside, :3] += TINT * (np.array(ISOVALUE) - part[inside, :3])
 

@@ -220,7 +220,9 @@ def _cube_object(volume, name, data, grays):
 
 class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Scale Bar"
-    bl_description = "Add a scale bar in front of the volume"
+    bl_description = (
+        "Add a scale bar of a round length in front of the volume, in the unit of its file"
+    )
 
     conditions = (
         *checks.VOLUME,
@@ -235,7 +237,10 @@ class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
 
 class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Orientation"
-    bl_description = "Add letters of the patient's directions: R, L, A, P, S, I"
+    bl_description = (
+        "Add letters at the sides of a patient: R and L for right and left, A and P for "
+        "front and back, S and I for up and down"
+    )
 
     def run(self, context):
         add_letters(context, active_volume(context))
@@ -243,7 +248,10 @@ class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
 
 class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Orientation Cube"
-    bl_description = "Add a cube with the patient's directions to the camera view"
+    bl_description = (
+        "Add a cube to the lower left corner of the camera view. It turns with the volume "
+        "and names the patient's sides"
+    )
 
     def run(self, context):
         add_cube(context, active_volume(context))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators for named looks of isosurfaces and for the stops of their color ramps."""
+"""Operators for presets of isosurfaces, and for the stops of their color ramps."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ from ..stage import stage
 
 @dataclass(frozen=True)
 class Preset:
-    """A named look of isosurfaces.
+    """A preset of isosurfaces.
 
     name, text: Label and description.
     settings: Values of Object.leaflight.
@@ -86,7 +86,9 @@ def _items(presets):
 
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Look"
-    bl_description = "Set color, gloss and backdrop of the isosurfaces"
+    bl_description = (
+        "Set color or color map and gloss of the isosurfaces, and the color of the stage's backdrop"
+    )
 
     preset: EnumProperty("Look", items=_items(LOOKS) + _items(MAPS))
 
@@ -107,7 +109,9 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
 
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Add Color Stop"
-    bl_description = "Add a stop at the shown isovalue with its color"
+    bl_description = (
+        "Add a stop at the shown isovalue with its color. The first stop replaces the single albedo"
+    )
 
     def run(self, context):
         volume = active_volume(context)

@@ -25,7 +25,10 @@ _drawn = {}
 
 class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Pick in Histogram"
-    bl_description = "Drag the isovalue in a histogram. Enter confirms, Esc cancels"
+    bl_description = (
+        "Drag the isovalue in a histogram over the viewport. Enter, or a click beside the "
+        "histogram, confirms. Esc restores the isovalue"
+    )
 
     def invoke(self, context, _event):
         if context.area is None or context.area.type != "VIEW_3D":

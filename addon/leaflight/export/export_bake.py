@@ -77,7 +77,9 @@ class _SizeJob(jobs.Job):
 
 
 def _size_of(obj, coarser):
-    """Returns the estimated bytes of a page, None before the estimate. Raises its error."""
+    """Returns the estimated bytes of a page, None before the estimate. Raises the error of the
+    estimate.
+    """
     key = obj.leaflight.bake_id, coarser
     if key not in _sizes:
         job = _SizeJob(obj, coarser)
@@ -147,7 +149,10 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
 
 class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
     bl_label = "Export Lit Isosurfaces"
-    bl_description = "Write lit isosurfaces of the selected volume for other programs"
+    bl_description = (
+        "Write one or several lit isosurfaces, or the light of all, for ParaView, Amira "
+        "and other programs"
+    )
 
     filename_ext = ".glb"
     filter_glob: StringProperty(
@@ -211,12 +216,15 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
 
 class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
     bl_label = "Export Web Page"
-    bl_description = "Write a web page that shows all isosurfaces with their light"
+    bl_description = "Write a web page that shows all isosurfaces with their light in any browser"
 
     filename_ext = file_type = PAGE
     filter_glob: StringProperty(default=f"*{PAGE}", options={"HIDDEN"})
     coarser: IntProperty(
-        "Coarser", "Number of times to halve voxels and texels, for smaller files", min=0, max=3
+        "Coarser",
+        "Number of times to halve the voxels and texels along each axis, for a smaller file",
+        min=0,
+        max=3,
     )
 
     def draw(self, context):

@@ -59,9 +59,9 @@ def create(context, field, size, settings):
     display.mark(lines, _ISOLINES)
     lines.parent = graph
     low, high = np.asarray(field.field().bounds, np.float64)
-    centre = 0.5 * (low + high)
+    center = 0.5 * (low + high)
     graph.scale = (size, size, size)
-    graph.location = (-size * centre[0], -size * centre[1], 0.0)
+    graph.location = (-size * center[0], -size * center[1], 0.0)
     for obj in (graph, lines):
         context.collection.objects.link(obj)
         obj.data.materials.append(bpy.data.materials.new(obj.name))
@@ -126,7 +126,7 @@ def _heights(field, settings, values):
 
 
 def _graph(field, settings, bake):
-    """Returns (vertices, quads, radiance or None) of the graph, with at most _MOST_NODES a side."""
+    """Returns (vertices, quads, radiance or None) of the graph; at most _MOST_NODES per axis."""
     rows, columns = field.values.shape
     step = -(-max(rows, columns) // _MOST_NODES)
     i, j = np.arange(0, columns, step), np.arange(0, rows, step)

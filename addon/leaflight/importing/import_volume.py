@@ -41,7 +41,8 @@ class LEAFLIGHT_OT_import_volume(
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
         "All Files",
-        "List files with any suffix, such as DICOM slices",
+        "List files with any suffix, because DICOM slices often have none. You can "
+        "also choose their folder",
         options={"SKIP_SAVE"},
         update=_list_files,
     )
@@ -55,26 +56,28 @@ class LEAFLIGHT_OT_import_volume(
     )
     partner: StringProperty(
         "Volume",
-        "Volume with the same scale and position",
+        "Volume whose scale and position the new one takes",
         search=lambda _self, context, _text: placing.volume_names(context),
     )
     up: EnumProperty("Up", orientation.UP_TEXT, [_OF_THE_FILE, *orientation.ITEMS])
     front: EnumProperty("Front", orientation.FRONT_TEXT, [_OF_THE_FILE, *orientation.ITEMS])
     resolution: EnumProperty(
         "Resolution",
-        "Resolution of the volume, for volumes that exceed the memory",
+        "Share of the voxels to keep, for volumes that exceed the memory",
         stored_facts.RESOLUTION_ITEMS,
     )
     smooth: FloatProperty(
         "Smooth",
-        "Standard deviation, in voxels, of a Gaussian on the values",
+        "Standard deviation, in voxels, of a Gaussian on the values. Removes noise "
+        "and the steps of 8-bit values",
         0.0,
         min=0.0,
         max=10.0,
     )
     smooth_normals: FloatProperty(
         "Smooth Normals",
-        "Standard deviation, in voxels, of a Gaussian on the normals",
+        "Standard deviation, in voxels, of a Gaussian on the normals. Smooths the "
+        "shading; isosurfaces stay where they are",
         0.0,
         min=0.0,
         max=10.0,
@@ -89,11 +92,13 @@ class LEAFLIGHT_OT_import_volume(
         options={"SKIP_SAVE"},
     )
     animate: BoolProperty(
-        "As Animation", "Show the next volume of the series at each frame, by keyframes"
+        "As Animation",
+        "Show the next volume of the series at each frame, by keyframes from the "
+        "first frame of the scene on",
     )
     dataset: StringProperty(
         "Dataset",
-        "Volume or series to read, if there are several",
+        "Volume of the file, or series of the folder, to read if there are several",
         search=lambda self, _context, _text: self._datasets(),
     )
 

@@ -18,7 +18,10 @@ _NODES = 96
 
 class LEAFLIGHT_OT_open_example(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Open Example"
-    bl_description = "Import an example: a brain scan if installed, else a hydrogen atom"
+    bl_description = (
+        "Import an example: a brain scan if this computer has one (Debian's "
+        "mricron-data), else a computed hydrogen atom"
+    )
     conditions = (jobs.is_free, checks.in_object_mode)
 
     def run(self, _context):

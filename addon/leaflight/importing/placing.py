@@ -18,18 +18,20 @@ SIZE_ITEMS = [
     (
         "AUTO",
         "Automatic",
-        "Given size, on the floor beside other volumes",
+        "Given size, on the floor: the first volume at the origin, others beside it, "
+        "or over a scan of the same patient",
     ),
     ("FIT", "Fit", "Given size, on the floor at the origin"),
     (
         "LIFE",
         "Life Size",
-        "Real size, at the file's coordinates, so that scans of a patient align",
+        "Real size (one meter of the file is one meter in Blender), at the file's "
+        "coordinates, so that scans of one patient align",
     ),
     (
         "SAME",
         "Together With",
-        "Scale and position of another volume, so that scans of a patient align",
+        "Scale and position of another volume, so that scans of one patient align",
     ),
 ]
 # Assumed unit of a file without one.

@@ -48,7 +48,10 @@ _has_file = checks.needs(
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Smooth"
-    bl_description = "Smooth the values or the normals by a Gaussian. Bake again after it"
+    bl_description = (
+        "Smooth the values against noise and 8-bit steps, or only the normals, so that "
+        "isosurfaces stay where they are. A bake keeps its values, so bake again"
+    )
     conditions = (jobs.is_free, *checks.VOLUME, _has_file)
 
     what: EnumProperty(

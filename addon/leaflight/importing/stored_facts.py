@@ -18,7 +18,7 @@ RESOLUTION_ITEMS = [
     (
         "AUTO",
         "By Size",
-        "Full resolution up to 512^3 voxels, coarser above",
+        "Every voxel up to 512^3 of them; of larger volumes means of 2, 4 or 8 along each axis",
     ),
     ("FULL", "Full", "Every voxel"),
     ("HALF", "Half", "Means of two voxels along each axis: an eighth of the memory"),

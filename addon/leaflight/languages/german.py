@@ -73,8 +73,11 @@ MESSAGES = {
         "Angehalten: geschätzter Fehler %s %% (Ziel %s %%)"
     ),
     "Live": "Mitgehend",
-    "Update the light while lamps, walls and volumes move": (
-        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen"
+    "Update the light while lamps, walls and volumes move: direct light at once, indirect "
+    "light by the passes of a new bake. The last pass is saved to a new file": (
+        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen: direktes Licht "
+        "sofort, indirektes durch die Durchgänge einer neuen Berechnung. Der letzte wird in "
+        "einer neuen Datei gespeichert"
     ),
     "Stopped: direct light is current, indirect light is of an earlier position": (
         "Angehalten: direktes Licht ist aktuell, indirektes Licht von einer früheren Lage"
@@ -102,7 +105,7 @@ MESSAGES = {
     "Orientation Cube": "Orientierungswürfel",
     "Bakes: %s": "Beleuchtungen: %s",
     "Bakes: %s (unused: %s)": "Beleuchtungen: %s (unbenutzt: %s)",
-    # Why a button is greyed.
+    # Why a button is grayed.
     "Leave Edit Mode first": "Erst den Bearbeitungsmodus verlassen",
     "Leaflight is busy; Esc stops it": "Leaflight arbeitet; Esc hält es an",
     "Select or import a volume first (File > Import > Volume for Leaflight)": (

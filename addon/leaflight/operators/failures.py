@@ -65,7 +65,7 @@ def report() -> str:
 class LEAFLIGHT_OT_copy_report(bpy.types.Operator):
     bl_idname = "leaflight.copy_report"
     bl_label = "Copy Report"
-    bl_description = "Copy versions and the last error to the clipboard"
+    bl_description = "Copy the versions of all programs and the last error to the clipboard"
 
     def execute(self, context: bpy.types.Context) -> set[Any]:
         context.window_manager.clipboard = report()

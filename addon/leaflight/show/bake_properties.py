@@ -4,7 +4,7 @@
 from ..props import EnumProperty
 
 from .. import versions
-from ..props import (
+from .overridable import (
     BoolProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -62,7 +62,9 @@ class BakeOptions:
     low: FloatProperty("Lowest Isovalue", "Lowest isovalue to bake")
     high: FloatProperty("Highest Isovalue", "Highest isovalue to bake")
     use_resolution: BoolProperty(
-        "Texels", "Set the number of texels, instead of deriving it from the voxels"
+        "Texels",
+        "Set the number of texels, for volumes that exceed the memory or the time. "
+        "Otherwise it follows from the voxels",
     )
     resolution: IntProperty(
         "Texels",
@@ -78,7 +80,9 @@ class BakeOptions:
     error: FloatProperty(
         **{**ERROR, "description": f"{ERROR['description']}. {_WHEN_TO_CHANGE}"},
     )
-    use_time_limit: BoolProperty("Time Limit", "Stop after this many seconds")
+    use_time_limit: BoolProperty(
+        "Time Limit", "Stop after a number of seconds. A short time makes the light coarser"
+    )
     time_limit: FloatProperty(
         "Seconds",
         "Upper bound on the seconds of the bake",
@@ -90,13 +94,19 @@ class BakeOptions:
         update=_switches_on("use_time_limit"),
     )
     seed: IntProperty(
-        "Seed", "Seed of the random numbers; another seed gives different noise", min=0
+        "Seed",
+        "Seed of the random numbers. Another seed changes the noise, but not the detail",
+        min=0,
     )
     both_sides: BoolProperty(
-        "Both Sides", "Bake the backs of isosurfaces, too. Nearly doubles the time"
+        "Both Sides",
+        "Bake the backs of isosurfaces, too, for volumes that are cut open. Nearly "
+        "doubles the time",
     )
     light_walls: BoolProperty(
-        "Light the Walls", "Bake the light of the walls for every isovalue, too"
+        "Light the Walls",
+        "Bake the light of the walls for every isovalue, too, so that their shadows "
+        "and color bleeding follow the isosurface",
     )
     bake_folder: StringProperty(
         "Folder",

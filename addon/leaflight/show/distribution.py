@@ -44,7 +44,7 @@ class Distribution:
     are_labels: bool = False
 
     def place_of(self, isovalue):
-        """Returns the position of a value in the range, as a share of 0 to 1."""
+        """Returns the position of a value in the range, from 0 to 1."""
         return (isovalue - self.low) / (self.high - self.low)
 
 

@@ -19,10 +19,10 @@ _STRUCTS = {"vertices": 16, "edges": 12, "loops": 8, "polygons": 12}
 _FLAGS, _SMOOTH = 10, 1
 
 
-def fill(mesh, vertices, faces, colours):
+def fill(mesh, vertices, faces, colors):
     """Replaces the geometry of a mesh by smooth faces (m, 3) or (m, 4). vertices: (n, 3).
 
-    colours: name of an attribute -> linear RGB (n, 3).
+    colors: name of an attribute -> linear RGB (n, 3).
     """
     mesh.clear_geometry()
     if len(faces):
@@ -30,18 +30,18 @@ def fill(mesh, vertices, faces, colours):
         faces = np.ascontiguousarray(faces, np.int32)
         _WAYS.get(versions.mesh_storage(), fill_with_care)(mesh, vertices, faces)
     if len(mesh.vertices):
-        for name, values in colours.items():
-            colour(mesh, name, values)
+        for name, values in colors.items():
+            color(mesh, name, values)
 
 
-def colour(mesh, name, values):
+def color(mesh, name, values):
     """Writes linear RGB (n, 3) to the vertices' color attribute of this name."""
-    colours = np.ones((len(values), 4), np.float32)
-    colours[:, :3] = values
+    colors = np.ones((len(values), 4), np.float32)
+    colors[:, :3] = values
     attribute = mesh.attributes.get(name)
     if attribute is None:
         attribute = mesh.attributes.new(name, "FLOAT_COLOR", "POINT")
-    attribute.data.foreach_set("color", colours.ravel())
+    attribute.data.foreach_set("color", colors.ravel())
 
 
 def fill_with_care(mesh, vertices, faces):

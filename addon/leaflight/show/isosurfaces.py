@@ -37,7 +37,7 @@ def import_isosurfaces(settings, isosurfaces):
     else:
         for isovalue, color in isosurfaces.albedo:
             add_stop(settings, isovalue, color)
-    emission = colours(isosurfaces.emission)[0]
+    emission = colors(isosurfaces.emission)[0]
     strength = float(emission.max())
     settings.isosurface_emission_strength = strength
     if strength > 0:
@@ -71,9 +71,9 @@ def albedo_ramp(obj):
     return stops or tuple(obj.leaflight.isosurface_albedo)
 
 
-def colours(ramp):
+def colors(ramp):
     """Returns all colors (n, 3) of a ramp: one color, or stops (isovalue, color)."""
-    return np.array([ramp] if is_color(ramp) else [colour for _, colour in ramp])
+    return np.array([ramp] if is_color(ramp) else [color for _, color in ramp])
 
 
 def albedo_at(obj, isovalue):

@@ -4,7 +4,7 @@
 import bpy
 
 from . import data_faces, display, surface_object
-from ..props import (
+from .overridable import (
     BoolProperty,
     BoolVectorProperty,
     ColorProperty,
@@ -51,21 +51,26 @@ def _has_box(_look, obj):
 class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
         "Opacity",
-        "Opacity of the isosurface. Its light is that of an opaque one",
+        "Opacity of the isosurface. Its light is that of an opaque one: isosurfaces "
+        "that are shown together neither light nor shade each other",
         1.0,
         update=_changed,
     )
     use_color: BoolProperty(
-        "Own Color", "Use another color than the albedo of the volume", update=_changed
+        "Own Color",
+        "Show this isosurface in another color than the albedo of the volume",
+        update=_changed,
     )
     color: ColorProperty(
         "Color",
-        "Albedo of this isosurface. Incident light stays that of the bake",
+        "Albedo of this isosurface. The light that falls on it stays that of the "
+        "bake. To bake the color, add a stop to the volume's color ramp",
         update=_color_chosen,
     )
     dust: FloatProperty(
         "Hide Dust",
-        "Hide separate parts that are shorter than this many voxels",
+        "Hide separate parts that are shorter than this many voxels; 0 shows all. "
+        "Hidden parts still cast their shadows",
         0.0,
         min=0.0,
         soft_max=50.0,
@@ -75,7 +80,8 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     gloss: ShareProperty(
         "Gloss",
-        "Weight of a clear coat that reflects the scene's lamps",
+        "Weight of a clear coat that reflects the scene's lamps; 1 is glazed china. "
+        "Comparisons leave it out",
         update=_changed,
         options=set(),
     )
@@ -91,7 +97,8 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     box: PointerProperty(
         bpy.types.Object,
         "Clip Box",
-        "Object or Empty whose box cuts the isosurfaces. Their light is unchanged",
+        "Object whose bounding box, or Empty whose cube, cuts the isosurfaces. Their "
+        "light does not change: parts that are cut away still cast their shadows",
         poll=_has_box,
         update=_all_changed,
     )
@@ -113,7 +120,7 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     slice_axes: BoolVectorProperty(
         "Slices",
-        "Show the data on a plane across this axis, which is not baked",
+        "Show the data on a plane across this axis. Bakes ignore the plane",
         3,
         update=_slices_changed,
     )
@@ -128,14 +135,14 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
     slice_colors: EnumProperty(
         "Colors",
-        "Colors of the values on the planes",
+        "Colors of the values on the planes, over the volume's isovalue range",
         data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
     )
     slices_inside: BoolProperty(
         "Inside Only",
-        "Show data only within the isosurface, instead of from Lowest on",
+        "Show only data within the isosurface. Otherwise all values from Lowest on are shown",
         update=_slices_changed,
     )
 

@@ -5,7 +5,7 @@ import bpy
 
 from . import isovalues, surface_object, walls
 from .bake_properties import BakeOptions, BakeRecord
-from ..props import (
+from .overridable import (
     BoolProperty,
     CollectionProperty,
     ColorProperty,
@@ -68,7 +68,7 @@ class Isosurfaces:
     )
     isosurface_emission_strength: FloatProperty(
         "Strength",
-        "Radiance that the isosurfaces emit",
+        "Radiance that the isosurfaces emit; 0 is none",
         0.0,
         min=0.0,
         soft_max=100.0,
@@ -77,7 +77,12 @@ class Isosurfaces:
     capped: BoolProperty(
         "Capped", "Close the isosurfaces at the border of the volume", update=shape_changed
     )
-    linked: BoolProperty("Linked", "Link the isovalue with those of the other volumes", True)
+    linked: BoolProperty(
+        "Linked",
+        "Move the isovalue together with those of the other volumes, so that all show "
+        "the same common isovalue",
+        True,
+    )
     shading: EnumProperty(
         "Shading",
         "Method of coloring the surface by the baked radiance",
@@ -141,7 +146,8 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
 
     show_walls: bpy.props.BoolProperty(
         name="Show Lit Walls",
-        description="Show walls with baked light instead of the original objects",
+        description="Show walls with the baked light of the shown isosurface, instead of the "
+        "original objects. Turn it off to edit these",
         default=True,
         update=_walls_changed,
     )

@@ -44,11 +44,11 @@ def build_isosurface(material, scattering, ior, emission, view=View()):
 
 def set_albedo(material, albedo):
     """Sets the color of every reflecting node of a material that was built here."""
-    colour = (*albedo, 1.0)
+    color = (*albedo, 1.0)
     for node in material.node_tree.nodes:
         if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"} and node.name != COAT:
-            if not np.allclose(node.inputs[0].default_value, colour, rtol=0, atol=1e-7):
-                node.inputs[0].default_value = colour
+            if not np.allclose(node.inputs[0].default_value, color, rtol=0, atol=1e-7):
+                node.inputs[0].default_value = color
 
 
 def build_emission(material, radiance):
@@ -186,13 +186,12 @@ def build_atlas(material, images, resolution, columns, texel_from_object, view=V
 
 def _trilinear(graph, image, places, weight):
     """Blends the texels at eight places, with x fastest, by a weight for each axis."""
-    colour = [graph.texel(image, place) for place in places]
+    color = [graph.texel(image, place) for place in places]
     for axis in range(3):
-        colour = [
-            graph.mix(colour[2 * n], colour[2 * n + 1], weight[axis])
-            for n in range(len(colour) // 2)
+        color = [
+            graph.mix(color[2 * n], color[2 * n + 1], weight[axis]) for n in range(len(color) // 2)
         ]
-    return colour[0]
+    return color[0]
 
 
 def texel_from_object(volume, resolution):

@@ -105,12 +105,12 @@ class Graph:
                 socket.default_value = ior if socket.identifier == "IOR" else 0.0
         return node.outputs[0]
 
-    def emission(self, colour, name=None):
+    def emission(self, color, name=None):
         """Returns emission of a color (r, g, b), which may exceed 1, or of a socket."""
-        values = [colour]
-        if not isinstance(colour, bpy.types.NodeSocket):
-            strength = max(colour)
-            values = [(*(x / strength for x in colour), 1.0), strength]
+        values = [color]
+        if not isinstance(color, bpy.types.NodeSocket):
+            strength = max(color)
+            values = [(*(x / strength for x in color), 1.0), strength]
         return self.node("ShaderNodeEmission", *values, name=name).outputs[0]
 
     def sum(self, a, b):

@@ -17,7 +17,7 @@ from .. import session
 from ..store import bake_files
 from ..store.reading import StillReading
 from . import display, isosurface, lamps, preview, surface_material
-from .fill import colour, fill
+from .fill import color, fill
 
 # Approximate limit of the triangles of a surface while its isovalue moves.
 MOVING_TRIANGLES = 150_000
@@ -143,7 +143,7 @@ def _serves(mesh, shown, wanted, coarse):
         return False
     if is_coarse(mesh) != coarse:
         return False
-    # The light of a moved scene is temporary, so the vertices of any light are good enough.
+    # The light of a moved scene is temporary, so a mesh that was split for other light will do.
     return bool(wanted.moved) or shown.light == wanted.light
 
 
@@ -154,7 +154,7 @@ def _color(obj, label, surface):
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", vertices)
     for name, radiance in surface.radiance(vertices.reshape(-1, 3)).items():
-        colour(mesh, name, radiance)
+        color(mesh, name, radiance)
     mesh[_SHOWN] = label
     mesh.update()
     shade(obj)

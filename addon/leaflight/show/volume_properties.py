@@ -5,7 +5,7 @@ from leaflight.volume.units import METERS
 
 from .. import versions
 from . import isovalues, surface_object
-from ..props import (
+from .overridable import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
@@ -76,7 +76,10 @@ class ReadingChoices:
     value_type: EnumProperty("Type", "Type of the values in a .raw file", VALUE_TYPE_ITEMS)
     endian: EnumProperty("Byte Order", "Byte order of the values in a .raw file", ENDIAN_ITEMS)
     skip: IntProperty(
-        "Skip", "Bytes before the values of a .raw file; -1 if values end it", 0, min=-1
+        "Skip",
+        "Bytes before the values of a .raw file; -1 if the values are at its end",
+        0,
+        min=-1,
     )
     spacing: FloatVectorProperty(
         "Voxel Size",
@@ -92,7 +95,7 @@ class ReadingChoices:
         min=-1,
     )
     channel: IntProperty(
-        "Channel", "Number of the channel, from 0; -1 if there is only one", -1, min=-1
+        "Channel", "Number of the channel to read, from 0; -1 if there is only one", -1, min=-1
     )
     level: IntProperty("Level", "Number of the resolution to read; 0 is the finest", min=0)
 
@@ -112,7 +115,8 @@ class VolumeSource(ReadingChoices):
     frames: IntProperty("Frames", "Number of volumes over time in the file", 1, min=1)
     shown_frame: IntProperty(
         "Frame",
-        "Number of the shown volume in the series over time, from 0",
+        "Number of the shown volume in the series over time, from 0. Keyframes play "
+        "the series. Each frame has its own bake",
         min=0,
         update=_frame_changed,
     )

@@ -144,7 +144,7 @@ def update(scene):
             obj.data.vertices.foreach_set("co", vertices.ravel())
         for name, back in ((RADIANCE, False), (RADIANCE_BACK, True)):
             radiance = bake.walls.radiance(obj[_INDEX], c, back=back)
-            fill.colour(obj.data, name, radiance)
+            fill.color(obj.data, name, radiance)
         obj.data[_SHOWN] = label
         obj.data.update()
 

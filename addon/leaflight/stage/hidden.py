@@ -47,7 +47,7 @@ def names(objects):
 
 class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Show Hidden"
-    bl_description = "Show the objects that Stage has hidden. They are baked again"
+    bl_description = "Show and render the objects that Stage has hidden. Bakes then include them"
     conditions = (
         checks.needs(lambda context: all_hidden(context.scene), "Stage has not hidden any object"),
         checks.in_object_mode,

@@ -101,19 +101,19 @@ def _read(what, image):
             f'{what} uses the image "{image.name}", which is incomplete: reload it.'
         )
     raw = raw.reshape(height, width, image.channels)
-    colours = raw[..., :3] if image.channels >= 3 else np.repeat(raw[..., :1], 3, axis=2)
+    colors = raw[..., :3] if image.channels >= 3 else np.repeat(raw[..., :1], 3, axis=2)
     if not image.is_float:
         # Cycles multiplies 8-bit colors by their alpha before it decodes them.
         if image.channels == 4 and image.alpha_mode == "STRAIGHT":
-            colours = colours * raw[..., 3:]
+            colors = colors * raw[..., 3:]
         if image.colorspace_settings.name == "sRGB":
-            colours = _linear_from_srgb(colours)
-    if not np.isfinite(colours).all():
+            colors = _linear_from_srgb(colors)
+    if not np.isfinite(colors).all():
         raise LeaflightError(
             f'{what} uses the image "{image.name}", which holds pixels that are not finite '
             "numbers: repair or replace it."
         )
-    return np.ascontiguousarray(colours, np.float32)
+    return np.ascontiguousarray(colors, np.float32)
 
 
 def _linear_from_srgb(encoded):

@@ -72,7 +72,7 @@ def _tint(what, light):
             f"{what} has a strength made by a {node.bl_label} node, which the bake cannot model: "
             "disconnect it, or disable the light in renders."
         )
-    return np.array(nodes.colour(what, nodes.socket(emission, "Color"))) * strength
+    return np.array(nodes.color(what, nodes.socket(emission, "Color"))) * strength
 
 
 def _area(what, name, light, axes, power):

@@ -121,8 +121,8 @@ def _principled(what, shader):
         left_out = _COATS + _FILM
         kind = "mirror" if metallic == 1 else "glass"
         _check_polished(what, shader, kind)
-        colour = nodes.colour(what, base)
-        surface = _metal(what, shader, colour) if metallic == 1 else _clear(what, shader, colour)
+        color = nodes.color(what, base)
+        surface = _metal(what, shader, color) if metallic == 1 else _clear(what, shader, color)
     else:
         name, value = ("Metallic", metallic) if metallic > 0 else ("Transmission", transmission)
         found = f"{value:g}" if np.isfinite(value) else "from other nodes"
@@ -134,29 +134,29 @@ def _principled(what, shader):
     return replace(surface, emission=_principled_emission(what, shader))
 
 
-def _metal(what, shader, colour):
+def _metal(what, shader, color):
     warnings = []
-    if versions.principled_metal_edges(shader, colour):
+    if versions.principled_metal_edges(shader, color):
         warnings.append(
             f"{what} is baked in one color, but a Principled metal has another at grazing angles: "
             "use a Glossy BSDF for a match"
         )
-    return Surface(colour, "mirror", warnings=warnings)
+    return Surface(color, "mirror", warnings=warnings)
 
 
-def _clear(what, shader, colour):
+def _clear(what, shader, color):
     if nodes.number(shader, "Thin Wall"):
         raise LeaflightError(
             f"{what} has Thin Wall, but the bake models solid glass: turn it off and give the "
             "object thickness."
         )
     warnings = []
-    if min(colour) < 1:
+    if min(color) < 1:
         warnings.append(
             f"{what} is baked as glass with colored reflections, unlike a Principled one: use a "
             "Glass BSDF for a match"
         )
-    passing = versions.principled_glass_color(colour)
+    passing = versions.principled_glass_color(color)
     return Surface(passing, "glass", _ior(what, shader), warnings=warnings)
 
 
@@ -173,24 +173,24 @@ def _principled_emission(what, shader):
     strength = nodes.number(shader, "Emission Strength", 1.0)
     if end is None or strength == 0:
         return (0.0, 0.0, 0.0)
-    return _radiance(what, nodes.colour(what, end), strength)
+    return _radiance(what, nodes.color(what, end), strength)
 
 
 def _glossy(what, shader):
     _check_polished(what, shader, "mirror")
-    return Surface(nodes.colour(what, nodes.socket(shader, "Color")), "mirror")
+    return Surface(nodes.color(what, nodes.socket(shader, "Color")), "mirror")
 
 
 def _glass(what, shader):
     _check_polished(what, shader, "glass")
-    colour = nodes.colour(what, nodes.socket(shader, "Color"))
+    color = nodes.color(what, nodes.socket(shader, "Color"))
     warnings = _left_out(what, shader, _FILM)
-    return Surface(colour, "glass", _ior(what, shader), warnings=warnings)
+    return Surface(color, "glass", _ior(what, shader), warnings=warnings)
 
 
 def _emission(what, shader):
-    colour = nodes.colour(what, nodes.socket(shader, "Color"))
-    return Surface(emission=_radiance(what, colour, nodes.number(shader, "Strength")))
+    color = nodes.color(what, nodes.socket(shader, "Color"))
+    return Surface(emission=_radiance(what, color, nodes.number(shader, "Strength")))
 
 
 def _sum(what, shader):
@@ -211,12 +211,12 @@ def _sum(what, shader):
     return replace(base, emission=tuple(float(x) for x in emission), warnings=warnings)
 
 
-def _radiance(what, colour, strength):
+def _radiance(what, color, strength):
     if not np.isfinite(strength):
         raise LeaflightError(
             f"{what} has a textured emission strength, which the bake cannot model: disconnect it."
         )
-    radiance = tuple(float(strength * x) for x in colour)
+    radiance = tuple(float(strength * x) for x in color)
     if min(radiance) < 0:
         raise LeaflightError(f"{what} emits negative light: make its strength zero or positive.")
     return radiance
@@ -247,7 +247,7 @@ def _textured(what, end):
     """Returns (albedo, Picture or None) of a socket that an image may feed."""
     node = nodes.source(end)
     if node is None:
-        return nodes.colour(what, end), None
+        return nodes.color(what, end), None
     if node.type != "TEX_IMAGE" or nodes.source_socket(end).identifier != "Color":
         raise LeaflightError(
             f"{what} has a {node.bl_label} node in its color, but the bake models one color or an "

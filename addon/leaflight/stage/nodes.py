@@ -50,7 +50,7 @@ def number(node, identifier, absent=0.0):
     return np.inf if source(end) else end.default_value
 
 
-def colour(what, end):
+def color(what, end):
     """Returns the color (r, g, b) at a socket. Raises LeaflightError if other nodes feed it."""
     if source(end):
         raise LeaflightError(

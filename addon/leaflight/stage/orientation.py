@@ -13,7 +13,7 @@ from mathutils import Matrix
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
 from ..show import isosurfaces, isovalues
-from ..props import BoolProperty, IntProperty, PointerProperty
+from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 from ..store import cache, source_files
 from . import stage
 from .facing import (

@@ -14,8 +14,8 @@ from leaflight.scene import scene
 
 MY_SCENE = "MY_SCENE"
 
-# Gap between the floor of a scene file and isosurfaces, in its coordinates. An isosurface on the
-# floor would end the light within a facet of the floor, in visible teeth.
+# Gap between the floor of a scene file and isosurfaces, in its coordinates. Without it, light would
+# end within a facet of the floor, with a jagged edge.
 _GAP = 0.02
 
 

@@ -29,7 +29,7 @@ def export_scene(context, isosurface):
     Returns (SceneDescription, [volume object, ...], [sentence of warning, ...]). The volumes have
     the order of the description's isosurfaces. Raises LeaflightError.
     """
-    _check_colours()
+    _check_colors()
     depsgraph = context.evaluated_depsgraph_get()
     volumes = volume_objects(context, isosurface)
     boxes = functools.cache(lambda: [isosurfaces.world_box(obj) for obj in volumes])
@@ -79,7 +79,7 @@ def export_scene(context, isosurface):
     return description, volumes, warnings
 
 
-def _check_colours():
+def _check_colors():
     space = versions.working_space()
     if space != "Linear Rec.709":
         raise LeaflightError(
@@ -100,7 +100,7 @@ def _warnings_of(volume):
 def check_light(description):
     """Raises LeaflightError if nothing in a scene emits light."""
     emitters = [*description.meshes, *description.isosurfaces]
-    glows = any(np.max(isosurfaces.colours(emitter.emission)) > 0 for emitter in emitters)
+    glows = any(np.max(isosurfaces.colors(emitter.emission)) > 0 for emitter in emitters)
     if not (description.lights or description.environment or glows):
         raise LeaflightError(
             "No rendered object emits light, so the bake would be black: add a light, or "

@@ -25,14 +25,20 @@ _STAGED = "leaflight_stage"
 
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Stage"
-    bl_description = "Add walls, lights and a camera around the volumes, instead of others"
+    bl_description = (
+        "Add walls, lights and a camera around the volumes, as objects that you can edit. "
+        "Replaces the previous stage and hides other objects"
+    )
 
     preset: EnumProperty("Stage", "Objects to add around the volumes", presets.ITEMS)
     collection: StringProperty(
         "Collection", "Collection of your objects and lights around the volumes"
     )
     hide_others: BoolProperty(
-        "Hide Others", "Hide all other objects, so that they are not baked", True
+        "Hide Others",
+        "Hide all other objects in viewports and renders, so that they are not baked. "
+        "Nothing is deleted, and Show Hidden shows them again",
+        True,
     )
 
     def invoke(self, context, event):
@@ -100,7 +106,10 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Frame Isosurface"
-    bl_description = "Move the camera so that the isosurfaces fill its frame"
+    bl_description = (
+        "Move the camera so that the shown isosurfaces fill its frame. Before a bake, "
+        "also fit the stage to them"
+    )
 
     def run(self, context):
         scene, isosurface = context.scene, active_volume(context)

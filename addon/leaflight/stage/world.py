@@ -39,8 +39,8 @@ def export_world(world):
     end = nodes.socket(background, "Color")
     texture = nodes.source(end)
     if texture is None:
-        colour = nodes.colour(what, end)
-        return _environment(what, world.name, tuple(strength * x for x in colour))
+        color = nodes.color(what, end)
+        return _environment(what, world.name, tuple(strength * x for x in color))
     if texture.type != "TEX_ENVIRONMENT":
         raise LeaflightError(
             f"{what} has a {texture.bl_label} node in its color, but the bake models one color or "

@@ -16,12 +16,17 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
     own_cache_folder: BoolProperty(
-        "Own Cache Folder", "Store bakes of unsaved files outside Blender's user folder"
+        "Own Cache Folder",
+        "Store bakes of unsaved files outside Blender's user folder, if that is on a "
+        "small or slow disk",
     )
     cache_folder: StringProperty(
         "Cache Folder", "Folder of bakes of unsaved files", subtype="DIR_PATH"
     )
-    limit_threads: BoolProperty("Limit Threads", "Limit the number of threads of a bake")
+    limit_threads: BoolProperty(
+        "Limit Threads",
+        "Limit the number of threads of a bake, to leave processors to other work",
+    )
     threads: IntProperty(
         "Threads",
         "Number of threads of a bake. The result does not depend on it",
@@ -31,7 +36,8 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     )
     limit_memory: BoolProperty(
         "Limit Memory",
-        "Limit memory: larger volumes use files, and texels become coarser",
+        "Limit the memory of volumes and bakes. Larger volumes are kept in a file, "
+        "and texels become coarser to fit",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "math/error.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -21,12 +21,12 @@ bool is_whole(const Value* values, std::size_t count, float min, float max) {
   if (std::is_integral_v<Value>) return true;
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, count, 1 << 16), true,
-      [&](const auto& range, bool whole) {
-        for (std::size_t i = range.begin(); whole && i != range.end(); ++i) {
+      [&](const auto& range, bool all) {
+        for (std::size_t i = range.begin(); all && i != range.end(); ++i) {
           const double above = static_cast<double>(values[i]) - min;
-          whole = std::isnan(above) || above == std::floor(above);
+          all = std::isnan(above) || above == std::floor(above);
         }
-        return whole;
+        return all;
       },
       [](bool a, bool b) { return a && b; });
 }
@@ -148,18 +148,18 @@ CellBounds<D> bound_cells(const Voxels& values, const Index<D>& dims, float min,
   int side = 1;
   for (int level = 0; level < CellBounds<D>::levels; ++level) {
     side *= CellBounds<D>::side;
-    Index<D>& of = bounds.dims[level];
-    for (int a = 0; a < D; ++a) of[a] = (finer[a] + bounds.side - 1) / bounds.side;
+    Index<D>& level_dims = bounds.dims[level];
+    for (int a = 0; a < D; ++a) level_dims[a] = (finer[a] + bounds.side - 1) / bounds.side;
     if (level == 0) {
-      bounds.cells.resize(cell_count<D>(of));
+      bounds.cells.resize(cell_count<D>(level_dims));
       std::visit([&](const auto* all) { fill_cells(bounds, all, dims); }, values);
     } else if (level == 1) {
-      fill_bricks<D>(bounds.bricks[0], of, bounds.cells, finer);
+      fill_bricks<D>(bounds.bricks[0], level_dims, bounds.cells, finer);
     } else {
-      fill_bricks<D>(bounds.bricks[level - 1], of, bounds.bricks[level - 2], finer);
+      fill_bricks<D>(bounds.bricks[level - 1], level_dims, bounds.bricks[level - 2], finer);
     }
-    fill_slabs<D>(bounds.slabs[level], of, values, dims, side, margin);
-    finer = of;
+    fill_slabs<D>(bounds.slabs[level], level_dims, values, dims, side, margin);
+    finer = level_dims;
   }
   return bounds;
 }

@@ -5,10 +5,10 @@
 
 #include <limits>
 
+#include "base/index_range.h"
+#include "base/large_array.h"
 #include "field/child_set.h"
 #include "field/voxels.h"
-#include "math/index_range.h"
-#include "math/large_array.h"
 
 namespace leaflight {
 

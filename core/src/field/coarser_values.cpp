@@ -55,8 +55,8 @@ std::vector<float> coarser_along(const Value* values, const Index<3>& dims, int 
     const Value* const from = values + number / coarse * dims[axis] * row;
     float* const to = result.data() + number * row;
     for (const Part& part : means[number % coarse]) {
-      const Value* const of_part = from + part.voxel * row;
-      for (std::size_t i = 0; i < row; ++i) to[i] += part.weight * of_part[i];
+      const Value* const voxels = from + part.voxel * row;
+      for (std::size_t i = 0; i < row; ++i) to[i] += part.weight * voxels[i];
     }
   });
   return result;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/index_range.h"
+#include "base/index_range.h"
 
 namespace leaflight {
 
@@ -16,7 +16,7 @@ EmptySpace<D>::EmptySpace(const Field<D>& field, double below)
     : value_(std::nextafter(static_cast<float>(below), -std::numeric_limits<float>::infinity())) {
   for (int a = 0; a < D; ++a) bricks_[a] = (field.dims[a] + brick_width - 1) / brick_width;
   const std::size_t count = cell_count<D>(bricks_);
-  std::vector<std::uint8_t> own(count, 1);
+  std::vector<std::uint8_t> is_below(count, 1);
   empty_.assign(count, 1);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const Index<D> brick = index_of<D>(i, bricks_);
@@ -28,7 +28,7 @@ EmptySpace<D>::EmptySpace(const Field<D>& field, double below)
     std::visit(
         [&](const auto* values) {
           for_each_index<D>(first, last, [&](const Index<D>& voxel) {
-            if (!(values[field.offset(voxel)] < below)) own[i] = 0;
+            if (!(values[field.offset(voxel)] < below)) is_below[i] = 0;
           });
         },
         field.values);
@@ -41,7 +41,7 @@ EmptySpace<D>::EmptySpace(const Field<D>& field, double below)
       last[a] = std::min(brick[a] + 2, bricks_[a]);
     }
     for_each_index<D>(first, last, [&](const Index<D>& other) {
-      if (!own[linear_number<D>(other, bricks_)]) empty_[i] = 0;
+      if (!is_below[linear_number<D>(other, bricks_)]) empty_[i] = 0;
     });
   });
 }

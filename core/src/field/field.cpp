@@ -9,8 +9,8 @@
 #include <sstream>
 #include <string>
 
-#include "math/bounds.h"
-#include "math/error.h"
+#include "base/bounds.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {

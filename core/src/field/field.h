@@ -3,11 +3,11 @@
 
 #include <memory>
 
+#include "base/affine.h"
+#include "base/box.h"
 #include "field/cell_bounds.h"
 #include "field/interval_pyramid.h"
 #include "field/voxels.h"
-#include "math/affine.h"
-#include "math/box.h"
 
 namespace leaflight {
 

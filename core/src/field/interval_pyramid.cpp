@@ -72,6 +72,7 @@ IntervalPyramid<D> build_pyramid(const Voxels& values, const Index<D>& dims) {
         tbb::blocked_range<std::size_t>(0, level.bricks.size(), 256), [&](auto range) {
           for (std::size_t b = range.begin(); b != range.end(); ++b) {
             const Index<D> brick = index_of<D>(b, level.dims);
+            // Compute the finest level from the voxels, and others by merging finer bricks.
             if (!finer) {
               level.bricks[b] = std::visit(
                   [&](const auto* h) { return brick_interval<D>(h, dims, brick); }, values);

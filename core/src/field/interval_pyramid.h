@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/index_range.h"
+#include "base/large_array.h"
 #include "field/voxels.h"
-#include "math/index_range.h"
-#include "math/large_array.h"
 
 namespace leaflight {
 

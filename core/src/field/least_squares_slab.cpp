@@ -22,10 +22,10 @@ void for_each_row(const Value* values, const Index<D>& dims, const Index<D>& low
 template <int D, class Value>
 std::array<float, D> best_gradient(const Value* values, const Index<D>& dims, const Index<D>& low,
                                    const Index<D>& high) {
-  Vec<D> centre, moment(0.0);
+  Vec<D> center, moment(0.0);
   double count = 1;
   for (int a = 0; a < D; ++a) {
-    centre[a] = 0.5 * (low[a] + high[a]);
+    center[a] = 0.5 * (low[a] + high[a]);
     count *= high[a] - low[a] + 1;
   }
   const int length = high[0] - low[0] + 1;
@@ -33,10 +33,10 @@ std::array<float, D> best_gradient(const Value* values, const Index<D>& dims, co
     double sum = 0, along = 0;
     for (int x = 0; x < length; ++x) {
       sum += h[x];
-      along += (low[0] + x - centre[0]) * h[x];
+      along += (low[0] + x - center[0]) * h[x];
     }
     moment[0] += along;
-    for (int a = 1; a < D; ++a) moment[a] += (row[a] - centre[a]) * sum;
+    for (int a = 1; a < D; ++a) moment[a] += (row[a] - center[a]) * sum;
   });
   std::array<float, D> gradient;
   for (int a = 0; a < D; ++a) {
@@ -77,8 +77,8 @@ template <int D>
 typename CellBounds<D>::Slab least_squares_slab(const Voxels& values, const Index<D>& dims,
                                                 const Index<D>& low, const Index<D>& high,
                                                 double margin) {
-  return std::visit(
-      [&](const auto* of_type) { return slab_of<D>(of_type, dims, low, high, margin); }, values);
+  return std::visit([&](const auto* typed) { return slab_of<D>(typed, dims, low, high, margin); },
+                    values);
 }
 
 template CellBounds<2>::Slab least_squares_slab<2>(const Voxels&, const Index<2>&, const Index<2>&,

@@ -11,8 +11,8 @@
 #include <limits>
 #include <string>
 
-#include "math/error.h"
-#include "math/index_range.h"
+#include "base/error.h"
+#include "base/index_range.h"
 
 namespace leaflight {
 namespace {
@@ -193,6 +193,7 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
       add(high, lattice.slot[number + 1]);
     }
   }
+  // Normalize the weights over the active texels.
   for (int i = 0; i < result.count; ++i) {
     result.weight[i] = static_cast<float>(sum == 1 ? weights[i] : weights[i] / sum);
   }

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/ranked_set.h"
 #include "field/field.h"
-#include "math/ranked_set.h"
 
 namespace leaflight {
 
@@ -28,7 +28,7 @@ struct TexelLattice {
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::size_t linear) const { return index_of<D>(linear, resolution); }
   // Returns the index position of a texel.
-  Vec<D> centre(std::uint32_t linear) const {
+  Vec<D> center(std::uint32_t linear) const {
     return to_vector<D>(texel(linear)) * voxels_per_texel;
   }
   // Returns the cell between texels at an index position, clamped to the domain.

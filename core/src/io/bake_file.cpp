@@ -7,14 +7,14 @@
 #include <limits>
 #include <vector>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "io/field_grid.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
 #include "io/seal.h"
 #include "io/vdb_file.h"
 #include "io/vdb_header.h"
-#include "math/error.h"
-#include "math/platform.h"
 
 namespace leaflight {
 namespace {

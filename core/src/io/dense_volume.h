@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "base/affine.h"
 #include "field/voxels.h"
-#include "math/affine.h"
 
 namespace leaflight {
 

@@ -13,9 +13,9 @@
 #include <array>
 #include <fstream>
 
+#include "base/error.h"
 #include "io/files.h"
 #include "io/replaced_files.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

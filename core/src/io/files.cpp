@@ -5,7 +5,7 @@
 #include <fstream>
 #include <type_traits>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace fs = std::filesystem;

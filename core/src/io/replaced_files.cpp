@@ -6,10 +6,10 @@
 #include <random>
 #include <set>
 
+#include "base/error.h"
+#include "base/platform.h"
 #include "io/files.h"
 #include "io/seal.h"
-#include "math/error.h"
-#include "math/platform.h"
 
 namespace leaflight {
 namespace fs = std::filesystem;

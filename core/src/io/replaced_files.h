@@ -7,7 +7,7 @@
 #include <ostream>
 #include <vector>
 
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight {
 

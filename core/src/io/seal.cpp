@@ -9,8 +9,8 @@
 #include <fstream>
 #include <vector>
 
+#include "base/error.h"
 #include "io/files.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "base/error.h"
 #include "io/files.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {
@@ -48,8 +48,8 @@ class SeekableArchive : openvdb::io::Archive {
   // Writes like Archive::write(), for grids with unique names.
   void write_into(std::ostream& stream, const openvdb::GridPtrVec& grids,
                   const openvdb::MetaMap& metadata) const {
-    auto of_stream = std::make_shared<openvdb::io::StreamMetadata>();
-    openvdb::io::setStreamMetadataPtr(stream, of_stream, false);
+    auto stream_metadata = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(stream, stream_metadata, false);
     openvdb::io::setWriteGridStatsMetadata(stream, true);
     openvdb::io::setDataCompression(stream, compression());
     writeHeader(stream, true);

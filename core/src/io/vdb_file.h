@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <iosfwd>
 
-#include "math/affine.h"
+#include "base/affine.h"
 
 namespace leaflight {
 

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
+#include "base/error.h"
 #include "io/files.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <limits>
 
+#include "base/error.h"
 #include "io/files.h"
 #include "io/vdb_file.h"
-#include "math/error.h"
 
 namespace leaflight {
 namespace {

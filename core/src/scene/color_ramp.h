@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 

@@ -31,14 +31,14 @@ IsovalueNodes::IsovalueNodes(const Scene<D>& scene) {
   double below = 0;
   int next = 0;
   for (int bin = 0; bin < histogram_bins && next < count; ++bin) {
-    const double own = 0.5 / histogram_bins + (total > 0 ? 0.5 * share[bin] / total : 0);
+    const double density = 0.5 / histogram_bins + (total > 0 ? 0.5 * share[bin] / total : 0);
     const double scale = total > 0 ? 1 : 2;
-    while (next < count && static_cast<double>(next) / (count - 1) < below + own * scale) {
-      const double within = (static_cast<double>(next) / (count - 1) - below) / (own * scale);
+    while (next < count && static_cast<double>(next) / (count - 1) < below + density * scale) {
+      const double within = (static_cast<double>(next) / (count - 1) - below) / (density * scale);
       nodes_[next++] =
           isovalue_range.min + isovalue_range.height() * (bin + within) / histogram_bins;
     }
-    below += own * scale;
+    below += density * scale;
   }
   while (next < count) nodes_[next++] = isovalue_range.max;
   nodes_[count - 1] = isovalue_range.max;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/lamp.h"
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "math/affine.h"
+#include "base/affine.h"
 #include "scene/facet.h"
 #include "scene/texture.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "math/bounds.h"
-#include "math/error.h"
-#include "math/sampling.h"
+#include "base/bounds.h"
+#include "base/error.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -20,42 +20,43 @@ bool is_finite(const V& v) {
   return true;
 }
 
-void check_albedo(const Rgb& albedo, const std::string& of) {
+void check_albedo(const Rgb& albedo, const std::string& name) {
   for (int i = 0; i < 3; ++i) {
     if (!(albedo[i] >= 0 && albedo[i] <= 1)) {
       std::ostringstream text;
-      text << "The albedo of " << of << " is " << albedo[i]
+      text << "The albedo of " << name << " is " << albedo[i]
            << " in one channel; choose values between 0 and 1.";
       throw Error(text.str());
     }
   }
 }
 
-void check_light_amount(const Rgb& amount, const std::string& of, const std::string& what) {
+void check_light_amount(const Rgb& amount, const std::string& name, const std::string& what) {
   for (int i = 0; i < 3; ++i) {
     if (!(amount[i] >= 0) || !std::isfinite(amount[i])) {
-      throw Error(of + " has a negative or non-finite " + what + "; choose one that is 0 or more.");
+      throw Error(name + " has a negative or non-finite " + what +
+                  "; choose one that is 0 or more.");
     }
   }
 }
 
-void check_ior(double ior, Scattering scattering, const std::string& of) {
+void check_ior(double ior, Scattering scattering, const std::string& name) {
   if (scattering == Scattering::glass && !(ior >= 0.1 && ior <= 10)) {
     std::ostringstream text;
-    text << "The refractive index of " << of << " is " << ior << "; choose one from 0.1 to 10.";
+    text << "The refractive index of " << name << " is " << ior << "; choose one from 0.1 to 10.";
     throw Error(text.str());
   }
 }
 
-void check_texture(const Texture& texture, const std::string& of) {
+void check_texture(const Texture& texture, const std::string& name) {
   const std::size_t pixels = static_cast<std::size_t>(texture.width) * texture.height;
   if (texture.width < 1 || texture.height < 1 || texture.pixels.size() != pixels) {
-    throw Error("The image of " + of + " has no pixels; choose another image.");
+    throw Error("The image of " + name + " has no pixels; choose another image.");
   }
   for (const auto& pixel : texture.pixels) {
     for (int i = 0; i < 3; ++i) {
       if (!(pixel[i] >= 0) || !std::isfinite(pixel[i])) {
-        throw Error("A pixel of the image of " + of +
+        throw Error("A pixel of the image of " + name +
                     " is negative or not a finite number; repair the image.");
       }
     }
@@ -68,6 +69,7 @@ void check_mesh(const Mesh<D>& mesh) {
   check_albedo(mesh.albedo, name);
   check_ior(mesh.ior, mesh.scattering, name);
   check_light_amount(mesh.emission, "The mesh '" + mesh.name + "'", "emission");
+  // Check the geometry.
   if (mesh.facets.empty()) {
     throw Error("There are no faces in " + name + "; remove it or give it faces.");
   }
@@ -85,6 +87,7 @@ void check_mesh(const Mesh<D>& mesh) {
       }
     }
   }
+  // Check the texture and its coordinates.
   if (!mesh.texture) return;
   check_texture(*mesh.texture, name);
   for (const auto& pixel : mesh.texture->pixels) check_albedo(mesh.albedo * Rgb(pixel), name);
@@ -173,14 +176,14 @@ bool has_light(const Scene<D>& scene) {
   return scene.environment && largest(scene.environment->radiance) > 0;
 }
 
-void check_ramp(const ColorRamp& ramp, const std::string& of, const char* what) {
+void check_ramp(const ColorRamp& ramp, const std::string& name, const char* what) {
   bool ascending = !ramp.stops.empty();
   for (std::size_t i = 0; i < ramp.stops.size(); ++i) {
     ascending = ascending && std::isfinite(ramp.stops[i].position) &&
                 (i == 0 || ramp.stops[i].position > ramp.stops[i - 1].position);
   }
   if (!ascending) {
-    throw Error("The stops of the " + std::string(what) + " ramp of " + of +
+    throw Error("The stops of the " + std::string(what) + " ramp of " + name +
                 " are not in ascending order; sort them.");
   }
 }

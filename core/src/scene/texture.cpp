@@ -7,12 +7,12 @@ namespace leaflight {
 namespace {
 
 // The two pixels next to a coordinate and the weight of the second.
-struct Neighbours {
+struct Neighbors {
   int low, high;
   float weight;
 };
 
-Neighbours neighbours(double coordinate, int size) {
+Neighbors neighbors(double coordinate, int size) {
   const double position = (coordinate - std::floor(coordinate)) * size - 0.5;
   const double low = std::floor(position);
   const auto wrap = [size](int i) { return (i % size + size) % size; };
@@ -23,7 +23,7 @@ Neighbours neighbours(double coordinate, int size) {
 }  // namespace
 
 Rgb Texture::at(double u, double v) const {
-  const Neighbours x = neighbours(u, width), y = neighbours(v, height);
+  const Neighbors x = neighbors(u, width), y = neighbors(v, height);
   const auto row = [&](int j) {
     const auto* first = pixels.data() + static_cast<std::size_t>(j) * width;
     return first[x.low] * (1 - x.weight) + first[x.high] * x.weight;

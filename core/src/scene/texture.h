@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 

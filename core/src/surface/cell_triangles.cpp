@@ -152,6 +152,7 @@ Cover tunnel(const Polygon& a, const Polygon& b, int point) {
   const Diagonals diagonals;
   Cover best;
   best.inside = impossible;
+  // Try all pairs of bridges, from a1 to b1 and from a2 to b2.
   for (std::size_t a1 = 0; a1 < a.size(); ++a1) {
     for (std::size_t b1 = 0; b1 < b.size(); ++b1) {
       for (std::size_t a2 = a1 + 1; a2 < a.size(); ++a2) {
@@ -159,6 +160,7 @@ Cover tunnel(const Polygon& a, const Polygon& b, int point) {
           if (b1 == b2 || !diagonals.allowed(a[a1], b[b1]) || !diagonals.allowed(a[a2], b[b2])) {
             continue;
           }
+          // Split the polygons at the bridges.
           Polygon halves[2];
           append_arc(a, a1, a2, halves[0]);
           append_arc(b, b2, b1, halves[0]);
@@ -166,19 +168,19 @@ Cover tunnel(const Polygon& a, const Polygon& b, int point) {
           append_arc(b, b1, b2, halves[1]);
           // Diagonals that both halves could use belong to the first.
           Diagonals rest = diagonals;
-          Cover whole;
+          Cover joined_cover;
           for (const Polygon& half : halves) {
-            const Cover part = cover(half, rest, point + whole.inside);
-            whole.triangles.insert(whole.triangles.end(), part.triangles.begin(),
-                                   part.triangles.end());
-            whole.inside += part.inside;
-            whole.length += part.length;
+            const Cover part = cover(half, rest, point + joined_cover.inside);
+            joined_cover.triangles.insert(joined_cover.triangles.end(), part.triangles.begin(),
+                                          part.triangles.end());
+            joined_cover.inside += part.inside;
+            joined_cover.length += part.length;
             for (const int e : {a[a1], a[a2], b[b1], b[b2]}) {
               for (const int f : {a[a1], a[a2], b[b1], b[b2]}) rest.forbid(e, f);
             }
           }
-          whole.length += squared_distance(a[a1], b[b1]) + squared_distance(a[a2], b[b2]);
-          if (whole.better_than(best)) best = whole;
+          joined_cover.length += squared_distance(a[a1], b[b1]) + squared_distance(a[a2], b[b2]);
+          if (joined_cover.better_than(best)) best = joined_cover;
         }
       }
     }
@@ -209,14 +211,14 @@ class Table {
       for (unsigned joined = 0; joined < 64; ++joined) {
         if ((joined & ~alternating) == 0) append_case(above, joined);
       }
-      if (alternating == 0 && of(above, 0).polygons.size() == 1) {
-        plain_[above] = of(above, 0).separate;
+      if (alternating == 0 && case_for(above, 0).polygons.size() == 1) {
+        plain_[above] = case_for(above, 0).separate;
       }
     }
   }
 
   const std::array<CellTriangles, 256>& plain() const { return plain_; }
-  const Case& of(unsigned above, unsigned joined) const {
+  const Case& case_for(unsigned above, unsigned joined) const {
     return cases_[number_[64 * above + joined]];
   }
 
@@ -280,7 +282,7 @@ const std::array<CellTriangles, 256>& plain_triangles() { return table().plain()
 
 const CellTriangles& ambiguous_triangles(unsigned above, const std::array<double, 8>& g) {
   const unsigned joined = joined_faces(g, above);
-  const Case& found = table().of(above, joined);
+  const Case& found = table().case_for(above, joined);
   if (found.tunnels.empty()) return found.separate;
   const CellSaddles saddles = cell_saddles(g);
   if (saddles.count == 0) return found.separate;

@@ -11,8 +11,9 @@ namespace {
 
 using CornerValues = std::array<double, 8>;
 
-// Returns the corner of a face, of this sign, whose region contains the point (u, v) of the face;
-// -1: none, by rounding. The coordinates u and v are the axes after that of the face.
+// Returns the corner of a face, with the given sign, whose region contains the point (u, v) of the
+// face, or -1 if rounding leaves none. u is along the axis after that of the face, v along the one
+// after u.
 int corner_of(const CornerValues& g, unsigned above, unsigned joined, int face, double u, double v,
               bool sign) {
   const int axis = face / 2, base = (face % 2) << axis;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {

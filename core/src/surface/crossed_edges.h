@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "math/platform.h"
+#include "base/platform.h"
 #include "surface/brick_values.h"
 
 namespace leaflight {

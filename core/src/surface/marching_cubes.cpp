@@ -7,8 +7,8 @@
 #include <limits>
 #include <string>
 
-#include "math/error.h"
-#include "math/release.h"
+#include "base/error.h"
+#include "base/release.h"
 #include "surface/cell_polygons.h"
 #include "surface/cell_triangles.h"
 #include "surface/points_inside.h"
@@ -158,9 +158,11 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
     if (bricks_[i].triangles == 0 && brick.count() == 0) return;
     if (i + ahead < bricks_.size()) fetch_brick(field, edges_.bricks()[i + ahead].brick);
     const Values values = load_brick(field, brick.brick, isovalue);
+    // Fill in the vertices on the brick's edges.
     place_on_edges(edges_, brick, values, positions);
     place(brick.first, positions);
     if (bricks_[i].triangles == 0) return;
+    // Fill in the triangles of the crossed cells, and collect points inside cells.
     const VertexNumbers numbers(edges_, brick);
     Triangle* triangle = mesh.triangles.data() + bricks_[i].first_triangle;
     positions.clear();
@@ -182,6 +184,7 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
                             point_inside(found, n, corners_of(values, bit, isovalue)));
       }
     });
+    // Fill in the vertices inside cells, which are the last ones of the mesh.
     place(bricks_[i].first_inside, positions);
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, bricks_.size(), grain),

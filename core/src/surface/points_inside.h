@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/vector.h"
+#include "base/vector.h"
 #include "surface/cell_triangles.h"
 
 namespace leaflight {

@@ -47,7 +47,7 @@ PolygonEdges polygon_edges(const std::int32_t* corners, std::size_t polygons, in
 
   PolygonEdges edges;
   edges.vertices.reserve(around.size() / 2 + vertices);
-  edges.of_corner.resize(around.size());
+  edges.corner_edge.resize(around.size());
   for (std::size_t v = 0; v < vertices; ++v) {
     const auto begin = around.begin() + first[v], end = around.begin() + first[v + 1];
     std::sort(begin, end);
@@ -55,7 +55,7 @@ PolygonEdges polygon_edges(const std::int32_t* corners, std::size_t polygons, in
       if (side == begin || side->higher != (side - 1)->higher) {
         edges.vertices.push_back({static_cast<std::int32_t>(v), side->higher});
       }
-      edges.of_corner[side->corner] = static_cast<std::int32_t>(edges.vertices.size() - 1);
+      edges.corner_edge[side->corner] = static_cast<std::int32_t>(edges.vertices.size() - 1);
     }
   }
   return edges;

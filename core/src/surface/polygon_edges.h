@@ -11,7 +11,7 @@ namespace leaflight {
 // The unique edges of a mesh, for programs that store them.
 struct PolygonEdges {
   std::vector<std::array<std::int32_t, 2>> vertices;  // lower vertex first, ascending
-  std::vector<std::int32_t> of_corner;  // edge from each corner to the next one of its polygon
+  std::vector<std::int32_t> corner_edge;  // edge from each corner to the next one of its polygon
 };
 
 // Returns the edges of polygons with `sides` sides each. corners: vertices of all polygons in turn,

@@ -21,15 +21,15 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   for (int i = 0; i < most_steps && far - near > precise; ++i) {
     double middle = (near * at_far - far * at_near) / (at_far - at_near);
     if (!(middle > near && middle < far)) middle = 0.5 * (near + far);
-    const double there = value(middle);
-    if ((there < 0) == below) {
+    const double at_middle = value(middle);
+    if ((at_middle < 0) == below) {
       near = middle;
-      at_near = there;
+      at_near = at_middle;
       repeated = std::max(repeated, 0) + 1;
       if (repeated > 1) at_far *= 0.5;
     } else {
       far = middle;
-      at_far = there;
+      at_far = at_middle;
       repeated = std::min(repeated, 0) - 1;
       if (repeated < -1) at_near *= 0.5;
     }

@@ -66,6 +66,7 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
   const bool normals = !mesh.normals.empty();
   const auto vertex = [&](std::int32_t v) { return Vec3(mesh.vertices[v]); };
   const MeshEdges edges(old, mesh.triangles, wanted);
+  // Copy the old vertices, and add one for each split edge.
   IsosurfaceMesh result;
   result.vertices.resize(old + edges.count());
   std::copy(mesh.vertices.begin(), mesh.vertices.end(), result.vertices.begin());
@@ -100,6 +101,7 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
       for (std::size_t t = (p - 1) * piece; t < end; ++t) visit(p, mesh.triangles[t]);
     });
   };
+  // Count the parts of each piece of the triangles, then write them.
   for_each_triangle(
       [&](std::size_t p, const Triangle& t) { first[p] += 1 + cut_edges(middles(t)); });
   std::partial_sum(first.begin(), first.end(), first.begin());

@@ -9,7 +9,7 @@
 #include <map>
 #include <string>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {
@@ -28,9 +28,9 @@ void include(Span& a, const Span& b) {
 
 // A subset of a field's voxels, and the values within a distance of each.
 template <int D>
-class Neighbourhoods {
+class Neighborhoods {
  public:
-  Neighbourhoods(const Field<D>& field, int points_per_axis) {
+  Neighborhoods(const Field<D>& field, int points_per_axis) {
     Index<D> stride;
     for (int a = 0; a < D; ++a) {
       stride[a] = (field.dims[a] + points_per_axis - 3) / (points_per_axis - 1);
@@ -157,23 +157,22 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
     throw Error("The number of isovalues is " + std::to_string(count) + "; choose at least 1.");
   }
   // Resolve the distances between the isosurfaces; wide searches are cheap on a coarse grid.
-  const Neighbourhoods<D> neighbourhoods(field,
-                                         std::clamp(16 * (count + 1), 32, D == 3 ? 64 : 256));
+  const Neighborhoods<D> neighborhoods(field, std::clamp(16 * (count + 1), 32, D == 3 ? 64 : 256));
   // Compute balls for whole multiples of the grid's spacing, and interpolate their spans. Otherwise
   // the isovalues would be as uneven as the grid.
   std::map<int, std::vector<Span>> balls;
   const auto ball = [&](int radius) -> const std::vector<Span>& {
     const auto found = balls.find(radius);
     if (found != balls.end()) return found->second;
-    return balls[radius] = neighbourhoods.within(radius * neighbourhoods.smallest_distance());
+    return balls[radius] = neighborhoods.within(radius * neighborhoods.smallest_distance());
   };
   const auto isovalues_within = [&](double radius) {
-    const int whole = static_cast<int>(radius);
-    const auto part = static_cast<float>(radius - whole);
-    const std::vector<Span>&back = ball(whole), &front = ball(whole + 1);
+    const int steps = static_cast<int>(radius);
+    const auto part = static_cast<float>(radius - steps);
+    const std::vector<Span>&back = ball(steps), &front = ball(steps + 1);
     std::vector<Span> intervals;
     for (std::size_t i = 0; i < back.size(); ++i) {
-      const float h = neighbourhoods.values()[i];
+      const float h = neighborhoods.values()[i];
       if (std::isnan(h) || !isovalue_range.contains(h)) continue;
       const float least = back[i].low + part * (front[i].low - back[i].low);
       const float greatest = back[i].high + part * (front[i].high - back[i].high);
@@ -201,7 +200,7 @@ std::vector<double> adaptive_isovalues(const Field<D>& field, const IsovalueRang
     throw Error("No isosurface of the isovalue range passes through the volume; widen it.");
   }
   std::vector<float> values;
-  for (const float h : neighbourhoods.values()) {
+  for (const float h : neighborhoods.values()) {
     if (isovalue_range.contains(h)) values.push_back(h);
   }
   fill(best, std::move(values), count);

@@ -14,9 +14,9 @@ struct Stroke {
 };
 
 double distance(const Vec<2>& p, const Stroke& stroke) {
-  const Vec<2> way = stroke.to - stroke.from;
-  const double t = std::clamp((p - stroke.from).dot(way) / way.length2(), 0.0, 1.0);
-  return (p - stroke.from - way * t).length();
+  const Vec<2> along = stroke.to - stroke.from;
+  const double t = std::clamp((p - stroke.from).dot(along) / along.length2(), 0.0, 1.0);
+  return (p - stroke.from - along * t).length();
 }
 
 // The strokes of the letters, each letter in the unit square.

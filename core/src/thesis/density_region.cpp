@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/error.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 

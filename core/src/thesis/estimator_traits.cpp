@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {

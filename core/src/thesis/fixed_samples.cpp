@@ -7,7 +7,7 @@
 
 #include "bake/walls/light_walls.h"
 #include "bake/walls/wall_light.h"
-#include "math/platform.h"
+#include "base/platform.h"
 #include "thesis/isosurface_passes.h"
 #include "thesis/thesis_estimator.h"
 #include "transport/placement.h"
@@ -28,11 +28,11 @@ double expected_rays(const FixedBake<D>& bake, const std::vector<SubdividedMesh<
   }
   const double photons = (bake.plan.photons ? settings.photons : 0) +
                          (bake.plan.caustics ? settings.caustic_photons : 0);
-  const double of_walls =
+  const double wall_rays =
       walls.empty() ? 0
-                    : work_of_ways(bake.tracer, walls) +
+                    : work_of_shadow_rays(bake.tracer, walls) +
                           work_of_samples(bake.tracer, walls, walls_share * settings.samples);
-  return rays_per_photon * photons + of_walls +
+  return rays_per_photon * photons + wall_rays +
          points * settings.samples * (1 + bake.indirect_rays());
 }
 
@@ -121,12 +121,14 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   std::vector<SubdividedMesh<D>> walls;
   if (plan.walls) walls = subdivide(scene);
   progress.expect(expected_rays(bake, walls));
+  // Trace photons into caches.
   const EstimatorTraits& traits = traits_of(settings.estimator);
   if ((plan.photons && traits.caches) || plan.caustics || plan.wall_cache) {
     const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons,
                                  traits.density, traits.walls ? wall_samples : 0};
     bake.photons = trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress);
   }
+  // Light the isosurfaces: direct light first, because indirect light looks it up.
   std::vector<SideAverages> direct = light_directly(bake);
   const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
   Baked<D> baked;
@@ -134,6 +136,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
     baked.grids.push_back(
         make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
   }
+  // Light the walls.
   if (plan.walls) {
     progress.begin("Lighting walls");
     const auto direct_of_walls =

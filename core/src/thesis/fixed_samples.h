@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bake/output/baked.h"
-#include "math/progress.h"
+#include "base/progress.h"
 #include "thesis/fixed_settings.h"
 
 namespace leaflight {

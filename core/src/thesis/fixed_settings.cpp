@@ -2,7 +2,7 @@
 #include "thesis/fixed_settings.h"
 
 #include "bake/plan/settings.h"
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 

@@ -6,8 +6,8 @@
 #include "bake/texels/point_sampler.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/texels/texel_samples.h"
-#include "math/parallel.h"
-#include "math/sample_average.h"
+#include "base/parallel.h"
+#include "base/sample_average.h"
 
 namespace leaflight {
 
@@ -17,15 +17,15 @@ struct IsosurfaceSamples {
   int volume;
   bool back;
   int count;
-  double rays_per_sample;  // expected
+  double rays_per_sample;  // expected number of rays
   std::uint64_t seed;
 };
 
 inline constexpr std::size_t texels_per_piece = 64;
 
 // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight |grad
-// c| dV = dA dc makes it a mean over the area of the isosurfaces, as seen by lookups. Steep places
-// are surfaces, flat ones noise.
+// c| dV = dA dc makes it a mean over the area of the isosurfaces, which lookups see. Otherwise
+// noise in flat parts of the field would count as much as surfaces, which are steep.
 template <int D, class Radiance>
 std::vector<Average> average_texels(const SceneTracer<D>& tracer, const TexelLattice<D>& lattice,
                                     const IsosurfaceSamples& samples, Progress& progress,

@@ -27,10 +27,11 @@ std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTex
 template <int D>
 void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
                          const IndirectEstimator<D>* estimator, std::vector<Average>& averages) {
-  const Volume<D>& of = bake.tracer.scene().volumes[texels.volume];
+  const Volume<D>& scene_volume = bake.tracer.scene().volumes[texels.volume];
   for (std::size_t s = 0; s < averages.size(); ++s) {
-    const Vec<D> centre = texels.lattice.centre(texels.lattice.active[s]);
-    const IsosurfaceTexel<D> texel{texels.volume, texels.back, centre, albedo_near(of, centre)};
+    const Vec<D> center = texels.lattice.center(texels.lattice.active[s]);
+    const IsosurfaceTexel<D> texel{texels.volume, texels.back, center,
+                                   albedo_near(scene_volume, center)};
     if (estimator) averages[s].variance += estimator->shared_variance(texel, averages[s].mean);
     if (bake.plan.caustics) averages[s].variance += caustic_variance(bake.isosurfaces, texel);
   }

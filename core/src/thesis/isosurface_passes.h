@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/sample_average.h"
+#include "base/sample_average.h"
 #include "thesis/fixed_bake.h"
 
 namespace leaflight {

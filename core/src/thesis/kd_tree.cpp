@@ -14,7 +14,7 @@ class NearestHeap {
   using DistanceType = double;
   using IndexType = std::uint32_t;
 
-  NearestHeap(std::size_t k, double limit2, std::vector<Neighbour>& heap)
+  NearestHeap(std::size_t k, double limit2, std::vector<Neighbor>& heap)
       : k_(k), limit2_(limit2), heap_(heap) {
     heap_.clear();
   }
@@ -35,13 +35,13 @@ class NearestHeap {
   }
 
  private:
-  static bool nearer(const Neighbour& a, const Neighbour& b) {
+  static bool nearer(const Neighbor& a, const Neighbor& b) {
     return a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.number < b.number);
   }
 
   std::size_t k_;
   double limit2_;
-  std::vector<Neighbour>& heap_;
+  std::vector<Neighbor>& heap_;
 };
 
 template <int N>
@@ -89,7 +89,7 @@ std::size_t KdTree<N>::size() const {
 
 template <int N>
 void KdTree<N>::nearest(const Query& query, std::size_t k, double limit2,
-                        std::vector<Neighbour>& found) const {
+                        std::vector<Neighbor>& found) const {
   NearestHeap heap(k, limit2, found);
   if (k == 0) return;
   implementation_->tree.findNeighbors(heap, query.data(), {});

@@ -8,7 +8,7 @@
 
 namespace leaflight {
 
-struct Neighbour {
+struct Neighbor {
   double distance2;
   std::uint32_t number;  // of the point
 };
@@ -30,7 +30,7 @@ class KdTree {
 
   // Finds up to k points nearer than the square root of `limit2`, in no particular order.
   void nearest(const Query& query, std::size_t k, double limit2,
-               std::vector<Neighbour>& found) const;
+               std::vector<Neighbor>& found) const;
 
  private:
   struct Implementation;

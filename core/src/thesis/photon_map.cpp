@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "math/error.h"
-#include "math/parallel.h"
+#include "base/error.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
@@ -119,7 +119,7 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool back,
   query[D] = kappa_ * (c - lowest_);
   const double limit2 = settings_.radius > 0 ? settings_.radius * settings_.radius
                                              : std::numeric_limits<double>::infinity();
-  std::vector<Neighbour> found;
+  std::vector<Neighbor> found;
   found.reserve(settings_.k);
   side.tree.nearest(query, settings_.k, limit2, found);
   if (found.empty()) return Rgb(0);
@@ -128,11 +128,11 @@ Rgb PhotonMap<D>::irradiance(const Vec<D>& position, double c, bool back,
   if (static_cast<int>(found.size()) == settings_.k ||
       !(d2 < std::numeric_limits<double>::infinity())) {
     d2 = 0;
-    for (const Neighbour& n : found) d2 = std::max(d2, n.distance2);
+    for (const Neighbor& n : found) d2 = std::max(d2, n.distance2);
   }
   std::vector<const StoredPhoton<D>*> photons;
   photons.reserve(found.size());
-  for (const Neighbour& n : found) photons.push_back(&photons_[side.photon[n.number]]);
+  for (const Neighbor& n : found) photons.push_back(&photons_[side.photon[n.number]]);
   const Region region = region_around(photons, position, c, gradient, std::sqrt(d2));
   return region.volume > 0 ? Rgb(region.flux_height * (height_ / region.volume)) : Rgb(0);
 }

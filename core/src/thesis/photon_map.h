@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/progress.h"
+#include "base/progress.h"
 #include "thesis/density_region.h"
 #include "thesis/kd_tree.h"
 #include "transport/photon_tracer.h"

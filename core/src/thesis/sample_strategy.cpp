@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/error.h"
-#include "math/random.h"
+#include "base/error.h"
+#include "base/random.h"
 #include "surface/marching_cubes.h"
 #include "surface/marching_squares.h"
 #include "surface/project.h"
@@ -231,11 +231,13 @@ std::vector<std::size_t> importance_cells(const std::vector<float>& fractions, s
   if (!(sum > 0)) {
     throw Error("No isosurface of the isovalue range passes through the volume; widen it.");
   }
+  // Find the largest `most` by bisection.
   double low = 0, high = static_cast<double>(samples) / sum;
   for (int i = 0; i < 24; ++i) {
     const double middle = (low + high) / 2;
     (total(middle) <= samples ? low : high) = middle;
   }
+  // Distribute the rest by systematic sampling.
   const std::size_t rest = samples - total(low);
   std::vector<std::size_t> cells;
   cells.reserve(samples);

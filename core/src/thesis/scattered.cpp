@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "math/error.h"
-#include "math/parallel.h"
-#include "math/sample_average.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/sample_average.h"
 #include "thesis/kd_tree.h"
 
 namespace leaflight {
@@ -124,12 +124,12 @@ class Interpolator {
     const double limit2 = D * std::pow(settings_.radius + 0.5, 2);
     for_each_slot([&](std::size_t slot) {
       const Index<D> texel = lattice_.texel(lattice_.active[slot]);
-      std::vector<Neighbour> found;
+      std::vector<Neighbor> found;
       tree.nearest(query(texel), nearest_samples, limit2, found);
       std::sort(found.begin(), found.end(),
-                [](const Neighbour& a, const Neighbour& b) { return a.number < b.number; });
+                [](const Neighbor& a, const Neighbor& b) { return a.number < b.number; });
       Moments moments;
-      for (const Neighbour& n : found) {
+      for (const Neighbor& n : found) {
         const Index<D> at = lattice_.nearest_texel(position_of(n.number));
         bool reaches = true;
         for (int a = 0; a < D; ++a) {
@@ -159,7 +159,7 @@ class Interpolator {
     const KdTree<D> tree(std::move(points));
     parallel_range(
         gaps.size(), texels_per_piece, 0, progress_, [&](std::size_t begin, std::size_t end) {
-          std::vector<Neighbour> found;
+          std::vector<Neighbor> found;
           for (std::size_t g = begin; g < end; ++g) {
             const auto q = query(lattice_.texel(lattice_.active[gaps[g]]));
             tree.nearest(q, 1, std::numeric_limits<double>::infinity(), found);
@@ -167,10 +167,10 @@ class Interpolator {
             const double nearest2 = found[0].distance2;
             tree.nearest(q, filled.size(), nearest2 + 0.5, found);
             std::sort(found.begin(), found.end(),
-                      [](const Neighbour& a, const Neighbour& b) { return a.number < b.number; });
+                      [](const Neighbor& a, const Neighbor& b) { return a.number < b.number; });
             Imath::V3d sum(0);
             double error = 0;
-            for (const Neighbour& n : found) {
+            for (const Neighbor& n : found) {
               sum += Imath::V3d(texels_.value[filled[n.number]]);
               error += texels_.error[filled[n.number]];
             }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/progress.h"
 #include "field/texel_lattice.h"
-#include "math/progress.h"
 
 namespace leaflight {
 

@@ -14,28 +14,28 @@ std::vector<Average> average_scattered(const SceneTracer<D>& tracer, const Texel
                                        const std::vector<Vec<D>>& positions,
                                        const ScatteredSettings& filter, Progress& progress,
                                        Radiance radiance) {
-  const Volume<D>& of = tracer.scene().volumes[samples.volume];
+  const Volume<D>& scene_volume = tracer.scene().volumes[samples.volume];
   std::vector<Rgb> values(positions.size(), Rgb(0));
-  parallel_range(positions.size(), texels_per_piece, samples.rays_per_sample * samples.count,
-                 progress, [&](std::size_t begin, std::size_t end) {
-                   std::uint64_t traced = 0;
-                   for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
-                     const CellPoint<D> at = locate(of.field, positions[s]);
-                     const double h = interpolate(load_corners(of.field, at.cell), at.local);
-                     const SurfacePoint<D> point = tracer.isosurface_point(
-                         samples.volume, at, of.common_isovalue(h), samples.back);
-                     if (point.kind() == HitKind::none) continue;
-                     const SampleKeys keys =
-                         sample_keys(samples.seed, Purpose::scattered, samples.volume,
-                                     static_cast<std::uint32_t>(s));
-                     Imath::V3d sum(0);
-                     for (int i = 0; i < samples.count; ++i) {
-                       sum += Imath::V3d(radiance(point, keys, i, traced));
-                     }
-                     values[s] = Rgb(sum / samples.count);
-                   }
-                   progress.count_rays(traced);
-                 });
+  parallel_range(
+      positions.size(), texels_per_piece, samples.rays_per_sample * samples.count, progress,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t traced = 0;
+        for (std::size_t s = begin; s < end && !progress.cancelled(); ++s) {
+          const CellPoint<D> at = locate(scene_volume.field, positions[s]);
+          const double h = interpolate(load_corners(scene_volume.field, at.cell), at.local);
+          const SurfacePoint<D> point = tracer.isosurface_point(
+              samples.volume, at, scene_volume.common_isovalue(h), samples.back);
+          if (point.kind() == HitKind::none) continue;
+          const SampleKeys keys = sample_keys(samples.seed, Purpose::scattered, samples.volume,
+                                              static_cast<std::uint32_t>(s));
+          Imath::V3d sum(0);
+          for (int i = 0; i < samples.count; ++i) {
+            sum += Imath::V3d(radiance(point, keys, i, traced));
+          }
+          values[s] = Rgb(sum / samples.count);
+        }
+        progress.count_rays(traced);
+      });
   const ScatteredTexels texels =
       interpolate_scattered(lattice, positions, values, filter, progress);
   std::vector<Average> averages;

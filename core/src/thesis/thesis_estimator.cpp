@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "thesis/thesis_estimator.h"
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -15,7 +15,7 @@ class ThesisEstimator final : public IndirectEstimator<D> {
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
     const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind() == HitKind::walls) return brdf * walls_->indirect_irradiance(point);
+    if (point.kind() == HitKind::mesh) return brdf * walls_->indirect_irradiance(point);
     const IsosurfacePlace<D>& isosurface = point.isosurface();
     return brdf * photons_[isosurface.volume].irradiance(
                       point.position, point.c, isosurface.back,
@@ -41,14 +41,14 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
   std::vector<PhotonMap<D>> maps;
   const auto& volumes = tracer.scene().volumes;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
-    std::vector<StoredPhoton<D>> own;
+    std::vector<StoredPhoton<D>> volume_photons;
     for (const StoredPhoton<D>& photon : photons) {
-      if (photon.volume == static_cast<int>(v)) own.push_back(photon);
+      if (photon.volume == static_cast<int>(v)) volume_photons.push_back(photon);
     }
     const Field<D>& field = volumes[v].field;
     const double side = world_box(field).longest_side();
     const double range = (static_cast<double>(field.max) - field.min) / volumes[v].scale;
-    maps.emplace_back(std::move(own), side * tracer.frame().scale, range, settings,
+    maps.emplace_back(std::move(volume_photons), side * tracer.frame().scale, range, settings,
                       tracer.scene().isovalue_range.height());
   }
   return maps;

@@ -64,9 +64,9 @@ ChildSet crossed_cells(const CellBounds<D>& bounds, const typename CellBounds<D>
 template <int D>
 ChildSet crossed_bricks(const CellBounds<D>& bounds, const typename CellBounds<D>::Limits& limits,
                         int level, std::size_t brick, ChildSet& above) {
-  const auto& of = bounds.bricks[level - 1][brick];
-  above = at_least(of.low, limits.may_be_below);
-  return at_least(of.high, limits.may_be_above) & ~above;
+  const auto& children = bounds.bricks[level - 1][brick];
+  above = at_least(children.low, limits.may_be_below);
+  return at_least(children.high, limits.may_be_above) & ~above;
 }
 
 }  // namespace leaflight

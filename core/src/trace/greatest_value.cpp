@@ -63,13 +63,13 @@ class Walk {
   }
 
  private:
-  // Samples of a way before the walk. With 8 or 16 it is not faster (walls of the bump box and
-  // Colin27).
+  // Number of samples on the segment before the traversal; 8 or 16 are not faster (walls of the
+  // bump box and Colin27).
   static constexpr int samples = 4;
   static constexpr int log2_side = CellBounds<D>::log2_side, side = CellBounds<D>::side;
   static constexpr int top = CellBounds<D>::levels;
 
-  // Samples the way first: a greater known value skips more bricks.
+  // Samples the segment first, because a greater known value skips more bricks.
   void begin_with_samples(double t, double end) {
     for (int i = 0; i < samples; ++i) {
       const double h =
@@ -85,7 +85,7 @@ class Walk {
     return children.high[number] + (bounds_.is_exact ? 0 : 1) > steps_;
   }
 
-  // Visits the children of a brick that the way crosses from t to end. Level 0 has cells.
+  // Visits the children of a brick that the segment crosses from t to end. Level 0 has cells.
   template <int level>
   void visit(const Index<D>& brick, double t, double end) {
     constexpr int shift = log2_side * level;  // log2 of a child's width in cells
@@ -126,7 +126,7 @@ class Walk {
     }
   }
 
-  // Returns where the way leaves a child along an axis.
+  // Returns where the segment leaves a child along an axis.
   double plane(int axis, int child, int shift) const {
     if (!moves_[axis]) return std::numeric_limits<double>::infinity();
     return (((child + (direction_[axis] > 0)) << shift) - position_[axis]) * inverse_[axis];
@@ -158,7 +158,7 @@ class Walk {
   const Vec<D>& direction_;
   bool moves_[D];
   double inverse_[D];
-  double greatest_, steps_;  // in values; in steps of the bounds
+  double greatest_, steps_;  // the greatest value, and the same in steps of the bounds
 };
 
 }  // namespace

@@ -110,10 +110,10 @@ class Traversal {
     return std::clamp(static_cast<int>(x), low, high);
   }
 
-  // Clips the ray's way through the brick at `low` to the slab of its two planes. Moves t and the
-  // cell to the entry, by whole cells, and `end` to the exit. Returns `hit` if the side contradicts
-  // the known one.
-  enum class Rest { way, nothing, hit };
+  // Clips the ray's segment in the brick at `low` to the slab between its two planes. Moves t and
+  // the cell to the entry, by whole cells, and `end` to the exit. Returns `segment` if part of the
+  // segment is left, `nothing` if not, and `hit` if the side there contradicts the known side.
+  enum class Rest { segment, nothing, hit };
   Rest clip(const typename CellBounds<D>::Slab& slab, const Index<D>& low, int size, double& end) {
     // h - c minus the plane is offset - t slope.
     double offset = ray_.isovalue, slope = 0;
@@ -135,7 +135,7 @@ class Traversal {
       }
     }
     end = std::min(end, out);
-    return is_outside ? Rest::nothing : Rest::way;
+    return is_outside ? Rest::nothing : Rest::segment;
   }
 
   // Walks over the children of the current cell's brick of a level, or over all topmost bricks, up
@@ -159,7 +159,7 @@ class Traversal {
       if (slab.high < std::numeric_limits<float>::infinity()) {
         const Rest rest = clip(slab, low, side << shift, end);
         if (rest == Rest::hit && !any) hit_ = {t_, {cell_, local(t_)}, state_ == State::above};
-        if (rest != Rest::way) return rest == Rest::hit;
+        if (rest != Rest::segment) return rest == Rest::hit;
       }
       if constexpr (level == 0) {
         crossed = crossed_cells(bounds_, limits_, b, field_.masked, above);
@@ -303,8 +303,8 @@ class Traversal {
     // self-intersection. The direction gives the slope, because a short difference of ends would
     // lose it to rounding.
     const bool starts_here = ray_.starts_on_isosurface && t_ == 0;
-    const Vec<D> way = starts_here ? ray_.direction * t_out : to - from;
-    SegmentPolynomial p = along_step<D>(corners, ray_.isovalue, from, way);
+    const Vec<D> step = starts_here ? ray_.direction * t_out : to - from;
+    SegmentPolynomial p = along_step<D>(corners, ray_.isovalue, from, step);
     if (starts_here) p[0] = 0;
     if (state_ == State::unknown) state_ = state_of(p[0] >= 0);
     const bool above = state_ == State::above;

@@ -163,8 +163,8 @@ void LineBundle<D>::follow(const Tracks& tracks) {
 
 template <int D>
 void LineBundle<D>::take_tracks(const Tracks& tracks) {
-  const std::vector<Track>& of = set_.tracks[0];
-  lanes_ = std::min(width, static_cast<int>(of.size()) - tracks[0]);
+  const std::vector<Track>& all = set_.tracks[0];
+  lanes_ = std::min(width, static_cast<int>(all.size()) - tracks[0]);
   PlaneRange row{0, static_cast<int>(planes_.planes.size()) - 1};
   if constexpr (D == 3) {
     row_track_ = set_.tracks[1][tracks[1]];
@@ -175,7 +175,7 @@ void LineBundle<D>::take_tracks(const Tracks& tracks) {
     const int number = tracks[0] + i;
     const bool exists = i < lanes_;
     // Lanes without a line repeat the nearest line, so that they cause no other reads.
-    track_[i] = of[std::min(number, static_cast<int>(of.size()) - 1)];
+    track_[i] = all[std::min(number, static_cast<int>(all.size()) - 1)];
     range_[i] = exists ? range_of(track_[i], axes_[0]) : PlaneRange{0, -1};
     range_[i] = {std::max(range_[i].first, row.first), std::min(range_[i].last, row.last)};
     if (range_[i].first > range_[i].last) continue;
@@ -275,12 +275,12 @@ bool LineBundle<D>::in_empty_space(int plane, int row_cell) const {
 
 template <int D>
 std::int64_t LineBundle<D>::texel(int plane, int lane) const {
-  const auto& of = planes_.planes[plane];
-  if (of.texel < 0) return -1;
+  const auto& sampled_plane = planes_.planes[plane];
+  if (sampled_plane.texel < 0) return -1;
   const Row& at = rows_[plane];
   if (at.is_empty) return -1;
   Index<D> texel;
-  texel[set_.axis] = of.texel;
+  texel[set_.axis] = sampled_plane.texel;
   texel[axes_[0]] = at.texel[lane];
   if constexpr (D == 3) texel[axes_[1]] = at.row_texel;
   return static_cast<std::int64_t>(lattice_.linear(texel));

@@ -24,7 +24,7 @@ struct LineSet {
 
   std::size_t lines() const {
     std::size_t n = 1;
-    for (const auto& of : tracks) n *= of.size();
+    for (const auto& axis_tracks : tracks) n *= axis_tracks.size();
     return n;
   }
 };

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "scene/open_isosurfaces.h"
 #include "trace/greatest_value.h"
 
@@ -63,8 +63,8 @@ template <int D>
 Box<D> box_of(const Scene<D>& scene, const Frame<D>& frame, const std::vector<Mesh<D>>& meshes) {
   Box<D> box;
   for (const Volume<D>& volume : scene.volumes) {
-    const Box<D> own = world_box(volume.field);
-    box.extend({frame.point(own.low), frame.point(own.high)});
+    const Box<D> volume_box = world_box(volume.field);
+    box.extend({frame.point(volume_box.low), frame.point(volume_box.high)});
   }
   for (const Mesh<D>& mesh : meshes) {
     for (const auto& v : mesh.vertices) box.extend(Vec<D>(v));
@@ -89,7 +89,7 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
 template <int D>
 Frame<D>::Frame(const Scene<D>& scene) {
   const Box<D> box = framed_box(scene);
-  centre = (box.low + box.high) * 0.5;
+  center = (box.low + box.high) * 0.5;
   scale = 1 / box.longest_side();
 }
 
@@ -109,7 +109,7 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
       lights_(in_frame(scene.lights, frame_)),
       box_(box_of(scene, frame_, meshes_)),
       bounds_(sphere_around(box_)),
-      walls_(meshes_),
+      mesh_bvh_(meshes_),
       has_openings_(scene.volumes.size() == 1 &&
                     isosurfaces_are_open(scene.volumes[0], scene.isovalue_range)) {
   for (const Volume<D>& volume : scene.volumes) {
@@ -121,24 +121,24 @@ SceneTracer<D>::SceneTracer(const Scene<D>& scene)
 template <int D>
 SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>& point, double c,
                                                  bool back) const {
-  const Volume<D>& of = scene_.volumes[volume];
+  const Volume<D>& scene_volume = scene_.volumes[volume];
   const FieldFrame& frames = fields_[volume];
   SurfacePoint<D> s;
-  s.scattering = of.scattering;
+  s.scattering = scene_volume.scattering;
   s.c = c;
   s.position = frames.index_to_frame.point(point.index_position());
-  s.albedo = of.albedo.at(c);
-  s.emission = of.emission.at(c);
-  s.ior = back ? 1 / of.ior : of.ior;
+  s.albedo = scene_volume.albedo.at(c);
+  s.emission = scene_volume.emission.at(c);
+  s.ior = back ? 1 / scene_volume.ior : scene_volume.ior;
   // The outside has lower values, so its normal is -grad h.
   const double side = back ? 1 : -1;
   const Vec<D> geometric = frames.frame_to_index.pull_back_gradient(
-      geometric_gradient(load_corners(of.field, point.cell), point.local));
+      geometric_gradient(load_corners(scene_volume.field, point.cell), point.local));
   const Vec<D> shading =
-      frames.frame_to_index.pull_back_gradient(shading_gradient(of.field, point));
+      frames.frame_to_index.pull_back_gradient(shading_gradient(scene_volume.field, point));
   const double geometric_length = geometric.length(), shading_length = shading.length();
   if (!(geometric_length > 0)) return s;
-  s.on = IsosurfacePlace<D>{volume, point, back, geometric_length / of.scale};
+  s.on = IsosurfacePlace<D>{volume, point, back, geometric_length / scene_volume.scale};
   s.geometric_normal = geometric * (side / geometric_length);
   s.shading_normal = shading_length > 0 ? shading * (side / shading_length) : s.geometric_normal;
   return s;
@@ -161,7 +161,7 @@ SurfacePoint<D> SceneTracer<D>::facet_point(int mesh_index, int facet, double u,
   const Mesh<D>& mesh = meshes_[mesh_index];
   const FacetFrame<D> frame(mesh, facet);
   SurfacePoint<D> s;
-  s.on = WallHit{0, mesh_index, facet, u, v};
+  s.on = MeshHit{0, mesh_index, facet, u, v};
   s.scattering = mesh.scattering;
   s.c = c;
   s.position = frame.point(u, v);
@@ -193,8 +193,8 @@ IsosurfaceRay<D> SceneTracer<D>::isosurface_ray(int volume, const SurfacePoint<D
 
 template <int D>
 Vec<D> SceneTracer<D>::ray_origin(const SurfacePoint<D>& from) const {
-  return from.kind() == HitKind::walls ? leave_plane<D>(from.position, from.geometric_normal)
-                                       : from.position;
+  return from.kind() == HitKind::mesh ? leave_plane<D>(from.position, from.geometric_normal)
+                                      : from.position;
 }
 
 template <int D>
@@ -202,9 +202,9 @@ Hit<D> SceneTracer<D>::nearest(const SurfacePoint<D>& from, const Vec<D>& origin
                                const Vec<D>& direction) const {
   Hit<D> hit;
   double t_max = std::numeric_limits<double>::infinity();
-  if (const auto found = walls_.intersect(origin, direction, t_max)) {
-    hit.kind = HitKind::walls;
-    hit.walls = *found;
+  if (const auto found = mesh_bvh_.intersect(origin, direction, t_max)) {
+    hit.kind = HitKind::mesh;
+    hit.on_mesh = *found;
     t_max = found->t;
   }
   for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
@@ -247,28 +247,28 @@ SurfacePoint<D> SceneTracer<D>::surface_point(const Hit<D>& hit, const Vec<D>& d
     return s;
   }
   if (hit.kind == HitKind::none) return {};
-  const WallHit& on = hit.walls;
+  const MeshHit& on = hit.on_mesh;
   const FacetFrame<D> facet(meshes_[on.mesh], on.facet);
   const bool front = !(facet.normal().dot(direction) > 0);
   return facet_point(on.mesh, on.facet, on.u, on.v, front, c);
 }
 
 template <int D>
-bool SceneTracer<D>::blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
-                             double t_max) const {
+bool SceneTracer<D>::blocked(const SurfacePoint<D>& from, const Vec<D>& origin,
+                             const Vec<D>& direction, double t_max) const {
   for (int v = 0; v < static_cast<int>(fields_.size()); ++v) {
-    IsosurfaceRay<D> ray = isosurface_ray(v, from, way);
+    IsosurfaceRay<D> ray = isosurface_ray(v, from, direction);
     ray.t_max = t_max;
     if (leaflight::occluded(scene_.volumes[v].field, ray)) return true;
   }
-  return walls_.occluded(origin, way, t_max);
+  return mesh_bvh_.occluded(origin, direction, t_max);
 }
 
 template <int D>
 bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                               const Vec<D>& light_normal) const {
   const Vec<D> origin = ray_origin(from);
-  // The direction is the whole way, so t = 1 at its end.
+  // The direction is the whole segment, so t = 1 at its end.
   return blocked(from, origin, leave_plane<D>(light_point, light_normal) - origin, 1);
 }
 
@@ -278,23 +278,23 @@ bool SceneTracer<D>::occluded(const SurfacePoint<D>& from, const Vec<D>& directi
 }
 
 template <int D>
-BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& way,
+BlockingIsovalues SceneTracer<D>::blocking(const Vec<D>& origin, const Vec<D>& direction,
                                            double t_max) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  if (walls_.occluded(origin, way, t_max)) return {-infinity, infinity};
+  if (mesh_bvh_.occluded(origin, direction, t_max)) return {-infinity, infinity};
   const double nothing = just_less(scene_.isovalue_range.min);
   double c = nothing;
   for (std::size_t v = 0; v < fields_.size(); ++v) {
     const Volume<D>& volume = scene_.volumes[v];
     const Affine<D>& to_index = fields_[v].frame_to_index;
-    c = std::max(
-        c, volume.common_isovalue(greatest_value(volume.field, to_index.point(origin),
-                                                 to_index.vector(way), t_max, volume.isovalue(c))));
+    c = std::max(c, volume.common_isovalue(greatest_value(volume.field, to_index.point(origin),
+                                                          to_index.vector(direction), t_max,
+                                                          volume.isovalue(c))));
   }
   if (!has_openings_ || c == nothing) return {-infinity, c};
   const Volume<D>& volume = scene_.volumes[0];
   const Affine<D>& to_index = fields_[0].frame_to_index;
-  const double least = least_value(volume.field, to_index.point(origin), to_index.vector(way),
+  const double least = least_value(volume.field, to_index.point(origin), to_index.vector(direction),
                                    t_max, volume.isovalue(c));
   return {volume.common_isovalue(least), c};
 }

@@ -4,18 +4,18 @@
 #include <variant>
 
 #include "trace/isosurface_ray.h"
-#include "trace/walls.h"
+#include "trace/mesh_bvh.h"
 
 namespace leaflight {
 
-enum class HitKind { none, isosurface, walls };
+enum class HitKind { none, isosurface, mesh };
 
 template <int D>
 struct Hit {
   HitKind kind = HitKind::none;
   int volume = 0;  // number of the volume whose isosurface it hits
   IsosurfaceHit<D> isosurface;
-  WallHit walls;
+  MeshHit on_mesh;
 };
 
 // A position on an isosurface.
@@ -31,7 +31,7 @@ struct IsosurfacePlace {
 template <int D>
 struct SurfacePoint {
   // The alternatives are in the order of HitKind.
-  std::variant<std::monostate, IsosurfacePlace<D>, WallHit> on;
+  std::variant<std::monostate, IsosurfacePlace<D>, MeshHit> on;
   Scattering scattering = Scattering::diffuse;
   double c = 0;                  // common isovalue
   Vec<D> position{0.0};          // frame
@@ -43,7 +43,7 @@ struct SurfacePoint {
 
   HitKind kind() const { return static_cast<HitKind>(on.index()); }
   const IsosurfacePlace<D>& isosurface() const { return std::get<IsosurfacePlace<D>>(on); }
-  const WallHit& facet() const { return std::get<WallHit>(on); }
+  const MeshHit& facet() const { return std::get<MeshHit>(on); }
 };
 
 // Moves a position along the normal, out of the plane of its triangle (pbrt 3, ch. 3.9). The
@@ -54,11 +54,11 @@ Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
 // The transform from world coordinates to the frame.
 template <int D>
 struct Frame {
-  Vec<D> centre{0.0};
+  Vec<D> center{0.0};
   double scale = 1;
 
   explicit Frame(const Scene<D>& scene);
-  Vec<D> point(const Vec<D>& p) const { return (p - centre) * scale; }
+  Vec<D> point(const Vec<D>& p) const { return (p - center) * scale; }
   // Returns the transform from index coordinates of a field to the frame.
   Affine<D> index_to_frame(const Field<D>& field) const;
 };
@@ -66,14 +66,14 @@ struct Frame {
 // A sphere around everything that rays can hit, in the frame.
 template <int D>
 struct BoundingSphere {
-  Vec<D> centre{0.0};
+  Vec<D> center{0.0};
   double radius = 0;
 };
 
-// The isovalues whose isosurfaces block a way: least < c <= greatest. It has an infinite `greatest`
-// if walls block the way. It is just below the isovalue range if none of its isosurfaces blocks the
-// way. In a scene without openings, every way starts outside the isosurfaces, and `least` is minus
-// infinity.
+// The isovalues whose isosurfaces block a shadow ray: least < c <= greatest. It has an infinite
+// `greatest` if walls block the ray. It is just below the isovalue range if none of its isosurfaces
+// blocks the ray. In a scene without openings, every ray starts outside the isosurfaces, and
+// `least` is minus infinity.
 struct BlockingIsovalues {
   double least, greatest;
 
@@ -96,7 +96,7 @@ class SceneTracer {
   // Returns the box around volumes and meshes.
   const Box<D>& box() const { return box_; }
   const BoundingSphere<D>& bounds() const { return bounds_; }
-  const Walls<D>& walls() const { return walls_; }
+  const MeshBvh<D>& mesh_bvh() const { return mesh_bvh_; }
 
   // Returns the point of a volume's isosurface at a cell point, seen from the given side. The
   // common isovalue there must be c. Its kind is none if |grad h| = 0.
@@ -113,17 +113,17 @@ class SceneTracer {
   Hit<D> intersect(const Vec<D>& origin, const Vec<D>& direction, double c) const;
   SurfacePoint<D> surface_point(const Hit<D>& hit, const Vec<D>& direction, double c) const;
 
-  // True if an isosurface or a wall blocks the way to a point on a light, or to infinity in a
-  // direction.
+  // True if an isosurface or a wall blocks the segment to a point on a light, or the ray to
+  // infinity in a direction.
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& light_point,
                 const Vec<D>& light_normal) const;
   bool occluded(const SurfacePoint<D>& from, const Vec<D>& direction) const;
 
-  // Returns the isovalues that block such a way.
+  // Returns the isovalues that block such a segment or ray.
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& light_point,
                              const Vec<D>& light_normal) const;
   BlockingIsovalues blocking(const SurfacePoint<D>& from, const Vec<D>& direction) const;
-  // True if ways may pass through openings of the isosurfaces, which requires a single volume.
+  // True if light may pass through openings of the isosurfaces, which requires a single volume.
   bool has_openings() const { return has_openings_; }
 
  private:
@@ -134,9 +134,9 @@ class SceneTracer {
                                   const Vec<D>& direction) const;
   Vec<D> ray_origin(const SurfacePoint<D>& from) const;
   Hit<D> nearest(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction) const;
-  bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& way,
+  bool blocked(const SurfacePoint<D>& from, const Vec<D>& origin, const Vec<D>& direction,
                double t_max) const;
-  BlockingIsovalues blocking(const Vec<D>& origin, const Vec<D>& way, double t_max) const;
+  BlockingIsovalues blocking(const Vec<D>& origin, const Vec<D>& direction, double t_max) const;
 
   const Scene<D>& scene_;
   Frame<D> frame_;
@@ -145,7 +145,7 @@ class SceneTracer {
   std::vector<Light<D>> lights_;
   Box<D> box_;
   BoundingSphere<D> bounds_;
-  Walls<D> walls_;
+  MeshBvh<D> mesh_bvh_;
   bool has_openings_;
 };
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "math/discrete_distribution.h"
+#include "base/discrete_distribution.h"
 #include "transport/lamp_sampling.h"
 
 namespace leaflight {
@@ -30,7 +30,7 @@ class EnvironmentSampler {
  private:
   struct Direction {
     Vec<D> direction;
-    double density;  // per angle
+    double density;  // density per solid angle, or per angle in 2D
   };
   Direction sample_any(const std::array<double, 2>& u) const;
   Direction sample_image(const std::array<double, 2>& u) const;

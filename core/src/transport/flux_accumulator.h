@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -19,7 +19,7 @@ bool leaves_surface(const SurfacePoint<D>& point, const Vec<D>& direction) {
 template <int D>
 double length_of(const Hit<D>& hit) {
   if (hit.kind == HitKind::none) return std::numeric_limits<double>::infinity();
-  return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.walls.t;
+  return hit.kind == HitKind::isosurface ? hit.isosurface.t : hit.on_mesh.t;
 }
 
 // A ray through mirrors and glass to the first diffuse surface, or out of the scene.
@@ -84,13 +84,13 @@ class PathEstimator final : public IndirectEstimator<D> {
           tracer_, point, direction, random, rays,
           // Lights are sampled at the diffuse surface. Only lights seen by mirrors and glass count
           // here, unless photons carry their light.
-          [&](const Vec<D>& origin, const Vec<D>& along, double t, const Sight<D>& way) {
-            if (!way.specular || photons_) return;
-            radiance += throughput * way.throughput * lights_.visible_radiance(origin, along, t);
+          [&](const Vec<D>& origin, const Vec<D>& along, double t, const Sight<D>& so_far) {
+            if (!so_far.specular || photons_) return;
+            radiance += throughput * so_far.throughput * lights_.visible_radiance(origin, along, t);
           },
-          [&](const Sight<D>& way) {
-            if (way.point.kind() == HitKind::isosurface || (way.specular && !photons_)) {
-              radiance += throughput * way.throughput * way.point.emission;
+          [&](const Sight<D>& so_far) {
+            if (so_far.point.kind() == HitKind::isosurface || (so_far.specular && !photons_)) {
+              radiance += throughput * so_far.throughput * so_far.point.emission;
             }
           });
       if (sight.point.kind() == HitKind::none) return radiance;
@@ -120,7 +120,7 @@ float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
                        const IsosurfaceTexel<D>& texel,
                        float (IsosurfaceCache<D>::*variance)(std::int32_t, bool) const) {
   const IsosurfaceRadiance<D>& isosurface = isosurfaces[texel.volume];
-  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.centre);
+  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.center);
   if (!isosurface.photons || slot == TexelLattice<D>::inactive) return 0;
   const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
   return brdf * brdf * (isosurface.photons->*variance)(slot, texel.back);
@@ -136,7 +136,7 @@ class VolumetricEstimator final : public IndirectEstimator<D> {
   Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
                         std::uint64_t&) const override {
     const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind() == HitKind::walls) return brdf * walls_->indirect_irradiance(point);
+    if (point.kind() == HitKind::mesh) return brdf * walls_->indirect_irradiance(point);
     const IsosurfaceRadiance<D>& isosurface = isosurfaces_[point.isosurface().volume];
     const std::int32_t slot =
         isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
@@ -202,21 +202,22 @@ class GatherEstimator final : public IndirectEstimator<D> {
     if (near_bounces == most_near_bounces || !is_near(point, hit, direction)) {
       return point.albedo * incident(hit, direction, point.c, random, rays);
     }
-    const SurfacePoint<D> there = tracer_.surface_point(hit, direction, point.c);
+    const SurfacePoint<D> hit_point = tracer_.surface_point(hit, direction, point.c);
     const double choice = random.uniform();
     const std::array<double, 2> on_light = random.pair(), next = random.pair();
     // Emission of walls is direct light.
-    const Rgb emission = hit.kind == HitKind::isosurface ? there.emission : Rgb(0);
-    return point.albedo * (emission + lights_.direct_radiance(there, choice, on_light, rays) +
-                           caustic_radiance<D>(isosurfaces_, &walls_, there) +
-                           gathered(there, next, random, rays, near_bounces + 1));
+    const Rgb emission = hit.kind == HitKind::isosurface ? hit_point.emission : Rgb(0);
+    return point.albedo * (emission + lights_.direct_radiance(hit_point, choice, on_light, rays) +
+                           caustic_radiance<D>(isosurfaces_, &walls_, hit_point) +
+                           gathered(hit_point, next, random, rays, near_bounces + 1));
   }
 
   bool is_near(const SurfacePoint<D>& from, const Hit<D>& hit, const Vec<D>& direction) const {
     if (hit.kind == HitKind::none || scattering_of(hit) != Scattering::diffuse) return false;
-    if (hit.kind == HitKind::walls) {
-      return from.kind() == HitKind::walls &&
-             hit.walls.t < near_patches * walls_.patch_width(hit.walls) && !walls_.holds_caustics();
+    if (hit.kind == HitKind::mesh) {
+      return from.kind() == HitKind::mesh &&
+             hit.on_mesh.t < near_patches * walls_.patch_width(hit.on_mesh) &&
+             !walls_.holds_caustics();
     }
     return frame_to_texels_[hit.volume].vector(direction * hit.isosurface.t).length2() <
            near * near;
@@ -229,8 +230,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const TexelLattice<D>& lattice = *isosurface.lattice;
     std::vector<Rgb> radiance(lattice.active.size());
     for (std::size_t s = 0; s < radiance.size(); ++s) {
-      const Vec<D> centre = lattice.centre(lattice.active[s]);
-      radiance[s] = albedo_near(volume, centre) / static_cast<Real>(projected_hemisphere<D>) *
+      const Vec<D> center = lattice.center(lattice.active[s]);
+      radiance[s] = albedo_near(volume, center) / static_cast<Real>(projected_hemisphere<D>) *
                     isosurface.photons->irradiance(static_cast<std::int32_t>(s), side);
       if (!isosurface.direct[side].empty()) radiance[s] += isosurface.direct[side][s];
     }
@@ -249,27 +250,27 @@ class GatherEstimator final : public IndirectEstimator<D> {
     const Sight<D> sight = look<D>(
         tracer_, bounce.from, bounce.direction, random, rays,
         [](const Vec<D>&, const Vec<D>&, double, const Sight<D>&) {},
-        [&](const Sight<D>& way) {
-          const bool isosurface = way.point.kind() == HitKind::isosurface;
-          const bool specular = way.point.scattering != Scattering::diffuse;
-          if (isosurface && specular) emitted += way.throughput * way.point.emission;
+        [&](const Sight<D>& so_far) {
+          const bool isosurface = so_far.point.kind() == HitKind::isosurface;
+          const bool specular = so_far.point.scattering != Scattering::diffuse;
+          if (isosurface && specular) emitted += so_far.throughput * so_far.point.emission;
         });
     Rgb radiance = emitted;
     if (sight.point.kind() != HitKind::none) {
       radiance += sight.throughput * found(sight.hit, sight.direction, c, random);
     }
-    const Rgb own = first.kind() == HitKind::isosurface ? first.emission : Rgb(0);
-    return own + bounce.weight * bounce.radiance_scale * radiance;
+    const Rgb emission = first.kind() == HitKind::isosurface ? first.emission : Rgb(0);
+    return emission + bounce.weight * bounce.radiance_scale * radiance;
   }
 
   Scattering scattering_of(const Hit<D>& hit) const {
     return hit.kind == HitKind::isosurface ? tracer_.scene().volumes[hit.volume].scattering
-                                           : tracer_.meshes()[hit.walls.mesh].scattering;
+                                           : tracer_.meshes()[hit.on_mesh.mesh].scattering;
   }
 
   Rgb found(const Hit<D>& hit, const Vec<D>& direction, double c, Random& random) const {
-    if (hit.kind == HitKind::walls) {
-      return walls_.radiance(hit.walls, direction, c, random.uniform());
+    if (hit.kind == HitKind::mesh) {
+      return walls_.radiance(hit.on_mesh, direction, c, random.uniform());
     }
     const Volume<D>& volume = tracer_.scene().volumes[hit.volume];
     const Rgb emission = emissive_[hit.volume] ? volume.emission.at(c) : Rgb(0);
@@ -338,7 +339,7 @@ template <int D>
 Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
                      const SurfaceCache<D>* walls, const SurfacePoint<D>& point) {
   const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-  if (point.kind() == HitKind::walls) return brdf * walls->caustic_irradiance(point);
+  if (point.kind() == HitKind::mesh) return brdf * walls->caustic_irradiance(point);
   const IsosurfaceRadiance<D>& isosurface = isosurfaces[point.isosurface().volume];
   const std::int32_t slot =
       isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());

@@ -14,7 +14,7 @@ template <int D>
 struct IsosurfaceTexel {
   int volume;
   bool back;
-  Vec<D> centre;  // index position
+  Vec<D> center;  // index position
   Rgb albedo;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transport/indirect_shares.h"
 
-#include "math/error.h"
+#include "base/error.h"
 #include "transport/environment_sampler.h"
 #include "transport/isosurface_emitter.h"
 #include "transport/light_points.h"
@@ -33,7 +33,7 @@ class Paths {
   // from random numbers, which are the same for every lamp. `unreflected`: true if photons count
   // before their first reflection.
   template <class Emit>
-  Imath::V3d of(Emit emit, bool unreflected) const {
+  Imath::V3d mean_flux(Emit emit, bool unreflected) const {
     Imath::V3d sum(0);
     for (int i = 0; i < paths; ++i) {
       Random random = random_for(0, Purpose::photon, i);
@@ -63,7 +63,8 @@ class Paths {
 
 // Returns light after one bounce between isosurfaces; it is most of their indirect light.
 template <int D>
-Imath::V3d of_isosurfaces(const SceneTracer<D>& tracer, const IsosurfaceEmitter<D>& isosurfaces) {
+Imath::V3d flux_from_isosurfaces(const SceneTracer<D>& tracer,
+                                 const IsosurfaceEmitter<D>& isosurfaces) {
   Imath::V3d sum(0);
   for (int i = 0; i < paths; ++i) {
     Random random = random_for(0, Purpose::photon, i);
@@ -104,13 +105,15 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
   const Paths<D> paths_from(tracer);
   const std::vector<char> is_wide = split_light(tracer).mesh_is_wide;
   IndirectShares shares;
+  // Trace paths from each lamp.
   for (const Light<D>& light : tracer.lights()) {
     const auto emit = [&](Random& random) {
       const auto u = two(random);
       return emit_from(light, tracer.bounds(), u, two(random));
     };
-    shares.lights.push_back(paths_from.of(emit, false));
+    shares.lights.push_back(paths_from.mean_flux(emit, false));
   }
+  // Trace paths from all other emitters: meshes, the environment and isosurfaces.
   for (std::size_t m = 0; m < tracer.meshes().size(); ++m) {
     if (!(largest(tracer.meshes()[m].emission) > 0)) continue;
     const MeshEmitter<D> mesh(tracer.meshes()[m]);
@@ -119,7 +122,7 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
       const auto u = two(random);
       return mesh.emit(choice, u, two(random));
     };
-    shares.others += paths_from.of(emit, is_wide[m] != 0);
+    shares.others += paths_from.mean_flux(emit, is_wide[m] != 0);
   }
   if (scene.environment && largest(scene.environment->radiance) > 0) {
     const EnvironmentSampler<D> environment(*scene.environment);
@@ -127,12 +130,12 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
       const auto u = two(random);
       return environment.emit(tracer.bounds(), u, two(random));
     };
-    shares.others += paths_from.of(emit, true);
+    shares.others += paths_from.mean_flux(emit, true);
   }
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
     const IsosurfaceEmitter<D> isosurfaces(tracer, static_cast<int>(v));
     if (!(isosurfaces.power_height() > 0)) continue;
-    shares.others += of_isosurfaces(tracer, isosurfaces);
+    shares.others += flux_from_isosurfaces(tracer, isosurfaces);
   }
   return shares;
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/parallel.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
@@ -27,7 +27,7 @@ double share_in_range(const IsovalueRange& isovalue_range, double c, double reac
 // Mean of |grad h| over the part of a texel's box in the isovalue range.
 struct MeanGradient {
   double value = 0;
-  bool whole = true;  // true if all of the box is in the isovalue range
+  bool is_complete = true;  // true if all of the box is in the isovalue range
 };
 template <int D>
 MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalue_range,
@@ -48,7 +48,7 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalu
     const double h = interpolate(corners, point.local);
     // Masked cells contain no isosurface.
     if (!inside(field, position) || std::isnan(h)) {
-      mean.whole = false;
+      mean.is_complete = false;
       return;
     }
     const Vec<D> gradient = geometric_gradient(corners, point.local);
@@ -57,7 +57,7 @@ MeanGradient mean_gradient(const Volume<D>& volume, const IsovalueRange& isovalu
       reach += std::abs(gradient[a]) * lattice.voxels_per_texel[a] / (2 * points * volume.scale);
     }
     const double share = share_in_range(isovalue_range, volume.common_isovalue(h), reach);
-    mean.whole = mean.whole && share == 1;
+    mean.is_complete = mean.is_complete && share == 1;
     mean.value += share * frame_to_index.pull_back_gradient(gradient).length();
   });
   mean.value /= static_cast<double>(cell_count<D>(all));
@@ -72,7 +72,7 @@ float coarea_measure(const Volume<D>& volume, const IsovalueRange& isovalue_rang
                      const Affine<D>& frame_to_index, double texel_volume) {
   MeanGradient mean =
       mean_gradient(volume, isovalue_range, lattice, texel, frame_to_index, measure_points);
-  if (!mean.whole) {
+  if (!mean.is_complete) {
     mean =
         mean_gradient(volume, isovalue_range, lattice, texel, frame_to_index, finer_measure_points);
   }
@@ -101,7 +101,7 @@ void box_sum(std::vector<float>& grid, const Index<D>& dims, int axis, int radiu
   });
 }
 
-// Computes box sums of a quantity at active texels, for active texels.
+// Computes, for each active texel, the sum of a quantity over the active texels in a box around it.
 template <int D, class Value>
 std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& progress,
                           Value value) {
@@ -202,9 +202,9 @@ void IsosurfaceCache<D>::finish(Progress& progress) {
     if (!side.indirect.flux.empty()) estimate(side.indirect, radius, measure, progress);
     if (side.caustic.flux.empty() || side.caustic.stored.load() == 0) continue;
     // Caustics light only a part of the isosurfaces; the radius depends on their density there.
-    std::size_t lit = 0;
-    for (std::size_t s = 0; s < n; ++s) lit += side.caustic.flux.lit(s);
-    const int sharp = radius_for(static_cast<double>(side.caustic.stored.load()), lit,
+    std::size_t lit_texels = 0;
+    for (std::size_t s = 0; s < n; ++s) lit_texels += side.caustic.flux.lit(s);
+    const int sharp = radius_for(static_cast<double>(side.caustic.stored.load()), lit_texels,
                                  caustic_photons_per_box, largest_caustic_radius);
     estimate(side.caustic, sharp, measure, progress);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/progress.h"
 #include "field/texel_lattice.h"
-#include "math/progress.h"
 #include "transport/flux_accumulator.h"
 #include "transport/photon_tracer.h"
 
@@ -32,8 +32,8 @@ class IsosurfaceCache {
   // chosen so that a box contains about a hundred photons.
   void finish(Progress& progress);
 
-  // Returns the irradiance at an active texel from the photons of a side, or zero if it stores
-  // none.
+  // Returns the irradiance at an active texel from the photons on a side, or zero if the cache
+  // stores none.
   Rgb irradiance(std::int32_t slot, bool back) const {
     return indirect(slot, back) + caustic(slot, back);
   }

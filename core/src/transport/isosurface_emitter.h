@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "math/discrete_distribution.h"
-#include "math/random.h"
+#include "base/discrete_distribution.h"
+#include "base/random.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {

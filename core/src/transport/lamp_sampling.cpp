@@ -33,10 +33,10 @@ LightSample<D> sample(const AreaLight<D>& light, const Vec<D>& from,
   LightSample<D> s;
   s.end = light.point(u);
   s.end_normal = light.normal();
-  const Vec<D> way = s.end - from;
-  const double distance = way.length();
+  const Vec<D> to_light = s.end - from;
+  const double distance = to_light.length();
   if (!(distance > 0)) return s;
-  s.direction = way / distance;
+  s.direction = to_light / distance;
   const double cosine = -s.direction.dot(s.end_normal);
   if (cosine > 0) {
     s.radiance = light.radiance * static_cast<Real>(cosine * light.area() / spread<D>(distance));
@@ -120,10 +120,10 @@ template <int D>
 LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
                       const std::array<double, 2>& u) {
   LightSample<D> s;
-  const Vec<D> way = light.position - from;
-  const double distance = way.length();
+  const Vec<D> to_light = light.position - from;
+  const double distance = to_light.length();
   if (!(distance > light.radius)) return s;  // inside the sphere
-  const Vec<D> axis = way / distance;
+  const Vec<D> axis = to_light / distance;
   if (light.radius == 0) {
     s.direction = axis;
     s.end = light.position;
@@ -135,8 +135,8 @@ LightSample<D> sample(const PointLight<D>& light, const Vec<D>& from,
   const double sine = light.radius / distance, cap = one_minus_cosine(sine);
   s.direction = sample_cone<D>(axis, cap, u);
   // Find the near end of the ray's way through the sphere.
-  const double middle = s.direction.dot(way);
-  const double beside2 = (way - s.direction * middle).length2();
+  const double middle = s.direction.dot(to_light);
+  const double beside2 = (to_light - s.direction * middle).length2();
   const double half = std::sqrt(std::max(0.0, light.radius * light.radius - beside2));
   s.end = from + s.direction * (middle - half);
   s.end_normal = (s.end - light.position).normalized();
@@ -183,9 +183,9 @@ LightSource<D> source(const PointLight<D>& light, const std::array<double, 2>& u
 template <int D>
 Rgb along(const PointLight<D>& light, const Vec<D>& origin, const Vec<D>& direction, double t_max) {
   if (light.radius == 0) return Rgb(0);
-  const Vec<D> way = light.position - origin;
-  const double middle = direction.dot(way);
-  const double inside2 = light.radius * light.radius - (way - direction * middle).length2();
+  const Vec<D> to_light = light.position - origin;
+  const double middle = direction.dot(to_light);
+  const double inside2 = light.radius * light.radius - (to_light - direction * middle).length2();
   if (!(inside2 > 0)) return Rgb(0);
   const double t = middle - std::sqrt(inside2);
   if (!(t > 0 && t < t_max)) return Rgb(0);
@@ -281,19 +281,19 @@ EmittedPhoton<D> emit_from(const Light<D>& light, const BoundingSphere<D>& bound
 }
 
 template <int D>
-double LightSource<D>::strength(const Vec<D>& way, double distance) const {
+double LightSource<D>::strength(const Vec<D>& outgoing, double distance) const {
   if (infinite) return 1;
   double factor = 1 / spread<D>(distance);
   if (!sphere) {
-    const double cosine = way.dot(normal);
+    const double cosine = outgoing.dot(normal);
     factor *= both_sides ? std::abs(cosine) : std::max(0.0, cosine);
   }
-  return factor * cone_share(way);
+  return factor * cone_share(outgoing);
 }
 
 template <int D>
-double LightSource<D>::cone_share(const Vec<D>& way) const {
-  return cone_factor<D>(cone, way);
+double LightSource<D>::cone_share(const Vec<D>& outgoing) const {
+  return cone_factor<D>(cone, outgoing);
 }
 
 template <int D>
@@ -310,7 +310,7 @@ Rgb radiance_along(const Light<D>& light, const Vec<D>& origin, const Vec<D>& di
 template <int D>
 Vec<D> parallel_origin(const BoundingSphere<D>& bounds, const Vec<D>& direction,
                        const std::array<double, 2>& u) {
-  return bounds.centre + (sample_facing_disc<D>(direction, u) - direction) * bounds.radius;
+  return bounds.center + (sample_facing_disc<D>(direction, u) - direction) * bounds.radius;
 }
 
 template <int D>

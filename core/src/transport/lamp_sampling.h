@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {
@@ -37,10 +37,10 @@ struct LightSource {
   Rgb amount{0};  // irradiance of a surface that faces it; finite ones at distance 1
 
   // Returns the share of the light inside the cone for a unit direction; 1 without a cone.
-  double cone_share(const Vec<D>& way) const;
-  // Returns the irradiance of a surface that faces the source, as a share of the amount. `way`:
-  // unit direction from the source.
-  double strength(const Vec<D>& way, double distance) const;
+  double cone_share(const Vec<D>& outgoing) const;
+  // Returns the irradiance of a surface that faces the source, as a share of the amount.
+  // `outgoing`: unit direction from the source.
+  double strength(const Vec<D>& outgoing, double distance) const;
 };
 
 // Returns the power, averaged over the channels. In this and the next functions, lights and

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/low_discrepancy.h"
-#include "math/sampling.h"
+#include "base/low_discrepancy.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -101,7 +101,7 @@ LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) 
   return source;
 }
 
-// The first sets of points.
+// Sets of light points; the first is that of split_light().
 template <int D>
 using Sets = std::vector<std::vector<LightPoint<D>>>;
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {

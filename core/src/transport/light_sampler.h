@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "math/random.h"
+#include "base/random.h"
 #include "transport/environment_sampler.h"
 #include "transport/isosurface_emitter.h"
 #include "transport/light_points.h"

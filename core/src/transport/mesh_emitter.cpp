@@ -29,10 +29,10 @@ LightSample<D> MeshEmitter<D>::sample(const Vec<D>& from, double choice,
                                       const std::array<double, 2>& u) const {
   const PointOn on = point(choice, u);
   LightSample<D> s;
-  const Vec<D> way = on.position - from;
-  const double distance = way.length();
+  const Vec<D> to_point = on.position - from;
+  const double distance = to_point.length();
   if (!(distance > 0)) return s;
-  s.direction = way / distance;
+  s.direction = to_point / distance;
   const double cosine = -s.direction.dot(on.normal);
   s.end = on.position;
   s.end_normal = cosine < 0 ? -on.normal : on.normal;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/discrete_distribution.h"
+#include "base/discrete_distribution.h"
 #include "transport/lamp_sampling.h"
 
 namespace leaflight {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/low_discrepancy.h"
+#include "base/low_discrepancy.h"
 #include "transport/light_sampler.h"
 #include "transport/specular.h"
 
@@ -54,8 +54,9 @@ double shading_normal_factor(const SurfacePoint<D>& point, const Vec<D>& directi
 struct PhotonStream {
   std::uint64_t seed, position_key, direction_key;
 
-  PhotonStream(std::uint64_t of, PhotonPaths paths)
-      : seed(of ^ (paths == PhotonPaths::caustics ? 0x63617573746963ull : 0)),  // "caustic"
+  PhotonStream(std::uint64_t stream_seed, PhotonPaths paths)
+      : seed(stream_seed ^
+             (paths == PhotonPaths::caustics ? 0x63617573746963ull : 0)),  // "caustic"
         position_key(Random(seed ^ 0x706f736974696f6eull).bits()),
         direction_key(Random(seed ^ 0x646972656374696full).bits()) {}
 

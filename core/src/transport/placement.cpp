@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "math/error.h"
-#include "math/low_discrepancy.h"
+#include "base/error.h"
+#include "base/low_discrepancy.h"
 #include "transport/lamp_sampling.h"
 
 namespace leaflight {
@@ -48,7 +48,7 @@ template <int D>
 bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
   for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
     for (const Vec<D>& point : box_points(tracer, static_cast<int>(v))) {
-      if (!tracer.walls().occluded(from, point - from, 1)) return true;
+      if (!tracer.mesh_bvh().occluded(from, point - from, 1)) return true;
     }
   }
   return tracer.scene().volumes.empty();
@@ -59,8 +59,8 @@ template <int D>
 std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& from) {
   std::optional<int> mesh;
   for (int i = 0; i < rays; ++i) {
-    const auto hit = tracer.walls().intersect(from, any_direction<D>(i),
-                                              std::numeric_limits<double>::infinity());
+    const auto hit = tracer.mesh_bvh().intersect(from, any_direction<D>(i),
+                                                 std::numeric_limits<double>::infinity());
     if (!hit || (mesh && *mesh != hit->mesh)) return std::nullopt;
     mesh = hit->mesh;
   }
@@ -98,13 +98,14 @@ bool any_light_reaches(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& 
       for (int i = 0; i < rays; ++i) {
         const LightSample<D> sample = sample_light(light, point, sobol_point(i, 1));
         if (!(largest(sample.radiance) > 0)) continue;
-        const Vec<D> way = sample.infinite ? sample.direction * far
-                                           : leave_plane<D>(sample.end, sample.end_normal) - point;
-        if (!tracer.walls().occluded(point, way, 1)) return true;
+        const Vec<D> to_light = sample.infinite
+                                    ? sample.direction * far
+                                    : leave_plane<D>(sample.end, sample.end_normal) - point;
+        if (!tracer.mesh_bvh().occluded(point, to_light, 1)) return true;
       }
     }
     for (int i = 0; tracer.scene().environment && i < rays; ++i) {
-      if (!tracer.walls().occluded(point, any_direction<D>(i), far)) return true;
+      if (!tracer.mesh_bvh().occluded(point, any_direction<D>(i), far)) return true;
     }
   }
   return false;

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
+#include "base/error.h"
+#include "base/low_discrepancy.h"
+#include "base/parallel.h"
 #include "field/given_point.h"
-#include "math/error.h"
-#include "math/low_discrepancy.h"
-#include "math/parallel.h"
 #include "transport/indirect_estimator.h"
 
 namespace leaflight {

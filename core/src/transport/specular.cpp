@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "math/sampling.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "math/error.h"
-#include "math/low_discrepancy.h"
-#include "math/parallel.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/low_discrepancy.h"
+#include "base/parallel.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -152,7 +152,7 @@ SurfaceCache<D>::SurfaceCache(const SceneTracer<D>& tracer, bool caustics, doubl
 }
 
 template <int D>
-std::optional<std::size_t> SurfaceCache<D>::column(const WallHit& hit,
+std::optional<std::size_t> SurfaceCache<D>::column(const MeshHit& hit,
                                                    const Vec<D>& direction) const {
   const Facet& facet = facets_[first_facet_[hit.mesh] + hit.facet];
   const bool back = facet.normal.dot(direction) > 0;
@@ -267,7 +267,7 @@ Rgb SurfaceCache<D>::between_nodes(const FluxAccumulator& flux,
 }
 
 template <int D>
-Rgb SurfaceCache<D>::radiance(const WallHit& hit, const Vec<D>& direction, double c,
+Rgb SurfaceCache<D>::radiance(const MeshHit& hit, const Vec<D>& direction, double c,
                               double u) const {
   const auto first = column(hit, direction);
   if (!first) return Rgb(0);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "math/progress.h"
+#include "base/progress.h"
 #include "scene/isovalue_nodes.h"
 #include "transport/flux_accumulator.h"
 #include "transport/photon_tracer.h"
@@ -41,9 +41,9 @@ class SurfaceCache {
 
   // Returns the radiance of the side that a ray hits. The number `u`, uniform in [0,1), chooses one
   // of two nodes. So the mean is linear in c with a single lookup.
-  Rgb radiance(const WallHit& hit, const Vec<D>& direction, double c, double u) const;
+  Rgb radiance(const MeshHit& hit, const Vec<D>& direction, double c, double u) const;
   // Returns the side of a square with the area of the patch that a ray hits.
-  double patch_width(const WallHit& hit) const {
+  double patch_width(const MeshHit& hit) const {
     const double area = facets_[first_facet_[hit.mesh] + hit.facet].patch_area;
     return D == 3 ? std::sqrt(area) : area;
   }
@@ -74,8 +74,9 @@ class SurfaceCache {
     bool front;
     int node;
   };
-  // Returns the first entry, of the first node, on the side that a ray hits.
-  std::optional<std::size_t> column(const WallHit& hit, const Vec<D>& direction) const;
+  // Returns the number of the first entry, that of the first node, of the column that a ray hits;
+  // nothing for a side that is not stored.
+  std::optional<std::size_t> column(const MeshHit& hit, const Vec<D>& direction) const;
   Place place_of(std::size_t entry) const;
   Rgb between_nodes(const FluxAccumulator& flux, const SurfacePoint<D>& point) const;
   Rgb density(const FluxAccumulator& flux, std::size_t entry) const;

@@ -20,10 +20,10 @@ def rms_percent(
     radiance: Array, reference: Array, exposure: float, weights: Array | None = None
 ) -> float:
     """Returns the RMS error of colors in percent (thesis Eq. 4.11, corrected)."""
-    colours, truth = (
+    colors, truth = (
         np.clip(np.asarray(x, np.float64) * exposure, 0, 1) for x in (radiance, reference)
     )
-    return 100.0 * rms(colours - truth, weights)
+    return 100.0 * rms(colors - truth, weights)
 
 
 def noise_percent(

@@ -31,10 +31,10 @@ class Photons:
     common_isovalue: Array
     direct: Array
 
-    def colours(self) -> Array:
+    def colors(self) -> Array:
         """Returns their colors (n, 3), the flux scaled to a mean gray of radiance 0.5."""
-        colours: Array = 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
-        return colours
+        colors: Array = 0.5 * self.flux_height / max(float(self.flux_height.mean()), 1e-30)
+        return colors
 
 
 def trace_photons(

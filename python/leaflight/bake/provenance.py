@@ -95,7 +95,7 @@ class Provenance:
         blocks: int = 0,
         continued: str = "",
     ) -> "Provenance":
-        """Returns the Provenance of the bake with these grids after so many passes and blocks."""
+        """Returns the Provenance of the bake with these grids, passes and blocks."""
         volumes = tuple(
             replace(
                 volume,

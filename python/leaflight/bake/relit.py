@@ -102,7 +102,7 @@ def scales_exactly(bake: "Bake") -> bool:
     if bake.factors is None:
         return True
     others: list[Mesh | Isosurfaces] = [*bake.scene.meshes, *bake.scene.isosurfaces]
-    glows = any(np.max(_colours(other.emission)) > 0 for other in others)
+    glows = any(np.max(_colors(other.emission)) > 0 for other in others)
     world = bake.scene.environment is not None and max(bake.scene.environment.radiance) > 0
     return not glows and not world and len(set(bake.factors)) == 1
 
@@ -152,5 +152,5 @@ def _times(color: Color, factor: Color) -> Color:
     return r, g, b
 
 
-def _colours(ramp: Ramp) -> Array:
+def _colors(ramp: Ramp) -> Array:
     return np.array([ramp] if is_color(ramp) else [stop[1] for stop in ramp])

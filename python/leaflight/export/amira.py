@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..io.images import display_colours
+from ..io.images import display_colors
 from ..io.output import check_writable, replaced
 from .point_grid import point_grid
 
@@ -28,7 +28,7 @@ def write_amira(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> No
     grid = point_grid(bake, volume)
     nz, ny, nx = grid.values.shape
     pixels = np.full((nz, ny, nx, 4), 255, np.uint8)
-    pixels[..., :3] = display_colours(grid.radiance, bake.scene.exposure)
+    pixels[..., :3] = display_colors(grid.radiance, bake.scene.exposure)
     header = "\n".join(
         [
             "# AmiraMesh BINARY-LITTLE-ENDIAN 2.1",

@@ -11,7 +11,7 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..io.images import display_colours
+from ..io.images import display_colors
 from ..io.output import check_writable, replaced
 from .point_grid import point_grid
 from .vtk_arrays import add_text_and_numbers, write
@@ -37,7 +37,7 @@ def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None
         "value": grid.values,
         "radiance": grid.radiance,
         "radiance_error": grid.error,
-        "color": display_colours(grid.radiance, exposure),
+        "color": display_colors(grid.radiance, exposure),
     }
     if grid.radiance_back is not None:
         arrays["radiance_back"] = grid.radiance_back

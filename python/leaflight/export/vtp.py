@@ -10,7 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from ..bake.baked import Surface
-from ..io.images import display_colours
+from ..io.images import display_colors
 from ..io.output import check_writable, replaced
 from .vtk_arrays import add_text_and_numbers, write
 
@@ -35,7 +35,7 @@ def write_vtp(
     mesh.SetPolys(cells)
     arrays = {
         "radiance": surface.radiance,
-        "color": display_colours(surface.radiance, exposure),
+        "color": display_colors(surface.radiance, exposure),
     }
     for name, values in arrays.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)

@@ -22,7 +22,7 @@ from ..bake.checkpoint import Checkpoint
 from ..bake.provenance import Provenance, provenance_of
 from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_bake
 from ..bake.statistics import Statistics, statistics_of
-from ..io.images import display_colours, luminance, read_pixels
+from ..io.images import display_colors, luminance, read_pixels
 from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume, on_unit_cube
@@ -216,13 +216,13 @@ def picture(bake: FlatBake, isovalues: Sequence[float], width: int = 1000) -> Ar
     for lines in isolines:
         ends = scale * (lines.vertices - low)[lines.segments]
         ends[..., 1] = size[1] - ends[..., 1]
-        colours = display_colours(lines.radiance[lines.segments].mean(axis=1), exposure)
-        for (start, end), colour in zip(ends.tolist(), map(tuple, colours.tolist())):
-            draw.line([*start, *end], fill=colour, width=round(thickness))
+        colors = display_colors(lines.radiance[lines.segments].mean(axis=1), exposure)
+        for (start, end), color in zip(ends.tolist(), map(tuple, colors.tolist())):
+            draw.line([*start, *end], fill=color, width=round(thickness))
             # Fill the gaps where an isoline bends.
             for x, y in (start, end):
                 box = np.add([x, y, x, y], 0.5 * thickness * np.array([-1, -1, 1, 1]))
-                draw.ellipse(box.tolist(), fill=colour)
+                draw.ellipse(box.tolist(), fill=color)
     return np.asarray(image.reduce(OVERSAMPLING))
 
 

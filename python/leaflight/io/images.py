@@ -69,17 +69,17 @@ def luminance(pixels: Array) -> Array:
     """
     # Values beyond single precision become infinite, which volumes refuse.
     with np.errstate(over="ignore", invalid="ignore"):
-        grey = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
-        return grey.astype(np.float32)
+        gray = pixels if pixels.ndim == 2 else pixels @ np.array([0.2126, 0.7152, 0.0722])
+        return gray.astype(np.float32)
 
 
-def display_colours(radiance: ArrayLike, exposure: float) -> Array:
+def display_colors(radiance: ArrayLike, exposure: float) -> Array:
     """Returns uint8 sRGB of radiance (..., 3): times the exposure, clamped to 0..1, encoded."""
     linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
     curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
-    colours: Array = np.rint(255.0 * encoded).astype(np.uint8)
-    return colours
+    colors: Array = np.rint(255.0 * encoded).astype(np.uint8)
+    return colors
 
 
 def png_bytes(path: str | os.PathLike[str], pixels: Array) -> bytes:

@@ -5,7 +5,7 @@ import os
 from typing import Protocol
 
 from ..arrays import Array
-from .images import display_colours
+from .images import display_colors
 from .output import check_writable, replaced
 
 
@@ -29,20 +29,20 @@ class _Photons(Protocol):
     def common_isovalue(self) -> Array: ...
     @property
     def direct(self) -> Array: ...
-    def colours(self) -> Array: ...
+    def colors(self) -> Array: ...
 
 
 def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
     Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
-    and red green blue (uchar, see display_colours).
+    and red green blue (uchar, see display_colors).
     """
-    colours = display_colours(surface.radiance, exposure)
+    colors = display_colors(surface.radiance, exposure)
     properties = {
         **_columns("nx ny nz", surface.normals),
         **_columns("radiance_r radiance_g radiance_b", surface.radiance),
-        **_columns("red green blue", colours),
+        **_columns("red green blue", colors),
     }
     _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
 
@@ -57,7 +57,7 @@ def write_photons(path: str | os.PathLike[str], photons: _Photons) -> None:
         **_columns("flux_r flux_g flux_b", photons.flux_height),
         "common_isovalue": photons.common_isovalue,
         "direct": photons.direct.astype("uint8"),
-        **_columns("red green blue", display_colours(photons.colours(), 1.0)),
+        **_columns("red green blue", display_colors(photons.colors(), 1.0)),
     }
     _write(path, photons.positions, [], properties)
 

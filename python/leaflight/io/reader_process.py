@@ -196,7 +196,7 @@ class ReaderProcess:
 
 
 def _seconds(size: int) -> int:
-    """Returns the limit of processor seconds for so many bytes."""
+    """Returns the limit of processor seconds for this many bytes."""
     return math.ceil(LEAST_SECONDS + size / BYTES_PER_SECOND)
 
 

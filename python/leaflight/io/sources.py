@@ -10,7 +10,7 @@ from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, bump_box
 from .readers.reading import read_volume
 
-# Name -> function from the number of nodes a side to a Volume; defaults are those of the thesis.
+# Name -> function from the number of nodes per axis to a Volume; defaults are those of the thesis.
 _GENERATED: dict[str, Callable[..., Volume]] = {
     "bump_box": bump_box,
     "nucleons:0": lambda *n: nucleons(*n)[0],
@@ -33,7 +33,7 @@ def open_volume(
 ) -> Volume:
     """Returns the Volume of a file or folder, or a generated one.
 
-    dims: For a .raw (nx, ny, nz); for a generated volume a list of one number, the nodes a side.
+    dims: For a .raw (nx, ny, nz); for a generated volume a list of one number, the nodes per axis.
     Other options are those of read_volume(). Raises LeaflightError.
     """
     if not is_generated(source):

@@ -75,7 +75,7 @@ def compare(
     truth = trace(points, *work)
     reference_seconds = time.perf_counter() - start
     baked, exposure = side.baked(truth.points), bake.scene.exposure
-    exposed = side.exposed(truth.points, seed)
+    exposed = side.seen_from_outside(truth.points, seed)
     parts = None
     if isinstance(side, IsosurfaceSide) and not back:
         path = truth if reference == "path" else side.path_traced_at(truth.points, *work)

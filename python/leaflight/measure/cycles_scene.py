@@ -356,9 +356,9 @@ class _Target:
     def read(self) -> Array:
         """Returns radiance, float32 [probe, RGB]."""
         if self._image is None:
-            colours = np.empty(4 * len(self._mesh.vertices), np.float32)
-            self._mesh.color_attributes["target"].data.foreach_get("color", colours)
-            return colours.reshape(-1, 4)[:, :3]
+            colors = np.empty(4 * len(self._mesh.vertices), np.float32)
+            self._mesh.color_attributes["target"].data.foreach_get("color", colors)
+            return colors.reshape(-1, 4)[:, :3]
         baked = np.empty(4 * self._image.size[0] * self._image.size[1], np.float32)
         self._image.pixels.foreach_get(baked)
         return baked.reshape(-1, 4)[self._pixels, :3]

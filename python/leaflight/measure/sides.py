@@ -96,16 +96,19 @@ class IsosurfaceSide:
         return self.bake.radiance(points, self.volume, self.back)
 
     def parts(self, truth: Truth, path: Truth) -> dict[str, float | None]:
-        """Returns parts_of() the error of the bake. path: See there."""
+        """Returns parts_of() the error of the bake. path: As for parts_of()."""
         error = self.bake.radiance_error(truth.points, self.volume)
         return parts_of(self.baked(truth.points), error, path, truth, self.bake.scene.exposure)
 
-    def exposed(self, points: Array, seed: int) -> Array | None:
+    def seen_from_outside(self, points: Array, seed: int) -> Array | None:
         """Returns a mask (n,) of points that can be seen from outside; None on the back."""
         if self.back:
             return None
         on_isosurface = self._projected(points)
-        return _core.exposed(self._field(), on_isosurface, self._own(), EXPOSURE_RAYS, seed) > 0
+        return (
+            _core.seen_from_outside(self._field(), on_isosurface, self._own(), EXPOSURE_RAYS, seed)
+            > 0
+        )
 
     def _projected(self, points: Array) -> Array:
         return _core.project_to_isosurface(self._field(), points, self._own())
@@ -158,7 +161,7 @@ class MeshSide:
     def baked(self, points: Array) -> Array:
         return self.bake.mesh_radiance(self.number, points, self.isovalue, self.back)
 
-    def exposed(self, points: Array, seed: int) -> None:
+    def seen_from_outside(self, points: Array, seed: int) -> None:
         return None
 
 

@@ -34,7 +34,7 @@ def quarter_turns(volumes: Sequence[Volume]) -> int:
 
 
 def turned(description: SceneDescription, turns: int) -> SceneDescription:
-    """Returns the SceneDescription after so many quarter turns about the z axis."""
+    """Returns the SceneDescription after this number of quarter turns about the z axis."""
     if turns % 4 == 0:
         return description
     x, y = ((1, 0), (0, 1), (-1, 0), (0, -1))[turns % 4]

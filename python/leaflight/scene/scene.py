@@ -243,7 +243,7 @@ _Place = TypeVar("_Place", tuple[float, float], Vector)
 class Fit:
     """The transformation from box to world coordinates, in space or in the plane."""
 
-    centre: Array
+    center: Array
     scale: float
 
     @classmethod
@@ -257,10 +257,10 @@ class Fit:
         return cls(0.5 * (low + high), 0.5 * float((high - low).max()))
 
     def vertices(self, vertices: Array) -> Array:
-        return np.asarray(self.centre + self.scale * vertices, np.float32)
+        return np.asarray(self.center + self.scale * vertices, np.float32)
 
     def point(self, p: _Place) -> _Place:
-        return tuple((self.centre + self.scale * np.asarray(p)).tolist())
+        return tuple((self.center + self.scale * np.asarray(p)).tolist())
 
     def vector(self, v: _Place) -> _Place:
         return tuple((self.scale * np.asarray(v)).tolist())

@@ -144,7 +144,7 @@ def _back(azimuth: float, elevation: float) -> Array:
 
 
 def _free_azimuths(bake: Bake, middle: Array) -> list[float]:
-    """Returns azimuths from which no mesh hides the middle, only those facing a wall if any do."""
+    """Returns azimuths from which no mesh hides the center; if some face a wall, only these."""
     origins = np.repeat(middle[None], len(_AZIMUTHS), axis=0)
     directions = np.array([_back(azimuth, 0.0) for azimuth in _AZIMUTHS])
     is_free = np.ones(len(_AZIMUTHS), bool)

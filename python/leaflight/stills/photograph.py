@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..io.images import display_colours
+from ..io.images import display_colors
 from .first_view import default_isovalue_of
 from .still import still
 
@@ -22,7 +22,7 @@ MOST_STOPS = 4.0
 
 
 def tone_mapped(linear: ArrayLike) -> Array:
-    """Returns exposed colors (..., 3) as they are shown, linear, below 1."""
+    """Returns the displayed values of exposed colors (..., 3), linear and below 1."""
     linear = np.asarray(linear, np.float32)
     peak = linear.max(axis=-1, keepdims=True)
     rest = 1.0 - START
@@ -36,7 +36,7 @@ def photographed(picture: Array, exposure: float) -> Array:
     """Returns the picture of still() as uint8 RGBA with straight alpha."""
     alpha = picture[..., 3:]
     radiance = picture[..., :3] / np.maximum(alpha, 1e-6)
-    colors = display_colours(tone_mapped(radiance * np.float32(exposure)), 1.0)
+    colors = display_colors(tone_mapped(radiance * np.float32(exposure)), 1.0)
     return np.concatenate([colors, np.rint(255.0 * alpha).astype(np.uint8)], axis=-1)
 
 

@@ -61,8 +61,8 @@ def _is_of_room(vertices: Array, middle: Array) -> bool:
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if np.all((low < middle) & (middle < high)):
         return True
-    centred = vertices.astype(np.float64) - vertices.mean(axis=0)
-    size = np.linalg.svd(centred, compute_uv=False)
+    centerd = vertices.astype(np.float64) - vertices.mean(axis=0)
+    size = np.linalg.svd(centerd, compute_uv=False)
     return bool(size[2] <= 1e-4 * size[0])
 
 

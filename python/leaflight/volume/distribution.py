@@ -13,7 +13,8 @@ from .voxels import as_voxels
 
 # Upper bounds on different values that are counted one by one: whole numbers, and others.
 MOST_LEVELS, FEW_LEVELS = 4096, 32
-# A range with fewer steps of single precision is counted from its lowest value on.
+# Least number of steps of single precision in a range. In a range with fewer, the lowest value is
+# subtracted before values are counted.
 _STEPS = 1 << 16
 
 

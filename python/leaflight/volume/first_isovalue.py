@@ -62,7 +62,7 @@ def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     """Returns the isovalue that best separates the values inside an isosurface (Otsu 1979).
 
     In a head it finds the skull within the skin. If there are few values, it lies half way between
-    two of them. Returns None if all values inside are alike.
+    two of them. Returns None if all values inside are equal.
     """
     found = _levels_to_part(volume)
     if found is not None:

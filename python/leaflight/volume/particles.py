@@ -35,9 +35,9 @@ def nucleons(n: int = 101) -> list[Volume]:
 def _nucleon_positions() -> tuple[Array, Array]:
     rng = np.random.default_rng(1)
     candidates = []
-    for centre in _scattered(rng.uniform(0.15, 0.85, (2000, 3)), distance=0.18)[:22]:
+    for center in _scattered(rng.uniform(0.15, 0.85, (2000, 3)), distance=0.18)[:22]:
         axes = rng.uniform(0.05, 0.13, 3)
-        candidates.append(centre + _ball(rng, 200) @ (_rotation(rng) * axes).T)
+        candidates.append(center + _ball(rng, 200) @ (_rotation(rng) * axes).T)
     # Nucleons repel each other.
     nuclei = _scattered(np.concatenate(candidates), distance=0.026)
     gas = _scattered(rng.uniform(0.07, 0.93, (200, 3)), distance=0.08)
@@ -51,16 +51,16 @@ def lapr(n: int = 120) -> list[Volume]:
     Two Volumes of n^3 nodes. The wet surface is the bottom of the cube, z = 0.
     """
     rng = np.random.default_rng(2)
-    centre, radius = np.array([0.5, 0.5, 0.6]), 0.2
+    center, radius = np.array([0.5, 0.5, 0.6]), 0.2
     # Atoms on a lattice, in a ball with a dented outline.
     lattice = _lattice(radius, spacing=0.042) @ _rotation(rng).T
     dents = _directions(rng, 9)
     outline = radius * (1 - 0.3 * (_unit(lattice) @ dents.T > 0.8).any(axis=1))
-    dirt = centre + lattice[np.linalg.norm(lattice, axis=1) < outline]
+    dirt = center + lattice[np.linalg.norm(lattice, axis=1) < outline]
     dirt += rng.normal(0, 0.004, dirt.shape)
 
     water = np.concatenate([_film(rng, 18_000), _plume(rng, 200)])
-    water = water[np.linalg.norm(water - centre, axis=1) > radius + 0.03]
+    water = water[np.linalg.norm(water - center, axis=1) > radius + 0.03]
     water = water[((water > 0.05) & (water < 0.95)).all(axis=1)]
     return [
         _density("lapr:0", "dirt", dirt, 0.024, n),
@@ -82,12 +82,12 @@ def _plume(rng: np.random.Generator, droplets: int) -> Array:
     directions = _directions(rng, droplets)
     directions[:, 2] = np.abs(directions[:, 2]) + 0.25
     speeds = rng.uniform(0.15, 0.85, (droplets, 1))
-    centres = (0.5, 0.5, 0.12) + speeds * _unit(directions)
+    centers = (0.5, 0.5, 0.12) + speeds * _unit(directions)
     radii = rng.uniform(0.02, 0.05, (droplets, 1)) * (1.3 - speeds)
     return np.concatenate(
         [
-            centre + radius * _ball(rng, int(DROPLET_DENSITY * radius**3))
-            for centre, radius in zip(centres, radii[:, 0])
+            center + radius * _ball(rng, int(DROPLET_DENSITY * radius**3))
+            for center, radius in zip(centers, radii[:, 0])
         ]
     )
 
@@ -99,9 +99,9 @@ def neuron(n: int = 150) -> Volume:
 
 def _neuron_positions() -> Array:
     rng = np.random.default_rng(3)
-    centre = np.array([[0.5, 0.45, 0.5]])
-    points = [centre + 0.06 * _ball(rng, 250)]
-    ends = [(centre, direction[None]) for direction in _directions(rng, 7)]
+    center = np.array([[0.5, 0.45, 0.5]])
+    points = [center + 0.06 * _ball(rng, 250)]
+    ends = [(center, direction[None]) for direction in _directions(rng, 7)]
     for _ in range(3):
         growing, ends = ends, []
         for position, direction in growing:

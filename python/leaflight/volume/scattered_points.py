@@ -164,14 +164,14 @@ def _filled(sums: Array, weights: Array) -> Array:
     means = np.divide(sums, weights, out=np.zeros_like(sums), where=known)
     while not known.all():
         padded, seen = np.pad(means * known, 1), np.pad(known.astype(np.float64), 1)
-        total, count = (_neighbours(array) for array in (padded, seen))
+        total, count = (_neighbors(array) for array in (padded, seen))
         new = ~known & (count > 0)
         means[new] = total[new] / count[new]
         known |= new
     return means
 
 
-def _neighbours(padded: Array) -> Array:
+def _neighbors(padded: Array) -> Array:
     """Returns the sum over the six neighbors of each inner voxel."""
     inner = slice(1, -1)
     total = np.zeros(tuple(n - 2 for n in padded.shape))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Errors of settings, in words that suit a script, a panel and the command line alike."""
+"""Errors of settings, in words that suit scripts, panels and the command line."""
 
 from .._core import LeaflightError
 from ..words import figures

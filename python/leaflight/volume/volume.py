@@ -315,7 +315,7 @@ def bump_box(n: int = 100) -> Volume:
 
 
 def on_unit_cube(n: int, values: Callable[[int], Array], name: str, source: str) -> Volume:
-    """Returns a generated Volume with n nodes a side on the unit cube or square.
+    """Returns a generated Volume with n nodes per axis on the unit cube or square.
 
     values: Function from n to the array.
     """

@@ -4,8 +4,8 @@
 from ..maven_python import Build, unpacked
 from .targets import WORK
 
-# By version of Python, those of Blender. Builds for the two processors have the same headers but
-# for lines of pyconfig.h that no other header reads.
+# Builds by version of Python, those of Blender. The headers for both processors differ only in
+# lines of pyconfig.h that no other header reads.
 BUILDS = {
     "3.11": Build(
         "3.11.3-1.5.9",

@@ -11,10 +11,10 @@ HERE = Path(__file__).parent
 WORK = ROOT / "build" / "macos"
 REQUIREMENTS = HERE / "requirements.txt"
 VERSION = "11.0"
-# The name of Zig for each processor of Apple's.
+# Zig's name of each of Apple's processors.
 PROCESSORS = {"arm64": "aarch64", "x86_64": "x86_64"}
 PROGRAM = """#!/bin/sh
-# Zig keeps what it made.
+# Keep Zig's results in these folders.
 export ZIG_GLOBAL_CACHE_DIR={cache} ZIG_LOCAL_CACHE_DIR={cache}
 exec {zig} {command} "$@"
 """
@@ -27,7 +27,7 @@ def _target(processor, toolchain, **options):
     )
 
 
-# By Blender's names.
+# Targets by Blender's name.
 TARGETS = {
     "macos-arm64": _target(
         "arm64", "arm64.cmake", embree=("EMBREE_ISA_NEON=ON", "EMBREE_ISA_SSE2=OFF")
@@ -81,7 +81,7 @@ def _compiler(target):
     runtime = (*cache.glob("o/*/libc++.a"), *cache.glob("o/*/libc++abi.a"))
     for path in runtime:
         shutil.copyfile(path, target.work / "runtime" / path.name)
-    # libm is a part of libSystem, and libraries ask for it by that name.
+    # libm is a part of libSystem, but libraries link to it by name.
     names = {"libc/darwin/libSystem.11.tbd": "libm.tbd", "libcxx/LICENSE.TXT": "libcxx.txt"}
     for source, name in names.items():
         shutil.copyfile(zig / "lib" / source, target.work / "runtime" / name)

@@ -6,7 +6,7 @@ from . import python, targets
 
 
 def wheel(built, platform, version):
-    """Makes it for a version of Python, of any that wheels.built() returns; returns its path.
+    """Makes a wheel for macOS, for the Python of a wheel from wheels.built(); returns its path.
 
     platform: a name of targets.TARGETS.
     """

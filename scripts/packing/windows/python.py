@@ -8,7 +8,7 @@ from ..maven_python import Build, unpacked
 from .libraries import WORK
 
 _SYSTEM = "windows-x86_64"
-# By version of Python, those of Blender.
+# Builds by version of Python, those of Blender.
 BUILDS = {
     "3.11": Build(
         "3.11.3-1.5.9",
@@ -24,7 +24,7 @@ BUILDS = {
 
 
 def tag(version):
-    """Returns the tag of a Python in names of wheels: cp311."""
+    """Returns the tag of a Python in names of wheels, such as cp311."""
     return f"cp{version.replace('.', '')}"
 
 

@@ -9,7 +9,9 @@ PLATFORM = "win_amd64"
 
 
 def wheel(built, version):
-    """Makes it for a version of Python, of any that wheels.built() returns; returns its path."""
+    """Makes a wheel for Windows x64, for the Python of a wheel from wheels.built(); returns
+    its path.
+    """
     folder = build_folder(version)
     module = other_systems.module(folder, _suffix(version))
     stripped = folder / module.name

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the checks of files share: saving, opening, and whether an object shows its own bake."""
+"""Helpers for checks of files: save, open, and whether an object shows its bake."""
 
 import bpy
 import leaflight
 import numpy as np
 from leaflight_addon.show import surface_object
 from leaflight_addon.store import bake_files, cache
-from tools import close, colours_of, mesh_arrays
+from tools import close, colors_of, mesh_arrays
 
 
 def open_saved(blend, bake=False):
@@ -39,7 +39,7 @@ def volume_object():
 
 
 def brighten(factor=2.0):
-    """Brightens the lamp and moves it: an earlier bake cannot follow a lamp that moved."""
+    """Brightens the lamp and moves it. Earlier bakes cannot be relit for a moved lamp."""
     lamp = bpy.data.objects["lamp"]
     lamp.data.energy *= factor
     lamp.location.z -= 0.01
@@ -67,7 +67,7 @@ def assert_lit(obj, isovalue=None):
     vertices, _, radiance = mesh_arrays(obj)
     assert len(vertices) > 100
     expected = grid.lookup(cache.volume_of(obj).field(), vertices)
-    # The file holds halves.
+    # The file stores half precision.
     close(radiance, expected, 2e-3 * expected.max())
     if obj.leaflight.shading == "ATLAS":
         (image,) = images_of(obj)
@@ -78,4 +78,4 @@ def assert_lit(obj, isovalue=None):
 
 
 def mean_radiance(obj):
-    return float(colours_of(obj).mean())
+    return float(colors_of(obj).mean())

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Cornell box of scenes/cornell.json around the volumes, and a camera before it.
+"""The Cornell box of scenes/cornell.json around the volumes, and a camera.
 
-The scene that tolerances of checks were measured in, whatever Stage puts around a volume.
+Tolerances of checks were measured in this scene, so it does not change with Stage.
 """
 
 import math
@@ -25,7 +25,7 @@ def build_cornell_box():
 
 
 def _camera(box):
-    """Adds a camera before the open side, which fills the height of its frame."""
+    """Adds a camera in front of the open side, which fills the height of its frame."""
     corners = np.concatenate([mesh.vertices for mesh in box.meshes]).astype(np.float64)
     low, high = corners.min(axis=0), corners.max(axis=0)
     width = max(high[0] - low[0], high[2] - low[2])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels and operators keep to the scene's volume, whatever else is selected."""
+"""Checks that panels and operators use the scene's volume, whatever else is selected."""
 
 import bpy
 from blends import save
@@ -48,6 +48,6 @@ def check_of_two_volumes_the_last_active_one_counts(boxed, tmp_path):
 
 
 def check_a_dialog_ends_with_its_file():
-    """Blender calls cancel() of a dialog that stands open when another file is opened."""
+    """Checks that Blender calls cancel() of an open dialog when another file is opened."""
     background.BackgroundOperator().cancel(bpy.context)
     assert jobs.running() is None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked stills against Cycles' path tracing of the same scenes, lit walls included."""
+"""Compares baked stills with Cycles' path tracing of the same scenes, including lit walls."""
 
 import bpy
 import numpy as np
@@ -26,7 +26,9 @@ def _frame():
 
 
 def assert_agrees(isosurface, isovalue, samples=256, baked_samples=16, most=2.5):
-    """most: RMS error in percent of what can be displayed, beyond the noise of Cycles."""
+    """Checks the difference. most: RMS error of displayed colors in percent, without the noise of
+    Cycles.
+    """
     isosurface.leaflight.isovalue = isovalue
     result = stills.compare(bpy.context, isosurface, samples, baked_samples)
     noise = result["isosurface_noise_percent"]
@@ -103,7 +105,7 @@ def check_sky_and_point_light(scene):
 
 
 def check_caustics_of_a_glass_isosurface_and_a_mirror_before_the_wall(scene):
-    """The lamp is wide, so that Cycles finds its caustics in time."""
+    """Checks caustics of a wide lamp, which Cycles finds in reasonable time."""
     scene.leaflight.isosurface_scattering = "GLASS"
     scene.leaflight.capped = True
     bpy.data.objects["lamp"].scale = (1.3, 1.3, 1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animations in one click, a scale bar, letters for a patient's sides and a cube with them."""
+"""Checks animations, the scale bar, and letters and a cube for a patient's directions."""
 
 import bpy
 import nibabel
@@ -33,7 +33,7 @@ def check_a_sweep_shows_the_whole_range(patient, monkeypatch):
     made, make = [], isosurface.isosurface_of
     monkeypatch.setattr(isosurface, "isosurface_of", lambda *a: made.append(a) or make(*a))
     bpy.ops.leaflight.animate(kind="SWEEP", frames=11)
-    # Isosurfaces that nobody sees are not extracted.
+    # Invisible isosurfaces must not be extracted.
     assert len(made) < 3
     for frame, part in ((1, 0.0), (6, 0.5), (11, 1.0)):
         bpy.context.scene.frame_set(frame)
@@ -52,7 +52,7 @@ def check_a_turntable_looks_at_the_volume_from_all_sides(patient):
     turned = camera.matrix_world.translation
     close(np.hypot(*turned[:2]), np.hypot(*before.translation[:2]), 1e-4)
     assert abs(turned[0]) > 5.9
-    # Again from where the camera is now.
+    # Animate again, from the current position of the camera.
     bpy.context.scene.frame_set(1)
     bpy.ops.leaflight.animate(kind="TURNTABLE", frames=8)
     assert [o.name for o in bpy.data.objects if o.type == "EMPTY"] == ["Turntable"]
@@ -87,7 +87,7 @@ def check_a_scale_bar_is_as_long_as_it_says(patient):
     assert text.data.body == "20 mm" and len(patient.children) == 2
     assert np.ptp(vertices_of(bar)[:, 0]) == pytest.approx(20.0, abs=1e-3)
     assert [labels.round_length(x) for x in (0.31, 45, 60, 1000)] == [0.2, 20, 50, 1000]
-    # A bake does not see it.
+    # Bakes must ignore it.
     assert not scene_export.export_scene(bpy.context, patient)[0].meshes
 
 
@@ -113,7 +113,7 @@ def check_a_cube_in_the_picture_turns_as_the_volume_does(patient):
     scene.render.resolution_x, scene.render.resolution_y = 400, 300
     bpy.context.view_layer.update()
     close(cube.matrix_world.to_euler(), patient.rotation_euler, 1e-5)
-    # All of it is in the lower left corner of the picture; the letters are on their sides.
+    # All of it must be in the lower left corner of the frame, with letters on its sides.
     for corner in cube.bound_box:
         x, y, depth = world_to_camera_view(scene, scene.camera, cube.matrix_world @ Vector(corner))
         assert 0 < x < 0.3 and 0 < y < 0.3 and depth > scene.camera.data.clip_start

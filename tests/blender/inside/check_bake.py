@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake Flattened Illumination and what it leaves behind."""
+"""Checks Bake Flattened Illumination and its result."""
 
 import os
 import sys
@@ -89,7 +89,7 @@ def endless(boxed):
 
 
 def _cancel(obj):
-    """Begins a bake, cancels it, and returns the seconds until it ended."""
+    """Starts a bake, cancels it, and returns the seconds until it ended."""
     work = start(bake.BakeJob(bpy.context, obj))
     wait_while(work, lambda: work.progress.fraction == 0)
     cancelled = time.perf_counter()

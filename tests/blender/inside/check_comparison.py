@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Render Comparison: images, figures, and the scene as it was before."""
+"""Checks Render Comparison: images, figures, and that the scene does not change."""
 
 import csv
 import importlib.util
@@ -98,8 +98,9 @@ def check_it_is_shown_without_flip(baked, small_frame, tmp_path, monkeypatch):
 
 
 def _local_shading(images, result):
-    """No shadows, no bounces: what the lamp lights is as bright or brighter than its direct light,
-    and far off from what light does."""
+    """Checks local shading: without shadows, lit parts are at least as bright as their direct
+    light, but far from the full solution.
+    """
     assert result["local_rms_percent"] > 2 * result["isosurface_rms_percent"]
     local = images["local"]
     assert 0.01 < local.mean() and 0.5 < local.mean() / images["cycles"].mean() < 2.0
@@ -108,7 +109,7 @@ def _local_shading(images, result):
 def _labelled_picture_and_table(stem, result):
     picture = np.asarray(Image.open(f"{stem}.png").convert("RGB")) / 255.0
     assert picture.shape[0] > 2 * 560 and picture.shape[1] > 2 * 560
-    # Half of it is stills, which are not white paper; the bar is blue below and red above.
+    # Stills fill half of the picture, and are not white; the color bar is blue below and red above.
     assert 0.5 < (picture.min(axis=2) < 0.9).mean() < 0.95
     bar = picture[picture.shape[0] // 2 :, picture.shape[1] - 90 :]
     assert ((bar[..., 0] - bar[..., 2]) > 0.4).any() and ((bar[..., 2] - bar[..., 0]) > 0.4).any()
@@ -121,13 +122,13 @@ def _labelled_picture_and_table(stem, result):
 
 
 def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
-    """What the window does: the job runs in a thread, and this Blender stays as it is."""
+    """Checks the job as in a window: it runs in a thread, and this Blender does not change."""
     if not render_comparison.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     before, statuses = _render_settings(), []
 
     class Recorded(render_comparison.ComparisonJob):
-        """Records every status, however brief."""
+        """A record of every status, however brief."""
 
         _status = property(lambda self: statuses[-1], lambda self, text: statuses.append(text))
 
@@ -149,7 +150,9 @@ def check_in_a_blender_of_its_own(baked, small_frame, tmp_path):
 
 
 def _cancel(isosurface, folder):
-    """Cancels a comparison of hours while it renders; the job, and the seconds until it ended."""
+    """Cancels a comparison during its rendering, which would take hours. Returns the job and the
+    seconds until it ended.
+    """
     if not render_comparison.can_start():
         pytest.skip("Blender as a Python module has no program to start")
     bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 2000
@@ -190,7 +193,9 @@ def check_the_interval_of_the_mean_holds():
 
 
 def check_a_lamp_in_wrong_units_is_noticed(boxed, small_frame, tmp_path, monkeypatch):
-    """By the area units of Blender 3.4, from 4.2 on, and the other way round: 27 % or 21 % off."""
+    """Checks wrong units of an area lamp: those of Blender 3.4 in 4.2 and later, or vice versa,
+    differ by 27 % or 21 %.
+    """
     right = versions.light_units()
     others = (blender_versions.light_units(version) for version in ((3, 4), (4, 2)))
     (wrong,) = (units for units in others if units != right)

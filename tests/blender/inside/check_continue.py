@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Continue: a bake that was kept or has ended goes on."""
+"""Checks Continue: a kept or finished bake continues."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,18 +22,18 @@ def check_a_kept_bake_is_continued(endless):
     bpy.ops.leaflight.keep_bake()
     kept = cache.bake_of(endless)
     noise = kept.statistics.estimated_noise_percent
-    # The rest of the error is what texels miss, which stays.
+    # The rest of the error is that of the texels, which stays.
     texture = kept.statistics.estimated_error_percent**2 - noise**2
     endless.leaflight.error = (texture + (0.7 * noise) ** 2) ** 0.5
     assert bpy.ops.leaflight.continue_bake() == {"FINISHED"}
     ours = cache.bake_of(endless)
     assert ours.provenance.continued == kept.id and endless.leaflight.bake_id == ours.id
     assert 0 < ours.statistics.estimated_noise_percent < 0.8 * noise
-    # More passes also refine the estimate of what texels miss, so the target may be beyond them.
+    # More passes also change the estimate of the texture error, so the target may be out of reach.
     assert f"(target {endless.leaflight.error:g} %)" in endless.leaflight.bake_outcome
     assert endless.leaflight.bake_seconds > kept.statistics.seconds
     assert_shows(endless, 50.0)
-    # Both are kept, and what is good enough is not continued.
+    # Both files remain, and a bake with a reached target is not continued.
     assert len(list(Path(endless.leaflight.bake_folder).glob("*.vdb"))) == 2
     endless.leaflight.error = 1.1 * ours.statistics.estimated_error_percent
     assert "smaller target" in error_of(bpy.ops.leaflight.continue_bake)
@@ -90,7 +90,7 @@ def check_finer_texels_lower_the_error(passes):
 
 
 class _Interrupted(bake.BakeJob):
-    """Ends after its first pass, as if Blender had."""
+    """A bake that ends after its first pass, as if Blender had ended."""
 
     def __init__(self, context, obj):
         super().__init__(context, obj)
@@ -123,7 +123,7 @@ def check_an_interrupted_bake_is_resumed(passes):
     whole = cache.bake_of(passes)
     assert whole.id == resumed.id and whole.statistics.passes > 1
     assert (whole.grid.dense("radiance") == resumed.grid.dense("radiance")).all()
-    # A bake that was thrown away cannot be resumed.
+    # A discarded bake cannot be resumed.
     passes.leaflight.error = UNREACHED
     job, work = begin(passes)
     job.checkpoint.path.write_bytes(b"of this bake")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that stay found: by appended, linked, overridden, duplicated and renamed volumes."""
+"""Checks that volumes keep their bakes if they are appended, linked, overridden, duplicated
+or renamed.
+"""
 
 from pathlib import Path
 
@@ -125,7 +127,7 @@ def check_two_blends_in_one_folder_leave_each_other_alone(saved):
 
 
 def check_objects_of_one_name_leave_each_other_alone(saved):
-    """Renamed between two bakes: both files begin alike."""
+    """Checks a renamed volume and a new one with its former name: their bake files must differ."""
     first, second = saved, duplicate(saved)
     first.hide_render, first.name, second.name = True, "old", "bumps"
     brighten()
@@ -162,7 +164,7 @@ def check_a_linked_duplicate_shares_the_mesh_for_as_long_as_it_shows_the_same(sa
         bpy.context.view_layer.update()
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
     assert copy.data == saved.data and len(bpy.data.meshes) == meshes
-    # Moved together by default, they follow each other.
+    # Objects that were moved together follow each other by default.
     saved.leaflight.isovalue = 44.0
     for _ in range(2):
         bpy.context.view_layer.update()
@@ -222,7 +224,7 @@ def check_walls_are_known_after_a_rename_and_in_a_copy_of_the_scene(saved):
         copy.leaflight.show_walls = shown
         assert len(_displays(copy)) == (count if shown else 0)
         assert len(_displays(scene)) == count
-    # A new bake takes the object that now has the name.
+    # A new bake must use the object that now has the name.
     bpy.context.window.scene = scene
     bpy.data.objects["ground"].hide_render = False
     impostor.data = bpy.data.objects["ground"].data

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""File > Export > Leaflight: the files hold what the viewport shows."""
+"""Checks File > Export > Leaflight: the files contain what the viewport shows."""
 
 import importlib.util
 import json
@@ -37,14 +37,14 @@ def check_gltf_comes_back_by_blenders_own_importer(baked, uncut, tmp_path, monke
     assert export(tmp_path / "box.glb") == {"FINISHED"}
     if addon_utils.enable("io_scene_gltf2") is None:
         pytest.skip("this Blender has no importer of glTF")
-    # Debian's importer is older than its NumPy.
+    # Debian's importer needs an older NumPy.
     monkeypatch.setattr(np, "bool", bool, raising=False)
     before = set(bpy.data.objects)
     bpy.ops.import_scene.gltf(filepath=str(tmp_path / "box.glb"), merge_vertices=False)
     (mesh,) = [obj for obj in set(bpy.data.objects) - before if obj.type == "MESH"]
     bpy.context.view_layer.update()
     vertices, _, _ = mesh_arrays(mesh)
-    # y is up in the file, and z again here.
+    # In the file, y is up; the importer makes it z again.
     expected, _, radiance = mesh_arrays(baked)
     expected = to_world(baked, expected)
     close(to_world(mesh, vertices), expected, 1e-5)
@@ -91,7 +91,7 @@ def check_paraview_and_amira(baked, tmp_path):
 
 
 def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
-    """The page, the core's still of its first view and Blender's are alike."""
+    """Checks that the page, the core's still and Blender's picture of the first view are alike."""
     baked.leaflight.isovalue = 47.0
     page = tmp_path / "box.html"
     assert export(page) == {"FINISHED"}
@@ -100,7 +100,7 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
     assert export(tmp_path / "coarse.html", coarser=1) == {"FINISHED"}
     coarse = (tmp_path / "coarse.html").stat().st_size
     assert coarse < page.stat().st_size - 10_000
-    # Without walls only the light of the bake is seen, on fronts. It follows its lamps.
+    # Without walls, fronts show only baked light, which follows its lamps.
     bake, camera = cache.bake_of(baked), bpy.context.scene.camera
     for obj in bpy.context.scene.objects:
         obj.hide_render = obj not in (baked, camera) and obj.type != "LIGHT"
@@ -116,7 +116,7 @@ def check_a_web_page_and_stills_of_the_same_view(baked, tmp_path):
     exposure = bake.scene.exposure
     assert rms_percent(still[..., :3], render, exposure, seen) <= 3.0
     picture = in_a_browser(page, view)
-    # As the page shows it: at the exposure that it metered, highlights compressed.
+    # The page compresses highlights, at the exposure that was metered for the bake.
     expected = tone_mapped(render * exposure * 2.0 ** metered_stops(bake))
     shown = linear(picture[..., :3])
     assert rms_percent(shown, expected, 1.0, seen & (picture[..., 3] == 255)) <= 3.0
@@ -178,12 +178,12 @@ def check_the_name_follows_the_format():
         operator.file_type, operator.filepath = file_type, path
         operator.check(None)
         assert Path(operator.filepath) == Path(expected)
-    # Whatever is offered can be written.
+    # All offered formats must be supported.
     assert {item[0] for item in export_bake._FORMATS} <= set(SUFFIXES)
 
 
 def check_it_is_cancelled(baked, tmp_path, monkeypatch):
-    """In the midst of the third of 200 isosurfaces."""
+    """Cancels it during the third of 200 isosurfaces."""
     surface, made = leaflight.Bake.surface, []
 
     def cancels(bake, isovalue, *options):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that stay found: by undo and older files, when a .blend is saved first or elsewhere."""
+"""Checks that bakes are found after undo, in older files, and when a .blend is saved elsewhere."""
 
 import errno
 import os
@@ -36,10 +36,10 @@ def check_every_bake_is_a_file_of_its_own_with_its_id(saved):
     assert first != second and first.read_bytes() == before
     for path in (first, second):
         assert path.name.startswith("bumps_") and bake_files.id_in(path)[:12] in path.name
-    # The same bake once more is the same file.
+    # The same bake must have the same file.
     bpy.ops.leaflight.bake()
     assert bake_files.locate(saved) == second
-    # Also when the volume comes from the file of the bake.
+    # Test a volume that comes from the file of the bake, too.
     save(Path(bpy.data.filepath))
     obj = open_blend(bpy.data.filepath)
     bpy.ops.leaflight.bake()
@@ -48,7 +48,7 @@ def check_every_bake_is_a_file_of_its_own_with_its_id(saved):
 
 
 def check_a_bake_is_a_volume_of_blender(saved):
-    """The seal at the end of the file is in no reader's way."""
+    """Checks that Blender reads the file in spite of the seal at its end."""
     path = bake_files.locate(saved)
     assert leaflight._core.has_seal(path)
     bpy.ops.object.volume_import(filepath=str(path))
@@ -98,11 +98,11 @@ def check_the_first_save_takes_the_bake_along(unsaved, tmp_path):
     assert not old.exists() and not atlases.beside(old) and not old.parent.exists()
     assert obj.leaflight.bake_path == f"//leaflight/{old.name}"
     assert_lit(obj)
-    # The saved .blend needs no second save: its folder can move as a whole.
+    # The .blend was saved correctly at once, so its folder can be moved.
     here.rename(there)
     obj = open_blend(there / "scene.blend")
     assert obj.leaflight.bake_path == f"//leaflight/{old.name}"
-    # Blender writes them as its system does, and reads both.
+    # Blender writes the path separators of its system, and reads both.
     assert {image.filepath.replace(os.sep, "/") for image in images_of(obj)} == {
         f"//leaflight/{path.name}" for path in atlases.beside(there / "leaflight" / old.name)
     }
@@ -142,7 +142,9 @@ def can_link(path, folder):
 
 @pytest.mark.parametrize("linkable", [True, False])
 def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, monkeypatch, linkable):
-    """Hard links where the file system has them, else copies: the second finds no space."""
+    """Checks hard links, and copies if the file system has no links; the second file finds no
+    space.
+    """
     old = bake_files.locate(unsaved)
     files = {path: path.read_bytes() for path in (old, *atlases.beside(old))}
     if linkable and not can_link(old, tmp_path):
@@ -172,7 +174,7 @@ def check_a_disk_that_fills_up_while_moving_loses_nothing(unsaved, tmp_path, mon
     assert {path: path.read_bytes() for path in files} == files
     assert not list((tmp_path / "leaflight").iterdir())
     assert_lit(open_blend(tmp_path / "scene.blend"))
-    # With space again it goes where it belongs.
+    # With space again, the file moves to its place.
     save(tmp_path / "scene.blend")
     obj = volume_object()
     assert bake_files.locate(obj).parent == tmp_path / "leaflight" and not old.exists()
@@ -202,7 +204,7 @@ def check_a_bake_that_cannot_be_written_leaves_the_old_one(saved, monkeypatch):
     def full(*_):
         raise leaflight.LeaflightError("the disk is full.")
 
-    # A disk that fills up between the bake and its atlas.
+    # Simulate a disk that fills up between the bake and its atlas.
     monkeypatch.setattr(atlases, "_write", full)
     assert "full" in error_of(bpy.ops.leaflight.bake)
     assert sorted(folder.iterdir()) == files and saved.leaflight.bake_id == before

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes are filled by the fast way of this Blender as by the way that every version knows."""
+"""Checks that the fast way to fill meshes gives the same result as the portable way."""
 
 import bpy
 import leaflight
@@ -31,7 +31,7 @@ def _read(collection, name, width, dtype=np.float64):
 
 
 def _edges(mesh):
-    """Returns the vertices and flags of the edges, sorted, and the vertices of each loop's edge."""
+    """Returns vertices and flags of the edges, sorted, and the vertices of each loop's edge."""
     vertices = np.sort(_read(mesh.edges, "vertices", 2, np.int32), axis=1)
     flags = [_read(mesh.edges, name, 1) for name in EDGES]
     known = np.concatenate([vertices, *flags], axis=1)
@@ -72,20 +72,20 @@ def _quads():
 @pytest.mark.parametrize("shape", [_triangle, _isosurface, _quads])
 def check_both_ways_give_equal_meshes(shape):
     vertices, faces = shape()
-    colours = np.random.default_rng(0).random((len(vertices), 3)).astype(np.float32)
+    colors = np.random.default_rng(0).random((len(vertices), 3)).astype(np.float32)
     mesh, other = (bpy.data.meshes.new(name) for name in ("Fast", "Careful"))
-    # Over what was there before, as well.
+    # Fill over the previous content, too.
     fill.fill(mesh, *_quads(), {"radiance": np.ones((620, 3))})
-    fill.fill(mesh, vertices, faces, {"radiance": colours})
+    fill.fill(mesh, vertices, faces, {"radiance": colors})
     fill.fill_with_care(
         other, np.ascontiguousarray(vertices, np.float32), np.ascontiguousarray(faces, np.int32)
     )
     assert len(mesh.polygons) == len(faces) and len(mesh.edges) > 2
     _assert_equal(mesh, other)
     found = _read(mesh.attributes["radiance"].data, "color", 4)
-    np.testing.assert_allclose(found[:, :3], colours, atol=1e-7)
+    np.testing.assert_allclose(found[:, :3], colors, atol=1e-7)
     assert (found[:, 3] == 1).all()
-    # Neither needs to be corrected.
+    # Neither needs a correction by Blender.
     assert not mesh.validate(verbose=True) and not other.validate()
 
 

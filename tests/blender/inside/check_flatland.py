@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images as graphs with isolines, lit within the plane."""
+"""Checks images as graphs with isolines, lit within the plane."""
 
 import bpy
 import leaflight
@@ -10,7 +10,7 @@ from leaflight_addon.flatland import isolines
 from leaflight_addon.flatland import graph_object
 from leaflight_addon.show import surface_object
 from leaflight_addon.stage import scene_export
-from tools import close, colours_of, error_of, smooth_image, vertices_of
+from tools import close, colors_of, error_of, smooth_image, vertices_of
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def lit(bump_graph):
 
 
 def _expected_lines(graph):
-    """Yields points, heights and isovalues of all isolines, as the core has them."""
+    """Yields points, heights and isovalues of all isolines, computed by the core."""
     field = graph_object.field_of(graph)
     settings = graph.leaflight_flat
     low, high = field.field().range
@@ -65,8 +65,8 @@ def check_isolines_are_tubes_about_the_cores(bump_graph):
 
 
 def check_passes_are_shown_until_the_bake_is_cancelled(lit):
-    before = colours_of(lit)
-    # Texels so fine that one pass does not reach the error.
+    before = colors_of(lit)
+    # Use many texels, so that one pass does not reach the error.
     lit.leaflight_flat.resolution, lit.leaflight_flat.seed = 800, 1
     job = isolines.FlatBakeJob(lit)
     job._arguments["error"] = 0.02
@@ -74,11 +74,11 @@ def check_passes_are_shown_until_the_bake_is_cancelled(lit):
     job.show()
     y, x = np.mgrid[:48, :48] / 47.0
     expected = 2 / np.pi * job.latest.radiance(np.column_stack([x.ravel(), y.ravel()]))
-    shown = colours_of(lit)
+    shown = colors_of(lit)
     close(shown, expected, 1e-4)
     assert not np.array_equal(shown, before)
     assert job.ended() == job.cancelled
-    close(colours_of(lit), before, 1e-6)
+    close(colors_of(lit), before, 1e-6)
 
 
 def check_both_show_the_bake(lit):
@@ -87,15 +87,15 @@ def check_both_show_the_bake(lit):
     y, x = np.mgrid[:48, :48] / 47.0
     expected = factor * bake.radiance(np.column_stack([x.ravel(), y.ravel()]))
     assert expected.max() > 0.1
-    close(colours_of(lit), expected, 1e-4)
+    close(colors_of(lit), expected, 1e-4)
     lines = graph_object.isolines_of(lit)
     points = np.concatenate([points for points, *_ in _expected_lines(lit)])
-    close(colours_of(lines)[::4], factor * bake.radiance(points), 1e-5)
+    close(colors_of(lines)[::4], factor * bake.radiance(points), 1e-5)
     for obj in (lit, lines):
         kinds = {node.type for node in obj.data.materials[0].node_tree.nodes}
         assert "EMISSION" in kinds and "BSDF_DIFFUSE" not in kinds
     lit.leaflight_flat.brightness_correction = False
-    close(colours_of(lit), expected / factor, 1e-4)
+    close(colors_of(lit), expected / factor, 1e-4)
 
 
 def check_settings_take_effect_at_once(lit):
@@ -105,7 +105,7 @@ def check_settings_take_effect_at_once(lit):
     lit.leaflight_flat.height = 0.1
     vertices = vertices_of(lit)
     close(vertices[:, 2].max(), 0.1, 1e-5)
-    assert colours_of(lit).max() > 0.1
+    assert colors_of(lit).max() > 0.1
 
 
 def check_an_image_file(tmp_path):
@@ -126,14 +126,14 @@ def check_an_image_file(tmp_path):
 
 def check_after_loading_the_file_the_light_stays_until_something_changes(lit, tmp_path):
     name = lit.name
-    before = colours_of(lit)
+    before = colors_of(lit)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     graph = bpy.data.objects[name]
-    np.testing.assert_array_equal(colours_of(graph), before)
+    np.testing.assert_array_equal(colors_of(graph), before)
     graph.leaflight_flat.count = 3
     assert "bake again" in surface_object.problems[name]
-    np.testing.assert_array_equal(colours_of(graph), before)
+    np.testing.assert_array_equal(colors_of(graph), before)
     bpy.context.view_layer.objects.active = graph
     bpy.ops.leaflight.bake_flatland()
     assert name not in surface_object.problems

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A volume that changes over time: the frames of its file play, and each has one bake."""
+"""Checks volumes that change over time: playback, and one bake for each frame."""
 
 import bpy
 import nibabel
@@ -17,7 +17,7 @@ FRAMES = 3
 
 @pytest.fixture
 def values(tmp_path):
-    """Returns a ball that shrinks, [frame, x, y, z], in series.nii."""
+    """Writes a shrinking ball, [frame, x, y, z], to series.nii."""
     x, y, z = np.mgrid[-1:1:12j, -1:1:12j, -1:1:12j]
     ball = 100 - 80 * np.sqrt(x**2 + y**2 + z**2)
     values = np.stack([ball - 12 * frame for frame in range(FRAMES)]).astype(np.float32)
@@ -71,7 +71,7 @@ def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
     show_frame(0)
     assert not played.leaflight.bake_id and mesh_arrays(played)[2] is None
     assert frame_bakes.count_baked(played.leaflight) == 1
-    # The slider of the panel goes without keyframes.
+    # Without keyframes, the slider of the panel works.
     played.animation_data_clear()
     played.leaflight.shown_frame = 1
     assert played.leaflight.bake_id == first
@@ -84,7 +84,7 @@ def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
     blender.bake_frames(played, error=40.0)
     assert played.leaflight.error == 40.0 and bpy.context.scene.frame_current == 1
     assert len(frame_bakes.bakes_of(played.leaflight)) == FRAMES
-    # From the folder of the session to beside the .blend.
+    # The files move from the session's folder beside the .blend.
     open_saved(tmp_path / "here" / "scene.blend")
     played = open_blend(tmp_path / "here" / "scene.blend")
     found = set()

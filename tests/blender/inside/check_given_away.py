@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A .blend that is given away: in a Blender without the add-on it opens lit, as it was saved."""
+"""Checks that a saved .blend opens with its light in a Blender without the add-on."""
 
 import os
 import subprocess
@@ -59,7 +59,7 @@ def bake_in_a_file(tmp_path):
 
 @pytest.mark.parametrize("shading", ["ATLAS", "ATTRIBUTE"])
 def check_it_opens_lit(boxed, tmp_path, shading):
-    """By volume texture and by vertex attribute; lit walls, what is seen through, and cuts, too."""
+    """Checks textures and vertex attributes, lit walls, translucent isosurfaces and cuts."""
     boxed.leaflight.bake_folder = ""
     boxed.leaflight.light_walls = True
     boxed.leaflight.shading = shading
@@ -80,7 +80,7 @@ def check_it_opens_lit(boxed, tmp_path, shading):
 
 
 def check_packed_it_is_one_file(boxed, tmp_path):
-    """File > External Data > Pack Resources: the .blend alone will do."""
+    """Checks File > External Data > Pack Resources: then the .blend is enough."""
     boxed.leaflight.bake_folder = ""
     boxed.leaflight.isovalue = 47.0
     blend, here = bake_in_a_file(tmp_path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""File > Import > Volume for Leaflight."""
+"""Checks File > Import > Volume for Leaflight."""
 
 import bpy
 import leaflight
@@ -22,7 +22,7 @@ def check_the_isosurface_is_the_cores(bumps):
 def check_the_longest_side_is_two_units_and_stands_on_the_floor(bumps):
     vertices, _, _ = mesh_arrays(bumps)
     bumps.leaflight.isovalue = 1.0
-    # The origin of the object is the middle of the volume.
+    # The origin of the object must be the center of the volume.
     bounds = 0.5 * (N - 1) * np.array([[-1, -1, -0.8], [1, 1, 0.8]])
     matrix = np.array(bumps.matrix_world)
     world = bounds @ matrix[:3, :3].T + matrix[:3, 3]
@@ -87,7 +87,7 @@ def check_a_frame_of_a_series(tmp_path):
 
 @pytest.mark.parametrize("name", ["scan.vol", "scan.unknown"])
 def check_a_header_is_skipped_in_a_file_of_any_suffix(tmp_path, name):
-    """The dialog offers the options, and the volume is read by them again."""
+    """Checks that the dialog offers options for raw values, which later reads use, too."""
     values = np.random.default_rng(0).integers(0, 99, (5, 6, 7)).astype(np.int16)
     path = tmp_path / name
     path.write_bytes(b"a header" + values.tobytes())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the import asks: how large, how fine, and which of several volumes."""
+"""Checks the options of an import: size, resolution, and which of several volumes."""
 
 import sys
 import zlib
@@ -48,7 +48,9 @@ def check_life_size_is_the_files_meters_at_its_own_place(tmp_path):
 
 
 def check_two_scans_of_one_patient_lie_over_each_other(tmp_path):
-    """The other has smaller voxels, elsewhere; a point of the patient is the same in both."""
+    """Checks two scans with other voxels and positions: a point of the patient must match in
+    both.
+    """
     write_scan(tmp_path / "a.nii")
     finer = (
         AFFINE
@@ -76,14 +78,14 @@ def check_a_volume_of_another_space_stands_beside_the_first(tmp_path):
     for (low, high), (next_low, next_high) in zip(boxes, boxes[1:]):
         assert 0 < next_low[0] - high[0] < 0.5
         close([next_low[2], (next_low + next_high)[1]], [low[2], (low + high)[1]], 1e-4)
-    # One of the first's patient lies over it, unless another place is asked for.
+    # Another scan of the first patient lies over it, unless another position is chosen.
     close(imported(tmp_path / "a.nii").matrix_world, bpy.data.objects["a"].matrix_world, 1e-6)
     obj = imported(tmp_path / "a.nii", size_from="FIT")
     close(isosurfaces.world_box(obj), boxes[0], 1e-5)
 
 
 def check_a_mesh_does_not_hide_the_first_volume(tmp_path):
-    """The cube of Blender's first scene; a room and a table below are left as they are."""
+    """Checks that Blender's default cube is hidden, but not a room or a table below the volume."""
     write_scan(tmp_path / "a.nii")
     bpy.ops.mesh.primitive_cube_add(size=9.0)
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.0, 0.0, -0.5))
@@ -183,7 +185,7 @@ def check_the_dialog_shows_the_facts_of_the_header(tmp_path):
 
 
 def check_a_word_with_numbers_is_translated(tmp_path):
-    """Blender looks up whole texts alone: a template, before its numbers are put in."""
+    """Checks that a text with numbers is translated before the numbers are inserted."""
     view = bpy.context.preferences.view
     german = {"de_DE", "de"} & set(bpy.app.translations.locales)
     if not german:
@@ -203,7 +205,7 @@ def check_a_word_with_numbers_is_translated(tmp_path):
 
 
 def check_an_absent_package_is_reported_in_words_of_blender(tmp_path, monkeypatch):
-    # Another process reads HDF5, with its own h5py. This one reads MINC.
+    # A separate process reads HDF5 with its own h5py. This process reads MINC.
     path = tmp_path / "x.mnc"
     path.write_bytes(b"")
     monkeypatch.setitem(sys.modules, "nibabel", None)
@@ -227,7 +229,7 @@ def check_the_histogram_has_every_voxel_and_the_picture_its_marks(bumps):
     marked = np.flatnonzero(orange.all(axis=0))
     expected = found.place_of(settings.isovalue) * (data_picture.SIDE - 1)
     assert len(marked) == 2 and abs(marked.mean() - expected) < 1.5
-    # Higher bars are the more frequent values.
+    # Higher bars are more frequent values.
     heights = data_picture.bars(found.counts)
     assert np.all(np.diff(heights[np.argsort(found.counts, kind="stable")]) >= 0)
 
@@ -243,7 +245,7 @@ def check_the_histogram_has_every_voxel_and_the_picture_its_marks(bumps):
 
 @pytest.mark.parametrize("highest, bins", [(200, 201), (1000, 251)])
 def check_the_histogram_of_integers_has_no_gaps(tmp_path, highest, bins):
-    """Each bar stands for as many of them, and lies around them."""
+    """Checks that each bar counts the same number of integers, and is centered on them."""
     values = np.arange(14 * 12 * 16).reshape(14, 12, 16) % (highest + 1)
     np.save(tmp_path / "x.npy", values.astype(np.uint16))
     found = distribution.look_now(imported(tmp_path / "x.npy"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the isosurfaces look: color ramp, emission, mirror and glass, caps."""
+"""Checks materials of isosurfaces: color ramp, emission, mirror and glass, caps."""
 
 import bpy
 import numpy as np
@@ -18,7 +18,7 @@ def _add_stop(obj, isovalue, color):
     stop.isovalue, stop.color = isovalue, color
 
 
-def _colour_of_material(obj):
+def _color_of_material(obj):
     return next(
         tuple(node.inputs[0].default_value[:3])
         for node in obj.data.materials[0].node_tree.nodes
@@ -34,7 +34,7 @@ def check_one_albedo_or_a_ramp(bumps):
     _add_stop(bumps, 40.0, (0.0, 0.2, 0.4))
     ramp = isosurfaces.export_isosurfaces(bumps, False).albedo
     assert [position for position, _ in ramp] == [40.0, 80.0]
-    close(isosurfaces.colours(ramp), [(0.0, 0.2, 0.4), (0.8, 0.4, 0.2)], 1e-6)
+    close(isosurfaces.colors(ramp), [(0.0, 0.2, 0.4), (0.8, 0.4, 0.2)], 1e-6)
     close(isosurfaces.albedo_at(bumps, 50.0), (0.2, 0.25, 0.35), 1e-6)
     close(isosurfaces.albedo_at(bumps, 200.0), (0.8, 0.4, 0.2), 1e-6)
     _add_stop(bumps, 40.0, (1, 1, 1))
@@ -48,11 +48,11 @@ def check_the_material_follows_the_ramp_without_being_built_anew(bumps):
     bumps.leaflight.isovalue = 50.0
     material = bumps.data.materials[0]
     nodes = [node.as_pointer() for node in material.node_tree.nodes]
-    close(_colour_of_material(bumps), (0.2, 0.25, 0.35), 1e-6)
+    close(_color_of_material(bumps), (0.2, 0.25, 0.35), 1e-6)
     bumps.leaflight["isovalue"] = 60.0
     bumps.update_tag()
     bpy.context.view_layer.update()
-    close(_colour_of_material(bumps), (0.4, 0.3, 0.3), 1e-6)
+    close(_color_of_material(bumps), (0.4, 0.3, 0.3), 1e-6)
     assert bumps.data.materials[0] == material
     assert [node.as_pointer() for node in material.node_tree.nodes] == nodes
 
@@ -67,10 +67,10 @@ def check_stops_are_added_and_removed_by_buttons(bumps):
     (stop,) = settings.isosurface_stops
     close([stop.isovalue, *stop.color], [60, 0.3, 0.4, 0.5], 1e-6)
     stop.color = (1, 0, 0)
-    close(_colour_of_material(bumps), (1, 0, 0), 1e-6)
+    close(_color_of_material(bumps), (1, 0, 0), 1e-6)
     bpy.ops.leaflight.remove_stop()
     assert not settings.isosurface_stops
-    close(_colour_of_material(bumps), (0.3, 0.4, 0.5), 1e-6)
+    close(_color_of_material(bumps), (0.3, 0.4, 0.5), 1e-6)
 
 
 @pytest.mark.parametrize("preset", [*looks.LOOKS, *looks.MAPS])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever a job raises in any of its callbacks ends the job, and leaves the add-on free."""
+"""Checks that an exception in any callback of a job ends the job and frees the add-on."""
 
 import json
 import time
@@ -25,7 +25,7 @@ from passes import Window
 from PIL import Image
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
-# Jobs with drivers of their own.
+# Jobs that need a special driver.
 SPECIAL = {live.LiveJob, whole_detail._Making, export_bake._SizeJob}
 UNREACHED = 0.01
 
@@ -85,7 +85,7 @@ def _export(obj):
 
 
 def _compare(obj):
-    """The program that renders is another one here, which has the figures at once."""
+    """Makes a comparison whose renderer is replaced by a program that returns figures at once."""
     job = render_comparison.ComparisonJob(obj, bpy.path.abspath("//pictures"), 2, 2, 0.1)
     figures = {"sentence": "Alike", "doubt": "", "report": "Alike"}
     job._command = ["echo", render_comparison.MARK + json.dumps(figures)]
@@ -118,7 +118,7 @@ def check_each_job_has_its_check():
 
 @pytest.fixture
 def small(boxed, tmp_path):
-    """Yields a baked volume in a saved file, with a bake of a moment."""
+    """Yields a quickly baked volume in a saved file."""
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "jobs.blend"))
     boxed.leaflight.error, boxed.leaflight.resolution = 20.0, 9
     bpy.ops.leaflight.bake()
@@ -134,13 +134,13 @@ def check_an_error_in_any_callback_ends_the_job(small, monkeypatch, kind):
         with monkeypatch.context() as patch:
             _break(MAKERS[kind](small), callback, patch)
         stopped.offer(None)
-    # The next work begins as if nothing had been.
+    # The next work must start normally.
     assert Window(MAKERS[kind](small)).run() == {"FINISHED"} and not failures.sentence()
     assert not [obj for obj in bpy.data.objects if surface_material._is_first_light(obj)]
 
 
 def _break(job, callback, patch):
-    """Drives a job with a callback that raises."""
+    """Drives a job with a callback that raises an exception."""
     called = []
 
     def broken(*_):
@@ -160,7 +160,7 @@ def _break(job, callback, patch):
 
 
 class _EndlessJob(bake.BakeJob):
-    """A bake whose first pass lasts until the bake is canceled, however fast the machine is."""
+    """A bake whose first pass lasts until the bake is cancelled."""
 
     def _light(self, on_pass, progress):
         def hold(baked):
@@ -169,7 +169,7 @@ class _EndlessJob(bake.BakeJob):
                 time.sleep(0.005)
 
         baked = super()._light(on_pass=hold, progress=progress)
-        # The first pass may be the last, which is returned alone.
+        # The first pass may be the last, which is returned without a callback.
         hold(baked)
         return baked
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lamps at other strengths than at the bake: the display follows at once."""
+"""Checks lamps whose strength changes after the bake: the display follows at once."""
 
 import bpy
 import numpy as np
@@ -9,7 +9,7 @@ from leaflight_addon.show import display, lamps
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
-from tools import add_light, change, close, colours_of, error_of, render_exr, vertices_of
+from tools import add_light, change, close, colors_of, error_of, render_exr, vertices_of
 
 EXACT = "Lamps have changed since the bake: their light is scaled, which is exact"
 SCALED = "Lamps have changed since the bake: direct light is exact, indirect light is scaled"
@@ -17,7 +17,7 @@ SCALED = "Lamps have changed since the bake: direct light is exact, indirect lig
 
 @pytest.fixture
 def lit(passes):
-    """Bakes a volume in passes, with its walls; vertex attributes show it."""
+    """Bakes a volume with its walls in passes; vertex attributes show the light."""
     passes.leaflight.error = 20.0
     passes.leaflight.light_walls = True
     bpy.ops.leaflight.bake()
@@ -34,19 +34,19 @@ def walls():
     return found
 
 
-def colours(obj):
+def colors(obj):
     """Returns the colors of the isosurface and the colors of all walls."""
-    return colours_of(obj), np.concatenate([colours_of(wall) for wall in walls()])
+    return colors_of(obj), np.concatenate([colors_of(wall) for wall in walls()])
 
 
 def assert_scaled(obj, before, factor, tolerance=1e-4):
-    for now, then in zip(colours(obj), before):
+    for now, then in zip(colors(obj), before):
         assert then.max() > 0.05
         close(now, np.multiply(then, factor), tolerance * then.max() * max(1.0, np.max(factor)))
 
 
 def check_what_is_shown_follows_one_lamp(uncut, lit):
-    before, vertices = colours(lit), vertices_of(lit)
+    before, vertices = colors(lit), vertices_of(lit)
     mode = drawn(bake_panel.LEAFLIGHT_PT_bake_details)
     assert EXACT not in mode and SCALED not in mode
     lamp().energy *= 3.0
@@ -59,15 +59,15 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
     bpy.context.view_layer.update()
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
     assert "volume texture" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake_details))
-    # Another isovalue, and back.
+    # Change the isovalue and restore it.
     lit.leaflight.isovalue = 45.0
     points = vertices_of(lit)
     close(
-        colours_of(lit), lamps.light_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
+        colors_of(lit), lamps.light_of(lit).grid.lookup(cache.volume_of(lit).field(), points), 1e-4
     )
     lit.leaflight.isovalue = 50.0
     assert_scaled(lit, before, (3.0, 1.5, 0.75))
-    # Dark, and as it was.
+    # Switch the lamp off and on again.
     bpy.data.objects["lamp"].hide_render = True
     bpy.context.view_layer.update()
     assert_scaled(lit, before, 0.0)
@@ -81,7 +81,7 @@ def check_what_is_shown_follows_one_lamp(uncut, lit):
 
 
 def check_a_lamp_that_is_moved_or_of_another_shape_needs_a_bake(lit):
-    before = colours(lit)
+    before = colors(lit)
     lamp().energy *= 2.0
     size = lamp().size
     lamp().size = 1.5 * size
@@ -105,23 +105,23 @@ def check_of_two_lamps_each_follows_by_itself(passes):
     side = add_light("POINT", tuple(middle - (8, 8, 0)), energy=4000.0, color=(1.0, 0.5, 0.0))
     passes.leaflight.error = 20.0
     bpy.ops.leaflight.bake()
-    before = colours_of(passes)
+    before = colors_of(passes)
     side.data.energy *= 0.5
     bpy.context.view_layer.update()
     assert SCALED in drawn(bake_panel.LEAFLIGHT_PT_bake_details) and change(passes) == ""
     bake = cache.bake_of(passes).relit({side.name: 0.5})
     points = vertices_of(passes)
     expected = bake.grid.lookup(cache.volume_of(passes).field(), points)
-    close(colours_of(passes), expected, 1e-4 * expected.max())
-    assert np.abs(colours_of(passes) - before).max() > 0.01 * before.max()
-    # Light of a color that was not there is not known.
+    close(colors_of(passes), expected, 1e-4 * expected.max())
+    assert np.abs(colors_of(passes) - before).max() > 0.01 * before.max()
+    # A channel that was black in the bake cannot be scaled.
     side.data.color = (1.0, 0.5, 1.0)
     bpy.context.view_layer.update()
     assert "scene has changed" in change(passes)
 
 
 def check_undo_files_frames_and_renders(lit, tmp_path):
-    before = colours(lit)
+    before = colors(lit)
     lamp().energy *= 2.0
     bpy.context.view_layer.update()
     obj = reopened(tmp_path / "scene.blend")
@@ -147,7 +147,7 @@ def check_undo_files_frames_and_renders(lit, tmp_path):
     lit_pixels = dim.max(axis=-1) > 0.02
     assert lit_pixels.sum() > 100
     ratio = bright[lit_pixels].sum(axis=-1) / dim[lit_pixels].sum(axis=-1)
-    # Edges go through pixels, and brighter light splits the mesh at edges of shadows once more.
+    # Edges pass through pixels, and brighter light splits the mesh once more at edges of shadows.
     assert np.quantile(np.abs(ratio - 3.0), 0.98) < 0.005
     off = (bright - 3 * dim)[lit_pixels]
     assert np.sqrt((off**2).mean()) < 0.002 * bright.max()
@@ -161,8 +161,8 @@ def check_exports_show_it_and_continue_does_not_go_on(uncut, lit, tmp_path):
     dim, bright = (tmp_path / f"{name}.glb" for name in ("dim", "bright"))
     assert dim.read_bytes() != bright.read_bytes()
     assert "Lamps have changed" in error_of(bpy.ops.leaflight.continue_bake)
-    # A new bake has the lamps as they are.
-    before = colours_of(lit)
+    # A new bake uses the current strengths.
+    before = colors_of(lit)
     bpy.ops.leaflight.bake()
     assert lamps.factors_of(lit.leaflight) == ()
-    assert abs(colours_of(lit).mean() / before.mean() - 1) < 0.1
+    assert abs(colors_of(lit).mean() / before.mean() - 1) < 0.1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights and worlds: a probe under each, rendered by Cycles and by the core."""
+"""Compares lights and worlds: the radiance of a small square, by Cycles and by the core."""
 
 import math
 
@@ -17,7 +17,7 @@ from tools import (
     close,
     constant_material,
     noise_image,
-    one_coloured_world,
+    one_colored_world,
     rendered_probe,
     smooth_image,
     traced_probe,
@@ -31,9 +31,9 @@ def probe():
 
 @pytest.fixture
 def assert_probe_agrees(probe, tmp_path, record_property):
-    """Returns a function that compares the radiance of the probe by Cycles with the bake's.
+    """Compares the radiance of the probe by Cycles and by the core.
 
-    most: by how much they may differ, their noise included. It returns the scene description.
+    most: allowed difference, including noise. Returns the scene description.
     """
 
     def compare(samples=256, most=0.005):
@@ -61,7 +61,7 @@ def export():
 
 @pytest.fixture(autouse=True)
 def without_a_volume(monkeypatch):
-    """These scenes have none; what is lit would lie below the probe."""
+    """Removes the requirement of a volume, because the probe stands for it."""
     box = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]])
     monkeypatch.setattr(isosurfaces, "world_box", lambda obj: box)
     monkeypatch.setattr(isosurfaces, "export_isosurfaces", lambda obj, several: None)
@@ -69,7 +69,7 @@ def without_a_volume(monkeypatch):
 
 @pytest.mark.parametrize("shape", ["SQUARE", "RECTANGLE", "DISK", "ELLIPSE"])
 def check_area_lights(assert_probe_agrees, shape):
-    # Beside the camera, which would be in its way right above.
+    # Put it beside the camera, which would block it from right above.
     lamp = add_light("AREA", (0.4, 0.2, 1.0), (0.2, 0.3, 0.5), energy=5.0, color=(1.0, 0.7, 0.4))
     lamp.data.shape = shape
     lamp.data.size, lamp.data.size_y = 0.6, 0.4
@@ -166,7 +166,7 @@ def check_an_emissive_mesh(assert_probe_agrees, kind):
 
 
 def check_a_world_of_one_color(assert_probe_agrees):
-    bpy.context.scene.world = one_coloured_world((0.3, 0.5, 0.9))
+    bpy.context.scene.world = one_colored_world((0.3, 0.5, 0.9))
     description = assert_probe_agrees(samples=64)
     close(description.environment.radiance, (0.3, 0.5, 0.9), 1e-6)
 
@@ -333,7 +333,7 @@ def check_dark_worlds(probe):
     image = bpy.data.images.new("Black", 8, 4, float_buffer=True)
     _environment_texture(image)
     assert world.is_dark(bpy.context.scene.world)
-    assert not world.is_dark(one_coloured_world((0, 0, 0.1)))
+    assert not world.is_dark(one_colored_world((0, 0, 0.1)))
 
 
 def check_units_of_other_versions():

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: lamps, walls and volumes that move are lit at once, and finally without a click."""
+"""Checks Live: moved lamps, walls and volumes are lit at once, and the final light without a
+click.
+"""
 
 import time
 
@@ -13,13 +15,13 @@ from leaflight_addon.show import display, preview
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
-from tools import assert_shows, change, close, colours_of, to_world, vertices_of
+from tools import assert_shows, change, close, colors_of, to_world, vertices_of
 
 CHANGED = "The scene has changed since the bake: bake again"
 
 
 class Held:
-    """Passes of live bakes wait until they may go on, or are cancelled."""
+    """A hold on passes of live bakes, until a check releases or cancels them."""
 
     def __init__(self, monkeypatch):
         self.may_pass = False
@@ -47,7 +49,7 @@ def held(monkeypatch):
 
 @pytest.fixture
 def lit(passes, held):
-    """Bakes a volume with its walls, and turns Live on."""
+    """Bakes a volume with its walls, and switches Live on."""
     passes.leaflight.error = 20.0
     passes.leaflight.resolution = 16
     passes.leaflight.light_walls = True
@@ -63,7 +65,7 @@ def lamp():
 
 
 def move_lamp(by=(0.4, -0.3, -0.2)):
-    """Returns where it was."""
+    """Moves the lamp; returns its previous position."""
     before = tuple(lamp().location)
     put_lamp(np.add(before, by))
     return before
@@ -81,7 +83,7 @@ def tick():
 
 
 def to_passes():
-    """Waits until all direct light of the newest place is shown, and passes wait."""
+    """Waits until the direct light of the newest position is shown, and passes wait."""
     tick()
     work = live.at_work()
     while not (live._job is not None and live._job._can_be_cancelled and has_lit_walls()):
@@ -110,11 +112,11 @@ def baked_anew(obj):
 
 def walls():
     found = [obj for obj in bpy.context.scene.objects if display.is_display(obj, "wall")]
-    return np.concatenate([colours_of(wall) for wall in found])
+    return np.concatenate([colors_of(wall) for wall in found])
 
 
 def assert_shows_moved(obj, fresh):
-    """Checks for new direct light, to the last bit of its maps, over the bake's indirect light."""
+    """Checks for new direct light, equal bit by bit, over the indirect light of the bake."""
     shown = preview.of(obj).bake
     assert shown.is_moved and shown.original is cache.bake_of(obj)
     points = len(fresh.grid.direct.light_points)
@@ -122,21 +124,21 @@ def assert_shows_moved(obj, fresh):
         ours, theirs = (one.grid.direct.codes(point) for one in (shown, fresh))
         np.testing.assert_array_equal(ours, theirs)
     expected = shown.radiance(to_world(obj, vertices_of(obj)))
-    close(colours_of(obj), expected, 1e-4 * expected.max())
-    far = np.abs(colours_of(obj) - fresh.radiance(to_world(obj, vertices_of(obj)))).mean()
+    close(colors_of(obj), expected, 1e-4 * expected.max())
+    far = np.abs(colors_of(obj) - fresh.radiance(to_world(obj, vertices_of(obj)))).mean()
     assert far < 0.1 * expected.mean()
 
 
 def check_a_lamp_that_moves_lights_at_once_and_finally(lit, held):
-    before, bake_id, on_walls = colours_of(lit), lit.leaflight.bake_id, walls()
+    before, bake_id, on_walls = colors_of(lit), lit.leaflight.bake_id, walls()
     vertices = vertices_of(lit)
     move_lamp()
     fresh = baked_anew(lit)
     to_passes()
     assert_shows_moved(lit, fresh)
-    # The mesh stays, and only its light is another.
+    # The mesh stays, and only its light changes.
     close(vertices_of(lit), vertices, 0)
-    assert np.abs(colours_of(lit) - before).max() > 0.2 * before.max()
+    assert np.abs(colors_of(lit) - before).max() > 0.2 * before.max()
     assert np.abs(walls() - on_walls).max() > 0.2 * on_walls.max()
     assert lit.leaflight.bake_id == bake_id and change(lit) == CHANGED
     texts = drawn(bake_panel.LEAFLIGHT_PT_bake)
@@ -175,14 +177,14 @@ def check_the_newest_place_wins(lit, held):
 
 
 def check_back_where_it_was_the_bake_is_shown(lit, held):
-    before, on_walls, bake_id = colours_of(lit), walls(), lit.leaflight.bake_id
+    before, on_walls, bake_id = colors_of(lit), walls(), lit.leaflight.bake_id
     place = move_lamp()
     to_passes()
     put_lamp(place)
     finish(held)
     assert live.at_work() is None and preview.of(lit) is None
     assert lit.leaflight.bake_id == bake_id
-    close(colours_of(lit), before, 1e-5)
+    close(colors_of(lit), before, 1e-5)
     close(walls(), on_walls, 1e-5)
 
 
@@ -212,16 +214,16 @@ def check_walls_and_the_volume_move(lit, held):
 def check_stop_leaves_it_until_something_moves(lit, held):
     move_lamp()
     work = to_passes()
-    shown = colours_of(lit)
+    shown = colors_of(lit)
     bpy.ops.leaflight.stop_live()
     finish(held)
     assert not work.is_alive() and live.at_work() is None
-    close(colours_of(lit), shown, 0)
+    close(colors_of(lit), shown, 0)
     assert "earlier position" in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
-    # An object that lights nothing is no reason to begin again.
+    # Moving an object that lights nothing must not restart the bake.
     live.changed(bpy.context.scene)
     finish(held)
-    close(colours_of(lit), shown, 0)
+    close(colors_of(lit), shown, 0)
     move_lamp((0.05, 0.0, 0.0))
     finish(held)
     assert change(lit) == "" and live.sentence() == ""
@@ -229,36 +231,36 @@ def check_stop_leaves_it_until_something_moves(lit, held):
 
 
 def check_undo_and_redo(lit, held):
-    before, bake_id = colours_of(lit), lit.leaflight.bake_id
+    before, bake_id = colors_of(lit), lit.leaflight.bake_id
     bpy.ops.ed.undo_push(message="baked")
     move_lamp()
     bpy.ops.ed.undo_push(message="moved")
     finish(held)
-    after, new = colours_of(lit), lit.leaflight.bake_id
+    after, new = colors_of(lit), lit.leaflight.bake_id
     assert new != bake_id
     bpy.ops.ed.undo()
     finish(held)
     obj = bpy.context.object
     assert obj.leaflight.bake_id == bake_id and change(obj) == ""
-    close(colours_of(obj), before, 1e-5)
+    close(colors_of(obj), before, 1e-5)
     bpy.ops.ed.redo()
     finish(held)
     obj = bpy.context.object
     assert obj.leaflight.bake_id == new and change(obj) == ""
-    close(colours_of(obj), after, 1e-5)
+    close(colors_of(obj), after, 1e-5)
 
 
 def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_path):
-    before, bake_id = colours_of(lit), lit.leaflight.bake_id
+    before, bake_id = colors_of(lit), lit.leaflight.bake_id
     move_lamp()
     to_passes()
     obj = reopened(tmp_path / "scene.blend")
-    # The bake belongs to the earlier place, and the panel says so.
+    # The bake belongs to the previous position, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED
     # The file stores half precision.
-    close(colours_of(obj), before, 1e-3 * before.max())
-    # Live goes on by itself.
+    close(colors_of(obj), before, 1e-3 * before.max())
+    # Live must continue.
     to_passes()
     assert preview.of(obj).bake.is_moved
     finish(held)
@@ -266,13 +268,13 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
 
 
 def check_what_cannot_be_live_says_so(lit, held):
-    before = colours_of(lit)
+    before = colors_of(lit)
     high, lit.leaflight.high = lit.leaflight.high, 55.0
     place = move_lamp()
     finish(held)
     assert "isovalue range" in live.sentence()
     assert live.sentence() in " ".join(drawn(bake_panel.LEAFLIGHT_PT_bake))
-    close(colours_of(lit), before, 1e-5)
+    close(colors_of(lit), before, 1e-5)
     lit.leaflight.high = high
     put_lamp(place)
     finish(held)

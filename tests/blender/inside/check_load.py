@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Load Bake and Relocate Bake, and files that are not what an object remembers."""
+"""Checks Load Bake and Relocate Bake, and files with other contents than an object expects."""
 
 import os
 import shutil
@@ -129,7 +129,7 @@ def check_a_bake_of_the_command_line_comes_with_its_scene(tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     obj.leaflight.isovalue = 80.0
     assert_lit(obj, 80.0)
-    # Blender bakes the same light from the loaded scene as the command line did.
+    # Baking the loaded scene must give the light of the command line.
     obj.leaflight.error, obj.leaflight.resolution = 5.0, 20
     obj.leaflight.seed = 1
     obj.leaflight.bake_folder = str(tmp_path)
@@ -170,7 +170,7 @@ def check_a_bake_lights_the_volume_that_was_imported(bump_file, bumps, tmp_path)
     bpy.ops.leaflight.load_bake(filepath=str(tmp_path / "cli.vdb"))
     assert len(bpy.data.objects) == objects and bumps.leaflight.bake_id == bake.id
     assert_lit(bumps)
-    # It does not stand where it was baked, nor has it walls about it.
+    # The volume has another position than in the bake, and no walls.
     assert "another scene" in staleness.change_since_bake(bpy.context, bumps)
 
 
@@ -225,14 +225,14 @@ def check_a_changed_volume_file_is_reported_and_baked_anew(saved, bump_file):
     values = np.fromfile(bump_file, "<f4")
     os.utime(bump_file, ns=(1, 1))
     obj = open_blend(bpy.data.filepath)
-    # Touched is not changed.
+    # A touched file is unchanged.
     assert staleness.change_since_bake(bpy.context, obj) == ""
     values[values.size // 2] += 1.0
     values.tofile(bump_file)
     staleness.forget()
     sentence = staleness.change_since_bake(bpy.context, obj)
     assert "bumps.raw has changed" in sentence and "\n" not in sentence
-    # Until then it shows what was baked.
+    # Until the new bake, the baked isovalue range is shown.
     obj.leaflight.isovalue = 72.0
     assert_lit(obj, 72.0)
     bpy.ops.leaflight.bake()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How isosurfaces are shown beyond their light: without dust, glossy, closed where cut open."""
+"""Checks the appearance of isosurfaces: without dust, glossy, closed at cuts."""
 
 import bpy
 import numpy as np
@@ -46,7 +46,7 @@ def check_dust_is_hidden_without_a_bake(dusty, tmp_path):
     assert _farthest(dusty) < 20.5 and 0 < len(dusty.data.vertices) < whole
     dusty.leaflight.isovalue = 10.4
     assert _farthest(dusty) < 20.5
-    # After undo, which brings back mesh and setting, and in a file.
+    # Test undo, which restores mesh and setting, and a saved file.
     dusty = reopened(tmp_path / "scene.blend")
     dusty.leaflight.isovalue = 10.2
     assert _farthest(dusty) < 20.5
@@ -78,7 +78,7 @@ def check_gloss_shines_in_the_lamps_and_not_in_comparisons(baked, tmp_path):
     baked.leaflight_look.gloss, baked.leaflight_look.roughness = 1.0, 0.1
     after = _from_above(baked, tmp_path / "after.exr")
     seen = before.max(axis=-1) > 0.05
-    # The coat takes 8 % of what comes from the surface, more where it is seen at grazing angles.
+    # The coat takes 8 % of the light from the surface, and more at grazing angles.
     assert np.median((after / np.maximum(before, 1e-6))[seen]) > 0.9
     assert (after - before).max() > 0.02
     with stills._volumes_alone(bpy.context.scene):
@@ -88,7 +88,7 @@ def check_gloss_shines_in_the_lamps_and_not_in_comparisons(baked, tmp_path):
     assert [node.as_pointer() for node in baked.data.materials[0].node_tree.nodes] == nodes
     coat = baked.data.materials[0].node_tree.nodes["coat"]
     assert coat.inputs["Roughness"].default_value == pytest.approx(0.2)
-    # A new color is none of the coat's.
+    # A new color must not change the coat.
     baked.leaflight.isosurface_albedo = (0.5, 0.1, 0.1)
     assert tuple(coat.inputs[0].default_value) == (1.0, 1.0, 1.0, 1.0)
 
@@ -104,7 +104,7 @@ def check_a_look_is_color_and_gloss_and_stays(bumps, tmp_path):
 
 @pytest.mark.parametrize("kept", ["OUTSIDE", "INSIDE"])
 def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
-    """Seen from above, half of the volume is cut away down to its middle, or kept up to there."""
+    """Checks a cut seen from above: half of the volume is cut away from above, or from below."""
     baked.leaflight.isovalue = 40.0
     low, high = np.asarray(cache.volume_of(baked).field().bounds)
     middle = np.array(baked.matrix_world) @ [*(0.5 * (low + high)), 1.0]
@@ -130,7 +130,7 @@ def check_a_cut_is_closed_with_the_slice(baked, tmp_path, kept):
     assert inside.sum() > 50 and outside.sum() > 20
     close(seen[inside], np.repeat(expected[inside][:, None], 3, axis=1), 0.06)
     assert np.all(seen[outside] == 0)
-    # It follows the isovalue without a new mesh, and the box.
+    # The faces must follow the isovalue without a new mesh, and follow the box.
     vertices = vertices_of(faces)
     baked.leaflight.isovalue = 60.0
     bpy.context.view_layer.update()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials and image textures in the terms of the bake."""
+"""Checks how materials and image textures are converted for the bake."""
 
 import math
 
@@ -14,14 +14,14 @@ from tools import (
     constant_material,
     look_down,
     noise_image,
-    one_coloured_world,
+    one_colored_world,
     plain_material,
     render_exr,
     smooth_image,
 )
 
 
-COLOUR = (0.2, 0.4, 0.6, 1)
+COLOR = (0.2, 0.4, 0.6, 1)
 
 
 def surface(material):
@@ -46,13 +46,13 @@ def principled_material(**inputs):
 
 def check_mirrors():
     white = {"Base Color": (1, 1, 1, 1)}
-    for material, colour in (
-        (constant_material("ShaderNodeBsdfGlossy", Color=COLOUR, Roughness=0.0), COLOUR[:3]),
+    for material, color in (
+        (constant_material("ShaderNodeBsdfGlossy", Color=COLOR, Roughness=0.0), COLOR[:3]),
         (principled_material(Metallic=1.0, Roughness=0.0, Transmission=0.3, **white), (1, 1, 1)),
     ):
         found = surface(material)
         assert (found.scattering, found.warnings) == ("mirror", [])
-        close(found.albedo, colour, 1e-6)
+        close(found.albedo, color, 1e-6)
     sharp = constant_material("ShaderNodeBsdfGlossy", Roughness=0.5)
     (glossy,) = (n for n in sharp.node_tree.nodes if n.type == "BSDF_GLOSSY")
     if "SHARP" in glossy.bl_rna.properties["distribution"].enum_items:  # until 3.6
@@ -63,19 +63,19 @@ def check_mirrors():
 def check_glass():
     polished = {"Roughness": 0.0, "IOR": 1.7}
     clear = {"Base Color": (1, 1, 1, 1), "Transmission": 1.0, "Specular": 0.5}
-    for material, colour in (
-        (constant_material("ShaderNodeBsdfGlass", Color=COLOUR, **polished), COLOUR[:3]),
+    for material, color in (
+        (constant_material("ShaderNodeBsdfGlass", Color=COLOR, **polished), COLOR[:3]),
         (principled_material(**polished, **clear), (1, 1, 1)),
     ):
         found = surface(material)
         assert (found.scattering, found.warnings) == ("glass", [])
-        close(found.albedo, colour, 1e-6)
+        close(found.albedo, color, 1e-6)
         assert found.ior == pytest.approx(1.7)
 
 
 def _brightness(path, material, angle):
-    """Returns the light (r, g, b) of a white world through a polished slab, seen at an angle."""
-    bpy.context.scene.world = one_coloured_world((1, 1, 1))
+    """Returns the light (r, g, b) of a white world through a polished slab at an angle."""
+    bpy.context.scene.world = one_colored_world((1, 1, 1))
     bpy.ops.mesh.primitive_cube_add(size=2)
     slab = bpy.context.object
     slab.data.materials.append(material)
@@ -87,8 +87,8 @@ def _brightness(path, material, angle):
     return pixels
 
 
-def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
-    """Only what it reflects differs: 4 % at each face, which the bake colors as well."""
+def check_a_colored_principled_glass_lets_pass_what_cycles_does_and_is_warned_of(tmp_path):
+    """Checks that only its reflection differs, 4 % at each face, and that a warning says so."""
     principled = principled_material(Transmission=1.0, Roughness=0.0, IOR=1.5)
     found = surface(principled)
     assert len(found.warnings) == 1 and "Glass BSDF" in found.warnings[0]
@@ -100,7 +100,9 @@ def check_a_coloured_principled_glass_lets_pass_what_cycles_does_and_is_warned_o
 
 
 def check_a_principled_diffuse_that_is_not_lambertian_is_warned_of(tmp_path):
-    """Where Cycles renders it otherwise in a white world: until 3.6 by its roughness."""
+    """Checks the warning where Cycles renders it differently in a white world: until 3.6, by its
+    roughness.
+    """
     for roughness in (0.0, 0.5, 1.0):
         material = principled_material(Roughness=roughness)
         found = surface(material)
@@ -110,7 +112,7 @@ def check_a_principled_diffuse_that_is_not_lambertian_is_warned_of(tmp_path):
         assert not found.warnings or off > 0.02
 
 
-def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_path):
+def check_a_colored_principled_metal_is_warned_of_where_its_edges_differ(tmp_path):
     for specular in (0.0, 0.5):
         metal = principled_material(Metallic=1.0, Roughness=0.0, Specular=specular)
         found = surface(metal)
@@ -121,7 +123,7 @@ def check_a_coloured_principled_metal_is_warned_of_where_its_edges_differ(tmp_pa
 
 
 def check_thin_films_and_thin_walls():
-    """Checks each input that this Blender has; they came with 4.2, 4.5, 5.0 and 5.2."""
+    """Checks each input that this version has; they were added in 4.2, 4.5, 5.0 and 5.2."""
     white = {"Base Color": (1, 1, 1, 1), "Roughness": 0.0}
     film = {"Thin Film Thickness": 400.0}
     for material, inputs in (
@@ -238,7 +240,7 @@ def _diffuse(tree):
 
 
 def _textured_plane(image, extension="REPEAT"):
-    """Adds a plane whose second UV map is used; it turns, scales and moves the image."""
+    """Adds a plane that uses its second UV map, which rotates, scales and moves the image."""
     bpy.ops.mesh.primitive_plane_add(size=2.0)
     plane = bpy.context.object
     second = plane.data.uv_layers.new(name="Second")
@@ -265,8 +267,8 @@ def _exported(plane):
 
 
 def _albedo_at(part, points):
-    """Looks up the texture of a mesh at points (n, 2) of its plane z = 0, between pixels."""
-    colours = np.full((len(points), 3), np.nan)
+    """Returns texture colors of a mesh at points (n, 2) of its plane z = 0, between pixels."""
+    colors = np.full((len(points), 3), np.nan)
     for triangle, uv in zip(part.triangles, part.uv):
         a, b, c = part.vertices[triangle][:, :2].astype(np.float64)
         weights = (points - a) @ np.linalg.inv(np.array([b - a, c - a]))
@@ -280,8 +282,8 @@ def _albedo_at(part, points):
             for dj in (0, 1):
                 weight = np.abs(1 - di - (x - i)) * np.abs(1 - dj - (y - j))
                 total += weight[:, None] * part.texture[(j + dj) % rows, (i + di) % columns]
-        colours[inside] = total
-    return colours * np.array(part.albedo)
+        colors[inside] = total
+    return colors * np.array(part.albedo)
 
 
 @pytest.mark.parametrize("mapped", [False, True])
@@ -296,7 +298,7 @@ def check_an_image_on_a_uv_map_is_what_cycles_renders(tmp_path, picture, mapped)
         tree.links.new(texture.inputs["Vector"].links[0].from_socket, mapping.inputs["Vector"])
         tree.links.new(mapping.outputs[0], texture.inputs["Vector"])
     (part,) = _exported(plane)
-    bpy.context.scene.world = one_coloured_world((1, 1, 1))
+    bpy.context.scene.world = one_colored_world((1, 1, 1))
     look_down(2.0, 1.8)
     rendered = render_exr(tmp_path / "plane.exr", size=24, samples=1)[..., :3].reshape(-1, 3)
     x, y = camera_rays_down(1.8, 24)
@@ -322,7 +324,7 @@ def check_an_8_bit_image_that_holds_data_and_one_with_alpha(tmp_path):
         (part,) = _exported(plane)
         linear = 128 / 255 if encoded is None else ((encoded + 0.055) / 1.055) ** 2.4
         close(part.texture, linear, 1e-3)
-        bpy.context.scene.world = one_coloured_world((1, 1, 1))
+        bpy.context.scene.world = one_colored_world((1, 1, 1))
         look_down(2.0, 1.0)
         rendered = render_exr(tmp_path / "plane.exr", size=4, samples=1)[..., :3]
         close(rendered, linear, 2e-3)

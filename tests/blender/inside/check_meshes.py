@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Cornell box out of Blender objects, and reading walls and lights back."""
+"""Checks the Cornell box made of Blender objects, and the conversion of its walls and lights
+back.
+"""
 
 import bpy
 import leaflight
@@ -8,7 +10,7 @@ import pytest
 from leaflight_addon import versions
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from tools import close, error_of, one_coloured_world, plain_material
+from tools import close, error_of, one_colored_world, plain_material
 
 
 def _export(isosurface):
@@ -41,7 +43,7 @@ def check_the_box_comes_back_as_it_was_described(boxed):
         close(same.radiance, light.radiance, 1e-5)
 
 
-def check_moved_recoloured_scaled_and_deleted_walls(boxed):
+def check_moved_recolored_scaled_and_deleted_walls(boxed):
     before, _ = _export(boxed)
     floor, left = bpy.data.objects["floor"], bpy.data.objects["left wall"]
     floor.location.z -= 0.25
@@ -146,7 +148,7 @@ def check_the_fingerprint_follows_what_lights_the_volume(boxed):
     seen.add(fingerprint())
     boxed.leaflight.capped = True
     seen.add(fingerprint())
-    bpy.context.scene.world = one_coloured_world((0.1, 0.1, 0.1))
+    bpy.context.scene.world = one_colored_world((0.1, 0.1, 0.1))
     seen.add(fingerprint())
     bpy.data.objects["floor"].data.materials[0] = None
     seen.add(fingerprint())

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""While the isovalue moves a surface is coarse; at rest, in renders and in scripts it is whole."""
+"""Checks that the surface is coarse while the isovalue moves, and has full detail at rest, in
+renders and in scripts.
+"""
 
 import bpy
 import numpy as np
@@ -28,7 +30,9 @@ MOST = 250
 
 @pytest.fixture
 def large(monkeypatch):
-    """Lowers the limit, so that a small surface is too large to move in full detail."""
+    """Lowers the limit of triangles, so that a small surface is too large to move in full
+    detail.
+    """
     monkeypatch.setattr(surface_object, "MOVING_TRIANGLES", MOST)
 
 
@@ -58,7 +62,7 @@ def check_it_is_coarse_while_it_moves_and_whole_at_rest(baked, interactive, larg
 
 
 def check_a_surface_that_is_small_moves_between_nodes(baked, interactive):
-    """It is not cut where light steps."""
+    """Checks that its edges are not split at steps of the light."""
     edit_as_the_slider_does(baked, 50.0)
     vertices = _core.contour(cache.volume_of(baked).field(), 50.0)[0]
     close(vertices_of(baked), vertices, 1e-6)
@@ -81,7 +85,7 @@ def check_before_the_bake_too(bumps, interactive, large):
 
 
 def check_finer_texels_wait_for_rest(uncut, boxed, interactive):
-    """They cut the mesh, which by itself is small enough to move."""
+    """Checks that texels finer than voxels split the mesh only at rest."""
     boxed.leaflight.resolution = 47
     bpy.ops.leaflight.bake()
     whole = len(boxed.data.polygons)

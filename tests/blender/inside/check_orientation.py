@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Up and Front: of files, by menus and by turns of 90 degrees, before and after a bake."""
+"""Checks Up and Front: from files, by menus, and by rotations of 90 degrees, before and after
+a bake.
+"""
 
 from types import SimpleNamespace
 
@@ -16,13 +18,13 @@ from tools import close, to_world, vertices_of
 
 @pytest.fixture
 def scan(bumps):
-    """Without an orientation, as .raw is, and longer along x and y than along z."""
+    """Writes a .raw file, which has no orientation, longer along x and y than along z."""
     bpy.context.view_layer.update()
     return bumps
 
 
 def _axes(obj):
-    """Returns the axes of a volume that point to the right, to the back and up, by name."""
+    """Returns the names of the volume's axes that point right, back and up."""
     matrix = np.array(obj.matrix_world.to_3x3().normalized())
     names = list(orientation.AXES)
     vectors = np.array(list(orientation.AXES.values()))

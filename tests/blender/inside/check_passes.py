@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake in passes: shown while it goes on, stopped, kept or thrown away, and what it will cost."""
+"""Checks bakes in passes: shown, stopped, kept or discarded, and their estimates."""
 
 import os
 import time
@@ -49,7 +49,7 @@ def check_the_time_ends_a_bake(endless, monkeypatch):
     def slowly(job, on_pass, progress):
         def take_long(baked):
             on_pass(baked)
-            # Longer than the limit, on any machine.
+            # Sleep longer than the limit, on any machine.
             time.sleep(0.6)
 
         return light(job, on_pass=take_long, progress=progress)
@@ -58,7 +58,7 @@ def check_the_time_ends_a_bake(endless, monkeypatch):
     endless.leaflight.time_limit = 0.5
     bpy.ops.leaflight.bake()
     statistics = cache.bake_of(endless).statistics
-    # No block begins that would end too late, so the bake may end before its time.
+    # No block begins that would end too late, so the bake may end early.
     assert statistics.stopped and statistics.passes == 1
     assert "was not reached" in endless.leaflight.bake_outcome
     assert_shows(endless, 50.0)
@@ -69,7 +69,7 @@ def check_a_bake_ends_soon_after_its_time(endless):
     endless.leaflight.time_limit = 0.5
     bpy.ops.leaflight.bake()
     statistics = cache.bake_of(endless).statistics
-    # On a slow machine the first picture, the least that a bake is, takes longer.
+    # The result is at least the first picture, which takes longer on a slow machine.
     assert statistics.stopped and statistics.seconds < 5
     assert "was not reached" in endless.leaflight.bake_outcome
 
@@ -82,10 +82,10 @@ def check_each_pass_is_shown_as_it_comes(endless):
     assert passes_of(job) == 1
     assert_shows_pass(endless, first)
     assert not endless.leaflight.bake_id
-    # The isovalue stays free.
+    # The isovalue can still be changed.
     endless.leaflight.isovalue = 45.0
     sampled = preview.of(endless).volume.field().sample(mesh_arrays(endless)[0])
-    # Middles of edges that the isosurface is far from stay where they are.
+    # Midpoints of edges stay where they are if the isosurface is far away.
     assert np.mean(np.abs(sampled - 45.0) < 1e-2) > 0.998
     assert_shows_pass(endless, first)
     endless.leaflight.isovalue = 50.0
@@ -94,7 +94,7 @@ def check_each_pass_is_shown_as_it_comes(endless):
     work.cancel()
     with pytest.raises(leaflight.Cancelled):
         work.result()
-    # As if the time had come.
+    # Pretend that the time has come.
     job._quiet_until = 0.0
     job.show()
     assert passes_of(job) == 2
@@ -104,7 +104,7 @@ def check_each_pass_is_shown_as_it_comes(endless):
 
 
 def check_materials_are_compiled_before_the_first_pass(endless):
-    """Drawn before they are, Blender would show them gray."""
+    """Checks that materials are compiled first, because Blender would show them gray before."""
     endless.leaflight.light_walls = True
     before = state()
     job, work = begin(endless, passes=0)
@@ -128,7 +128,7 @@ def check_materials_are_compiled_before_the_first_pass(endless):
 
 
 def _nodes_of(material):
-    """Returns the nodes and links of a material, from which Blender compiles its shader."""
+    """Returns nodes and links of a material, which determine its compiled shader."""
     tree = material.node_tree
     return (
         [(node.type, getattr(node, "attribute_name", "")) for node in tree.nodes],
@@ -186,7 +186,7 @@ def check_showing_passes_takes_less_than_a_quarter_of_the_time(endless, monkeypa
     monkeypatch.setattr(surface_object, "update", slow)
     job._quiet_until, first = clock.now, job.latest
     while clock.now < 1.5:
-        # Always a new pass.
+        # Make a new bake for each pass.
         job.latest = leaflight.Bake(**vars(first))
         job.show()
         clock.now += 0.001
@@ -198,7 +198,7 @@ def check_a_bake_stops_at_once(endless):
     job, work = begin(endless, passes=2)
     cancelled = time.perf_counter()
     stop(job, work)
-    # 0.5 s is promised; the rest is for a busy machine.
+    # The documented limit is 0.5 s; allow more for a busy machine.
     assert time.perf_counter() - cancelled < 2.0
 
 
@@ -290,7 +290,7 @@ def check_the_cost_is_estimated_before(passes):
     estimate = estimate_bake.estimate_of(passes)
     assert state() == before
     assert 0.5 < estimate.error < 2.5 and estimate.memory_bytes > 2**20
-    # The same passes show what less would cost, and all that the panel offers, but not more.
+    # Bakes of the same passes show the cost of lower qualities, but nothing that was not baked.
     draft, good, final = (
         estimate_bake.estimate_of(passes, error) for error in bake_properties.QUALITIES.values()
     )
@@ -308,7 +308,7 @@ def check_the_estimated_seconds_come_true(passes):
     bpy.ops.leaflight.estimate_bake()
     estimate = estimate_bake.estimate_of(passes)
     bpy.ops.leaflight.bake()
-    # 1.5 is promised; the rest is for a busy machine.
+    # The documented factor is 1.5; allow more for a busy machine.
     assert 1 / 2.5 < estimate.seconds / cache.bake_of(passes).statistics.seconds < 2.5
 
 
@@ -328,7 +328,7 @@ def check_a_quality_is_an_error(bumps):
 
 
 def check_preferences_reach_the_bake(passes, tmp_path, monkeypatch):
-    # The same memory on any machine.
+    # Simulate the same memory on any machine.
     monkeypatch.setattr(leaflight._core, "machine_memory", lambda: 8 << 30)
     chosen = bpy.context.preferences.addons[ADDON].preferences
     try:

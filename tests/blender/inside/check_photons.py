@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The photon map as a cloud of points."""
+"""Checks the photon map as a cloud of points."""
 
 import bpy
 import numpy as np
@@ -8,7 +8,7 @@ from leaflight import _core
 from leaflight.scene.scene import core_scene
 from leaflight_addon.stage import scene_export
 from leaflight_addon.store import cache
-from tools import close, colours_of, error_of, look_down, render_exr, vertices_of
+from tools import close, colors_of, error_of, look_down, render_exr, vertices_of
 
 
 def _cloud():
@@ -35,7 +35,7 @@ def check_the_cloud_holds_the_cores_photons(boxed):
     cloud = _cloud()
     assert len(positions) > 200
     close(vertices_of(cloud), positions, 1e-5)
-    close(colours_of(cloud, "flux"), flux / flux.mean(), 1e-5)
+    close(colors_of(cloud, "flux"), flux / flux.mean(), 1e-5)
     close(_values(cloud, "common_isovalue", np.float32), c, 1e-5)
     np.testing.assert_array_equal(_values(cloud, "direct", bool), direct.astype(bool))
 
@@ -55,7 +55,7 @@ def check_a_band_and_a_kind(boxed):
 
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
-def check_it_renders_in_its_colours(boxed, tmp_path, engine):
+def check_it_renders_in_its_colors(boxed, tmp_path, engine):
     bpy.ops.leaflight.photon_cloud(count=100_000, radius=0.03)
     for obj in bpy.context.scene.objects:
         obj.hide_render = obj != _cloud()

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Four clicks and one look on scans that nothing was tuned for (validation/fetch_scans)."""
+"""Checks four clicks and one preset on scans that were not used for tuning
+(validation/fetch_scans).
+"""
 
 from pathlib import Path
 
@@ -10,7 +12,7 @@ from leaflight_addon.stage import camera
 from tools import in_frame
 
 SCANS = Path(__file__).resolve().parents[3] / "build" / "scans"
-# Name: (file, whether its header tells the orientation, the look).
+# File, True if its header has an orientation, and preset, by name.
 FILES = {
     "human": (SCANS / "mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz", True, "SKIN"),
     "macaque": (Path("/usr/share/mricron/templates/inia19-t1-brain.nii.gz"), True, "CLAY"),
@@ -48,7 +50,7 @@ def check_it_is_upright_or_asked_framed_and_lit(name, tmp_path):
 
 
 def _rendered(path):
-    """Returns pixels (n, 3) as they are displayed, of a small picture by Cycles."""
+    """Returns displayed pixels (n, 3) of a small picture by Cycles."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", 8
     scene.render.resolution_percentage = 10

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface follows its isovalue: slider, keyframe, driver, render, undo, saved file."""
+"""Checks that the surface follows its isovalue: slider, keyframe, driver, render, undo, saved
+file.
+"""
 
 import sys
 
@@ -81,7 +83,7 @@ def check_driver_by_frame(baked):
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_every_frame_of_a_rendered_animation(uncut, baked, tmp_path, engine):
-    """The frames of one render command equal stills that are made one by one."""
+    """Checks that the frames of one render command equal separate stills."""
     scene = bpy.context.scene
     baked.leaflight.shading = "ATTRIBUTE"
     bpy.data.objects["ceiling"].hide_render = True
@@ -119,7 +121,7 @@ def check_undo_and_redo(baked):
     bpy.ops.ed.undo_push(message="start")
     baked.leaflight.isovalue = 40.0
     bpy.ops.ed.undo_push(message="forty")
-    # As in the user interface, where the surface follows after the step has been stored.
+    # In the user interface, the surface follows after the undo step is stored.
     baked.leaflight["isovalue"] = 90.0
     bpy.ops.ed.undo_push(message="ninety")
     baked.update_tag()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo, redo, saving and both render engines keep each setting of what is seen of a volume."""
+"""Checks that undo, redo, saving and both render engines keep each display setting of a volume."""
 
 import bpy
 import nibabel
@@ -16,7 +16,7 @@ ENGINES = ("CYCLES", "EEVEE")
 
 @pytest.fixture
 def patient(tmp_path):
-    """Returns a head of a kind, baked: a wrinkled ball with a speck beside, as bytes."""
+    """Returns a baked volume like a head: a wrinkled ball with a speck beside it, in bytes."""
     z, y, x = np.mgrid[:24, :22, :20].astype(np.float32)
     wrinkles = 0.4 * np.sin(2.5 * x) * np.sin(2.5 * y) * np.sin(2.5 * z)
     ball = 9.0 + wrinkles - np.sqrt((x - 9) ** 2 + (y - 10) ** 2 + (z - 12.5) ** 2)
@@ -83,7 +83,7 @@ SETTINGS = {
 
 
 def _pictures(folder):
-    """Returns pictures by engine."""
+    """Returns one picture for each render engine."""
     pictures = {}
     for engine in ENGINES:
         pictures[engine] = render_exr(folder / "picture.exr", engine, samples=4, size=SIZE)[..., :3]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several volumes in one scene: baked together, their isovalues linked by the common isovalue."""
+"""Checks several volumes in one scene: baked together, and with linked isovalues."""
 
 import bpy
 import numpy as np
@@ -14,7 +14,7 @@ from tools import assert_shows, close, mesh_arrays
 
 @pytest.fixture
 def pair(bumps, bump_file):
-    """Two volumes of different ranges beside each other, the second smaller, in one box."""
+    """Returns two volumes of different ranges in one box; the second is smaller."""
     bpy.ops.leaflight.import_volume(
         filepath=str(bump_file),
         dims=(24, 24, 24),
@@ -127,7 +127,7 @@ def check_keyframes_of_one_lead_the_other(pair):
         assert_shows(first, a)
         assert_shows(second, second.leaflight.isovalue)
         close(second.leaflight.isovalue, b, 1e-5)
-    # The animated one leads and never follows.
+    # The animated volume leads and never follows.
     second.leaflight.isovalue = 100.0
     bpy.context.view_layer.update()
     assert_shows(first, 80.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volume texture renders the texels of the bake, in both engines."""
+"""Checks that the volume texture renders the texels of the bake, in both engines."""
 
 import bpy
 import numpy as np
@@ -12,7 +12,7 @@ SLOPE_X, SLOPE_Y, HEIGHT = 0.3, 0.2, 0.8
 
 
 def _tilted_plane(isosurface):
-    """Adds a plane through the volume, with the isosurface's transform and object coordinates."""
+    """Adds a plane through the volume, with the transform of the isosurface."""
     corners = [(-1.2, -1.2), (1.2, -1.2), (1.2, 1.2), (-1.2, 1.2)]
     world = np.array([(x, y, HEIGHT + SLOPE_X * x + SLOPE_Y * y) for x, y in corners])
     inverse = np.linalg.inv(np.array(isosurface.matrix_world, np.float64))
@@ -36,7 +36,7 @@ def check_rendered_emission_is_that_of_the_texels(boxed, tmp_path, engine, resol
     bake = cache.bake_of(boxed)
     _tilted_plane(boxed)
     for obj in bpy.context.scene.objects:
-        # Without its lamp the light of the bake is dark.
+        # Hide everything except the lamps, without which the baked light is dark.
         obj.hide_render = obj.name != "Plane" and obj.type != "LIGHT"
     look_down(5.0, WIDTH)
     pixels = render_exr(tmp_path / "plane.exr", engine, size=SIZE)[..., :3].reshape(-1, 3)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several isosurfaces of a volume at once: each at its isovalue, in its light, seen through."""
+"""Checks several isosurfaces of a volume at once: isovalue, light and opacity of each."""
 
 from types import SimpleNamespace
 
@@ -29,7 +29,7 @@ SIZE = 32
 
 
 def assert_lit_by_the_bake(obj, isovalue):
-    """Checks that an added isosurface has the volume's mesh there, and the light of its bake."""
+    """Checks that an added isosurface has the mesh and light of the bake at its isovalue."""
     volume = obj.parent
     field, grid = cache.volume_of(volume).field(), cache.grid_of(volume)
     vertices, triangles, radiance = mesh_arrays(obj)
@@ -60,7 +60,7 @@ def check_each_has_its_isovalue_and_light(baked):
 
 
 def check_they_follow_their_volume(boxed, tmp_path):
-    """A new bake, files, copies of it, and its end."""
+    """Checks added isosurfaces after a new bake, in files and copies, and after deletion."""
     obj = blender.add_isosurface(boxed, 40.0)
     assert mesh_arrays(obj)[2] is None
     boxed.leaflight.bake_folder = ""
@@ -102,7 +102,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     )
     assert_lit_by_the_bake(own, 40.0)
     assert_lit_by_the_bake(other, 50.0)
-    # Each goes on alone.
+    # Each continues independently.
     other.leaflight.isovalue = 55.0
     own.leaflight_look.opacity = 0.9
     own.animation_data_clear()
@@ -113,7 +113,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     assert_lit_by_the_bake(display.added_to(baked)[1], 50.0)
     opacities = [o.data.materials[0].node_tree.nodes["opacity"] for o in (obj, own)]
     assert [round(node.outputs[0].default_value, 4) for node in opacities] == [0.5, 0.9]
-    # Removed isosurfaces do not come back. A deleted volume takes only its own along.
+    # Removed isosurfaces must not come back. Deleting a volume removes only its own.
     for isosurface in (own, other):
         bpy.ops.leaflight.remove_isosurface(name=isosurface.name)
     bpy.context.view_layer.update()
@@ -151,7 +151,7 @@ def check_there_are_three_at_most(baked):
     assert "remove one first" in error_of(bpy.ops.leaflight.add_isosurface)
     shown = [obj.leaflight.isovalue for obj in surfaces]
     assert isovalue == shown[0] < shown[1] < shown[2] < baked.leaflight.bake_high
-    # Opaque inside, translucent outside.
+    # Inner isosurfaces are opaque, outer ones translucent.
     opacities = [obj.leaflight_look.opacity for obj in surfaces]
     close(opacities, [0.3, 0.3, 1.0], 1e-6)
     bpy.ops.leaflight.remove_isosurface(name=display.added_to(baked)[0].name)
@@ -178,7 +178,7 @@ def check_tissues_have_names(bumps):
 
 
 def _seen_from_above(obj, path, engine):
-    """Returns pixels from above of some objects alone, in a black world."""
+    """Returns pixels of some objects alone, from above in a black world."""
     bpy.context.scene.world = None
     for other in bpy.context.scene.objects:
         other.hide_render = other not in obj and other.type != "LIGHT"
@@ -200,7 +200,7 @@ def check_the_outer_one_is_seen_through(baked, tmp_path, engine, shading):
     both = _seen_from_above([baked, obj], tmp_path / "both.exr", engine)
     assert np.abs(inner - outer).mean() > 0.01
     off = np.abs(both - (0.25 * outer + 0.75 * inner)).max(axis=-1)
-    # But where one hides itself, or another part of the other.
+    # Pixels may differ where an isosurface hides itself, or a part of another one.
     assert np.median(off) < 1e-3 and (off < 2e-3).mean() > 0.9, off
 
 
@@ -226,7 +226,7 @@ def check_nothing_is_compiled_anew_while_values_move(baked):
 
 
 def check_a_new_color_changes_what_the_surface_reflects(boxed, tmp_path):
-    """Not what it emits by itself."""
+    """Checks that a new color changes reflected light, but not emitted light."""
     boxed.leaflight.isosurface_emission_strength = 0.1
     bpy.ops.leaflight.bake()
     assert not surface_material.is_recolored(boxed)
@@ -257,10 +257,10 @@ def check_a_box_cuts_what_lies_in_it(baked, tmp_path, engine):
     seen = whole.max(axis=-1) > 0.0
     assert 200 < seen.sum() and 100 < seen[:, SIZE // 2 :].sum()
     blender.clip(baked, box)
-    # A quarter turn and a scale, so that its x faces along y.
+    # Rotate by 90 degrees and scale the box, so that its x axis points along y.
     box.rotation_euler.z, box.scale = 0.5 * np.pi, (2.0, 0.5, 4.0)
     for middle in (0.5, 0.6):
-        # Moved alone, as the hand does: no Python of ours runs by it.
+        # Move it without any of our Python, like the mouse does.
         box.location.x = middle + 0.001
         bpy.context.view_layer.update()
         cut = _seen_from_above([baked], tmp_path / "cut.exr", engine)

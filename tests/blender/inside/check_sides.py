@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Both sides of the isosurfaces: baked, and each shown where it faces."""
+"""Checks both sides of isosurfaces: baked, and each visible from its side."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from leaflight import blender
 from leaflight_addon.store import atlases, bake_files, cache
 from leaflight_addon.ui import volume_panel
 from passes import drawn
-from tools import close, colours_of, look_down, mesh_arrays, render_exr, texels_at
+from tools import close, colors_of, look_down, mesh_arrays, render_exr, texels_at
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def two_sided(boxed):
 def check_the_mesh_has_both(two_sided):
     vertices, _, front = mesh_arrays(two_sided)
     grid, field = cache.grid_of(two_sided), cache.volume_of(two_sided).field()
-    back = colours_of(two_sided, "radiance_back")
+    back = colors_of(two_sided, "radiance_back")
     close(front, grid.lookup(field, vertices), 1e-6)
     close(back, grid.lookup(field, vertices, back=True), 1e-6)
     assert np.abs(back - front).max() > 0.01
@@ -32,7 +32,7 @@ def check_the_mesh_has_both(two_sided):
 @pytest.mark.parametrize("shading", ["ATLAS", "ATTRIBUTE"])
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
-    """A facet of the isosurface, seen from above and, turned over, from below."""
+    """Checks a facet of the isosurface from above, and, flipped, from below."""
     two_sided.leaflight.shading = shading
     (material,) = two_sided.data.materials
     bake, (vertices, _, _) = cache.bake_of(two_sided), mesh_arrays(two_sided)
@@ -42,7 +42,7 @@ def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
     (known, front), (_, behind) = (
         texels_at(bake, worlds, name) for name in ("radiance", "radiance_back")
     )
-    # A small triangle about a vertex that is bright on both sides.
+    # Use a small triangle around a vertex that is bright on both sides.
     chosen = np.where(known, np.minimum(front, behind).min(axis=1), 0).argmax()
     middle, world = vertices[chosen].astype(np.float64), worlds[chosen]
     corners = np.array([[-0.02, -0.02, 0], [0.02, -0.02, 0], [0, 0.02, 0]])
@@ -56,10 +56,10 @@ def check_each_side_shows_its_radiance(two_sided, tmp_path, engine, shading):
         mesh.from_pydata(local.tolist(), [], [order])
         mesh.materials.append(material)
         for name, side in (("radiance", False), ("radiance_back", True)):
-            colours = np.ones((3, 4), np.float32)
-            colours[:, :3] = grid.lookup(field, middle[None], back=side)
+            colors = np.ones((3, 4), np.float32)
+            colors[:, :3] = grid.lookup(field, middle[None], back=side)
             attribute = mesh.attributes.new(name, "FLOAT_COLOR", "POINT")
-            attribute.data.foreach_set("color", colours.ravel())
+            attribute.data.foreach_set("color", colors.ravel())
         facet = bpy.data.objects.new("Facet", mesh)
         facet.matrix_world = two_sided.matrix_world
         bpy.context.scene.collection.objects.link(facet)
@@ -90,7 +90,7 @@ def check_one_side_again(two_sided):
 
 
 def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
-    """The negative lobe of a molecule is low inside."""
+    """Checks the negative lobe of a molecule, which has lower values inside."""
     x = np.linspace(-1.0, 1.0, 24)
     lobes = (
         np.exp(-8.0 * ((x - at) ** 2 + x[:, None] ** 2 + x[:, None, None] ** 2))
@@ -101,7 +101,7 @@ def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
     settings = obj.leaflight
     settings.bake_folder, settings.error, settings.resolution = str(tmp_path), 50.0, 8
     settings.use_resolution, settings.low, settings.high = True, -0.4, 0.4
-    # The import has turned it on.
+    # The import has switched it on.
     settings.both_sides = False
     blender.stage(obj)
     settings.light_walls = False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Slices of a volume's data: their colors and places, and what goes with them."""
+"""Checks slices of a volume's data: colors, positions and visibility."""
 
 import bpy
 import numpy as np
@@ -21,7 +21,7 @@ def _seen_alone(obj, path):
 
 
 def _values_from_above(volume, height):
-    """Returns the data at a height in the coordinates of the file, for each pixel of the camera."""
+    """Returns the data at a height in file coordinates, for each pixel of the camera."""
     x, y = camera_rays_down(1.6, SIZE)
     matrix = np.array(volume.matrix_world)
     z = (source_files.place_of_file(volume) @ [0.0, 0.0, height, 1.0])[2]
@@ -46,7 +46,7 @@ def check_a_slice_has_the_colors_of_the_data(baked, tmp_path, place):
     assert known.sum() > 400
     close(seen[known], np.repeat(expected[known][:, None], 3, axis=1), 0.06)
     assert np.all(seen[values < low - 2.0] == 0)
-    # Within the isosurface alone, as it is now and as it is next.
+    # Show data only within the isosurface, which then changes.
     look.slices_inside = True
     for isovalue in (40.0, 60.0):
         baked.leaflight.isovalue = isovalue

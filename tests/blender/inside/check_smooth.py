@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Smooth: at import and afterwards, in files and in the record of a bake."""
+"""Checks Smooth: at import, afterwards, in files and in the record of a bake."""
 
 import bpy
 import leaflight
@@ -15,7 +15,7 @@ from tools import assert_shows, close, vertices_of
 
 @pytest.fixture
 def steps(tmp_path):
-    """Returns a ball of bytes that rises by two a voxel."""
+    """Returns a ball of bytes whose values increase by two per voxel."""
     z, y, x = np.mgrid[:24, :24, :24]
     distance = np.sqrt((x - 11.5) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2)
     np.save(tmp_path / "steps.npy", np.uint8(np.maximum(0, 60 - 2 * distance)))
@@ -70,7 +70,7 @@ def check_normals_alone_are_smoothed(steps, tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.smooth(what="smooth_normals", amount="0")
     assert "radiance" not in obj.data.attributes
-    # A bake that is loaded brings its normals.
+    # A loaded bake brings its normals.
     bpy.ops.leaflight.load_bake(filepath=obj.leaflight.bake_path)
     obj = bpy.context.object
     assert obj.leaflight.smooth_normals == 2.0 and "radiance" in obj.data.attributes

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stage: what it puts around volumes, hides and shows again, and a camera that sees it."""
+"""Checks Stage: objects around volumes, hidden objects, and a camera that sees the volume."""
 
 import math
 
@@ -15,7 +15,7 @@ from tools import (
     close,
     error_of,
     in_frame,
-    one_coloured_world,
+    one_colored_world,
     to_world,
     vertices_of,
 )
@@ -46,7 +46,7 @@ def _find(items, name):
 
 @pytest.fixture
 def head(tmp_path):
-    """Imports a NIfTI file whose values rise towards the patient's front, as in a head's face."""
+    """Imports a NIfTI file whose values increase towards the patient's front, as at a face."""
     values = np.fromfunction(lambda x, y, z: 10.0 * y + x, (12, 16, 10)).astype(np.float32)
     path = tmp_path / "head.nii"
     nibabel.save(nibabel.Nifti1Image(values, np.diag([1.0, 1.0, 1.0, 1.0])), path)
@@ -57,7 +57,7 @@ def head(tmp_path):
 
 @pytest.fixture
 def ball(tmp_path):
-    """Imports a volume of a ball, empty around it, with a speck of dust in a corner."""
+    """Imports a ball in an empty volume, with a speck of dust in a corner."""
     x, y, z = np.mgrid[:40, :40, :40]
     values = np.clip(100.0 - 10.0 * np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 22) ** 2), 0, 100)
     values[1:3, 1:3, 1:3] = 100.0
@@ -83,7 +83,7 @@ def check_dust_does_not_count(ball):
 
 
 def check_parts_of_a_mesh_are_distinguished():
-    """Two strips of ten and of two triangles, whose vertices are numbered at random."""
+    """Checks strips of ten and of two triangles, with randomly numbered vertices."""
     strips = np.array([(i, i + 1, i + 2) for i in (*range(10), 12, 13)])
     numbers = np.random.default_rng(0).permutation(16)
     for share, kept in ((0.1, 16), (0.5, 12)):
@@ -192,10 +192,11 @@ def check_the_camera_stands_before_the_face(head, degrees):
     front = np.array(head.matrix_world, np.float64)[:3, :3] @ (0, 1, 0)
     towards = np.array(bpy.context.scene.camera.matrix_world.translation) - _middle(head)
     cosine = front @ towards / np.linalg.norm(front) / np.linalg.norm(towards)
-    # Three quarters; the stage turns by quarters, and the camera looks down a little.
+    # The view is from three quarters. The stage turns by 90 degrees, and the camera looks down
+    # slightly.
     assert cosine > math.cos(math.radians(68 if degrees == 30 else 38))
     assert math.degrees(math.asin(towards[2] / np.linalg.norm(towards))) == pytest.approx(10, abs=3)
-    # Its lamp lights the face, and its back wall is behind the head.
+    # The lamp must light the face, and the back wall must be behind the head.
     lamp, wall = (bpy.data.objects[name].matrix_world.translation for name in ("lamp", "back wall"))
     middle = _middle(head)
     assert (np.array(lamp) - middle) @ towards > 0 > (np.array(wall) - middle) @ towards
@@ -207,7 +208,7 @@ def _middle(obj):
 
 
 def check_the_camera_stands_before_the_face_in_a_file_that_counts_towards_the_back(tmp_path):
-    """MetaImage, as DICOM, counts towards left, posterior, superior."""
+    """Checks MetaImage, whose axes are left, posterior, superior, as in DICOM."""
     values = np.fromfunction(lambda z, y, x: 150.0 - 10.0 * y + x, (10, 16, 12))
     header = "NDims = 3\nDimSize = 12 16 10\nAnatomicalOrientation = RAI\n"
     header += "ElementType = MET_FLOAT\nElementDataFile = LOCAL\n"
@@ -277,7 +278,7 @@ def check_others_may_stay(bumps):
 
 @pytest.mark.parametrize("preset", BUILT)
 def check_another_stage_replaces_its_own_objects_and_no_other(bumps, preset):
-    mine = one_coloured_world((0.2, 0.3, 0.4), name="Mine")
+    mine = one_colored_world((0.2, 0.3, 0.4), name="Mine")
     bpy.context.scene.world = mine
     _stage("OPEN_FLOOR")
     first = _staged()
@@ -300,7 +301,7 @@ def check_another_stage_replaces_its_own_objects_and_no_other(bumps, preset):
 
 def check_my_scene_is_left_as_it_is(bumps):
     assert "choose one" in error_of(bpy.ops.leaflight.stage, preset="MY_SCENE")
-    mine = one_coloured_world((0.2, 0.3, 0.4), name="Mine")
+    mine = one_colored_world((0.2, 0.3, 0.4), name="Mine")
     scene = bpy.context.scene
     scene.world = mine
     own = bpy.data.collections.new("Own")

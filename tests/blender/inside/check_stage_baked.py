@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stages with their light baked."""
+"""Checks stages with baked light."""
 
 import os
 
@@ -29,7 +29,9 @@ def check_what_was_lit_by_the_last_bake_goes_with_its_stage(bumps):
 
 
 def check_walls_and_isosurface_lose_their_light_together(bumps):
-    """A stage is none of those that the bake has seen; the bake's file stays, and undo finds it."""
+    """Checks that a new stage removes all baked light. The file of the bake stays, and undo
+    restores the light.
+    """
     _stage("CORNELL")
     bpy.ops.leaflight.bake()
     path = bpy.path.abspath(bumps.leaflight.bake_path)
@@ -44,7 +46,7 @@ def check_walls_and_isosurface_lose_their_light_together(bumps):
 
 @pytest.mark.parametrize("preset", BUILT)
 def check_nothing_is_burnt_out(bumps, preset, tmp_path):
-    """Through the camera, as F12 shows it: no white, and neither all dark."""
+    """Checks the rendered picture: neither white nor all dark."""
     _stage(preset)
     scene = bpy.context.scene
     bpy.ops.leaflight.bake()

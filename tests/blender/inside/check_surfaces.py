@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrors, glass and textured walls about a probe, rendered by Cycles and by the core."""
+"""Compares mirrors, glass and textured walls around a small square, by Cycles and by the core."""
 
 import math
 
@@ -46,18 +46,20 @@ def _plane(size, location, rotation, kind, **inputs):
 
 
 def _glowing_wall():
-    """Adds an upright wall beside the probe; a mirror opposite and glass before it matter much."""
+    """Adds an upright emissive wall beside the square. A mirror opposite or glass in front changes
+    the light.
+    """
     _plane(1.0, (-0.8, 0.1, 0.6), (0, math.pi / 2, 0), "ShaderNodeEmission", Color=(1, 0.6, 0.3, 1))
 
 
 @pytest.mark.parametrize("kind", ["ShaderNodeBsdfGlossy", "ShaderNodeBsdfPrincipled"])
 def check_a_mirror(probe, tmp_path, kind):
     _glowing_wall()
-    colour = (0.9, 0.8, 0.6, 1)
+    color = (0.9, 0.8, 0.6, 1)
     if kind == "ShaderNodeBsdfGlossy":
-        inputs = {"Color": colour, "Roughness": 0.0}
+        inputs = {"Color": color, "Roughness": 0.0}
     else:
-        # A white metal: the Principled BSDF turns other colors white towards grazing angles.
+        # Use white, because the Principled BSDF makes other colors whiter at grazing angles.
         inputs = {"Base Color": (1, 1, 1, 1), "Metallic": 1.0, "Roughness": 0.0}
     _plane(1.5, (0.6, 0.0, 0.5), (0, math.pi / 2 + 0.2, 0), kind, **inputs)
     assert_probe_agrees(tmp_path, 2048)
@@ -80,7 +82,7 @@ def check_a_glass_block(probe, tmp_path, kind, flipped):
 
 
 def check_a_textured_wall(probe, tmp_path):
-    """The wall takes the light of a sun from behind the probe and throws its colors onto it."""
+    """Checks a wall that reflects the light of a sun, from behind the square, in its colors."""
     wall = _plane(1.6, (0.5, 0.0, 0.6), (0, math.pi / 2, 0), "ShaderNodeBsdfDiffuse")
     tree = wall.data.materials[0].node_tree
     (diffuse,) = (n for n in tree.nodes if n.type == "BSDF_DIFFUSE")

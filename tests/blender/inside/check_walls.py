@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The walls show the light of the present isosurface."""
+"""Checks that walls show the light of the shown isosurface."""
 
 import bpy
 import numpy as np
@@ -8,7 +8,7 @@ from blends import reopened
 from leaflight_addon.show import display, preview, properties, surface_object, walls
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from tools import close, colours_of, render_exr
+from tools import close, colors_of, render_exr
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def assert_walls_show(lit, c, tolerance=1e-5):
         close(found, vertices, 1e-5)
         for name, back in (("radiance", False), ("radiance_back", True)):
             expected = bake.walls.radiance(obj["leaflight_wall"], c, back=back)
-            close(colours_of(obj, name), expected, tolerance)
+            close(colors_of(obj, name), expected, tolerance)
 
 
 def check_displays_stand_in_for_the_walls(lit):
@@ -72,9 +72,9 @@ def check_beyond_the_window_they_show_its_end(lit):
 
 @pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
 def check_frames_of_an_animation_show_each_its_own_light(lit, tmp_path, engine):
-    """The left wall alone, seen from the inside: its vertices' colors, frame by frame."""
+    """Checks vertex colors of the left wall alone, seen from inside, frame by frame."""
     for obj in bpy.context.scene.objects:
-        # Without its lamp it would be dark.
+        # Keep lamps, without which it would be dark.
         if obj.type != "LIGHT":
             obj.hide_render = obj.hide_render or obj.name != "left wall Lit"
     lit.hide_render = False
@@ -148,14 +148,14 @@ def check_undo(lit):
 def check_the_isosurface_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
     lit.leaflight.isovalue = 40.0
     lit = reopened(tmp_path / "scene.blend")
-    # The file of the bake holds halves.
+    # The file of the bake stores half precision.
     assert_walls_show(lit, 40.0, 2e-3)
     lit.leaflight.isovalue = 70.0
     assert_walls_show(lit, 70.0)
 
 
 def check_walls_are_of_the_same_pass_as_the_isosurface(lit):
-    """A pass that has the light of the walls shows it; without the pass all is as before."""
+    """Checks passes with and without light of the walls."""
     scene, other = bpy.context.scene, cache.bake_of(lit)
     lit.leaflight.seed += 1
     bpy.ops.leaflight.bake()
@@ -164,7 +164,7 @@ def check_walls_are_of_the_same_pass_as_the_isosurface(lit):
     preview.put(lit, other, 0, [x for row in lit.matrix_world for x in row])
     walls.show_pass(scene)
     index = displays()[0]["leaflight_wall"]
-    close(colours_of(displays()[0]), other.walls.radiance(index, c, back=False), 1e-5)
+    close(colors_of(displays()[0]), other.walls.radiance(index, c, back=False), 1e-5)
     surface_object.forget_passes()
     walls.refresh(scene)
     assert_walls_show(lit, c)

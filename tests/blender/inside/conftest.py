@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An empty scene for each check, and the bump box imported, boxed and baked in it."""
+"""Fixtures of the checks: an empty scene, and the bump box imported, in a box, and baked."""
 
 import math
 import os
@@ -28,7 +28,7 @@ def empty_scene():
 
 @pytest.fixture
 def bump_file(tmp_path):
-    """Returns the bump box as a file without a header, voxels not cubic."""
+    """Returns the bump box as a file without a header; its voxels are not cubes."""
     path = tmp_path / "bumps.raw"
     leaflight._core.bump_box(N).astype("<f4").tofile(path)
     return path
@@ -46,7 +46,7 @@ def bumps(bump_file, tmp_path):
     obj = bpy.context.object
     obj.leaflight.bake_folder = str(tmp_path / "bakes")
     obj.leaflight.error, obj.leaflight.resolution = 20.0, N
-    # Colors in files beside the bake. This is not the default.
+    # Use colors in a file beside the bake, which is not the default.
     obj.leaflight.shading = "ATLAS"
     bpy.context.view_layer.update()
     return obj
@@ -54,21 +54,21 @@ def bumps(bump_file, tmp_path):
 
 @pytest.fixture
 def boxed(bumps):
-    """Returns the same in a Cornell box."""
+    """Returns the bump box in a Cornell box."""
     build_cornell_box()
     return bumps
 
 
 @pytest.fixture
 def baked(boxed):
-    """Returns the same, baked."""
+    """Returns the bump box in a Cornell box, baked."""
     bpy.ops.leaflight.bake()
     return boxed
 
 
 @pytest.fixture
 def unsaved(boxed):
-    """Yields the boxed bumps in a .blend that was never saved, baked into the user's folder."""
+    """Yields the bump box, baked in a .blend that was never saved."""
     boxed.leaflight.bake_folder = ""
     bpy.ops.leaflight.bake()
     yield boxed
@@ -77,14 +77,14 @@ def unsaved(boxed):
 
 @pytest.fixture
 def saved(boxed, tmp_path):
-    """Returns the boxed bumps, baked in a .blend in a new folder."""
+    """Returns the bump box, baked in a .blend in a new folder."""
     boxed.leaflight.bake_folder = ""
     return open_saved(tmp_path / "here" / "scene.blend", bake=True)
 
 
 @pytest.fixture
 def passes(boxed):
-    """Returns the boxed bumps, to be baked in passes in a window of their isovalues."""
+    """Returns the bump box for bakes in passes, with an isovalue range."""
     boxed.leaflight.property_unset("error")
     boxed.leaflight.use_resolution = False
     boxed.leaflight.low, boxed.leaflight.high = 40.0, 60.0
@@ -95,8 +95,8 @@ def passes(boxed):
 
 @pytest.fixture
 def noisy(passes):
-    """The same, lit by a spot on the ceiling: all light of isosurfaces is indirect, and most of its
-    error is noise.
+    """Returns the same with a spot light on the ceiling only. All light of isosurfaces is then
+    indirect, and most of its error is noise.
     """
     (lamp,) = [obj for obj in bpy.data.objects if obj.type == "LIGHT"]
     lamp.data.type = "SPOT"
@@ -116,15 +116,17 @@ def endless(noisy):
 
 @pytest.fixture
 def uncut(monkeypatch):
-    """Meshes without the vertices that light adds: on rounding hangs whether there is one more."""
+    """Prevents meshes with extra vertices at steps of the light, whose number depends on
+    rounding.
+    """
     monkeypatch.setattr(bake_of_package, "LARGEST_STEP", float("inf"))
 
 
 @pytest.fixture
 def interactive(monkeypatch):
-    """Checks run without a window, where no surface is coarse.
+    """Simulates a window, because without one no surface is coarse.
 
-    Seconds pass by tick() and rest() alone.
+    Time passes only by tick() and rest().
     """
 
     class App:

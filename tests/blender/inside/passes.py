@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Helpers of the checks of bakes in passes."""
+"""Helpers for checks of bakes in passes."""
 
 import math
 import time
@@ -15,13 +15,13 @@ from leaflight_addon.bake import bake
 from leaflight_addon.operators import background
 from tools import close, mesh_arrays, start, to_world, wait_while
 
-# Takes all the passes that a bake may have where its error is noise (the fixture "noisy"), which is
-# more than any of these checks lets be.
+# Target error that takes all passes of a bake with noise (fixture "noisy"), which no check waits
+# for.
 UNREACHED = 0.01
 
 
 def state():
-    """Returns the state that a bake which is thrown away must leave alone."""
+    """Returns the state that a discarded bake must not change."""
     obj = bpy.context.object
     return {
         "objects": sorted(o.name for o in bpy.data.objects),
@@ -39,7 +39,7 @@ def state():
 
 
 def begin(obj, passes=1, kind=bake.BakeJob):
-    """Returns a bake in progress with so many passes done, as a BakeJob and its BackgroundWork.
+    """Returns a bake in progress after this many passes, as a BakeJob and its BackgroundWork.
 
     The next pass waits until job.most allows it, or until the bake is cancelled.
     """
@@ -49,7 +49,7 @@ def begin(obj, passes=1, kind=bake.BakeJob):
 
         def __init__(self, context, obj):
             super().__init__(context, obj)
-            # No file while it waits.
+            # Save no checkpoint while it waits.
             self.checkpoint = replace(self.checkpoint, seconds=math.inf)
 
         def _light(self, on_pass, progress):
@@ -131,7 +131,7 @@ class Window:
 
 
 class Layout:
-    """Takes what a panel draws."""
+    """A recorder of what a panel draws."""
 
     def __init__(self, drawn):
         self._drawn = drawn

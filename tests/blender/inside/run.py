@@ -38,7 +38,7 @@ runpy.run_path(str(here.parent / "name_the_addon.py"))
 print(f"Blender {bpy.app.version_string}, {sys.modules['leaflight_addon'].__name__}")
 sys.path.insert(0, str(here))  # for tools.py
 chosen = [] if os.environ.get("LEAFLIGHT_MACHINE") == "1" else ["-m", "not machine"]
-# The project's own settings would put the built package in the place of the installed one.
+# The project's own settings would replace the installed package by the built one.
 status = pytest.main(
     [
         "-c",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the checks share: reading meshes back, rendering exact pixels, reading reports."""
+"""Helpers of the checks: read meshes, render exact pixels, read reports."""
 
 import os
 import sys
@@ -23,13 +23,13 @@ from mathutils import Vector
 # Seconds after which another program hangs, whatever the machine.
 HANG = 1800
 
-# The name under which Blender has the add-on.
+# Name of the add-on's module in Blender.
 ADDON = sys.modules["leaflight_addon"].__name__
 
 _engines = bpy.types.RenderSettings.bl_rna.properties["engine"].enum_items
 EEVEE = next((e for e in ("BLENDER_EEVEE", "BLENDER_EEVEE_NEXT") if e in _engines), None)
 
-# Sockets of the Principled BSDF, from 4.0 on.
+# Sockets of the Principled BSDF that have other names from 4.0 on.
 _RENAMED = {
     "Specular": "Specular IOR Level",
     "Transmission": "Transmission Weight",
@@ -50,7 +50,7 @@ def mesh_arrays(obj):
     mesh.loops.foreach_get("vertex_index", triangles)
     radiance = None
     if "radiance" in mesh.attributes:
-        radiance = colours_of(obj)
+        radiance = colors_of(obj)
     return vertices, triangles.reshape(-1, 3), radiance
 
 
@@ -61,15 +61,15 @@ def vertices_of(obj):
     return vertices.reshape(-1, 3)
 
 
-def colours_of(obj, name="radiance"):
+def colors_of(obj, name="radiance"):
     """Returns linear RGB (n, 3) of a color attribute of the mesh of an object."""
-    colours = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("color", colours)
-    return colours.reshape(-1, 4)[:, :3]
+    colors = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.attributes[name].data.foreach_get("color", colors)
+    return colors.reshape(-1, 4)[:, :3]
 
 
 def expected_surface(obj, isovalue):
-    """Returns the same three of the core itself, for the volume and the bake of an object."""
+    """Returns the same three, computed by the core for the volume and the bake of an object."""
     field, bake = cache.volume_of(obj).field(), cache.bake_of(obj)
     if bake is None:
         vertices, _, triangles = leaflight._core.contour(field, isovalue)
@@ -94,7 +94,9 @@ def to_world(obj, points):
 
 
 def in_frame(obj):
-    """Returns the places of an isosurface's large parts in the camera's frame, and distances."""
+    """Returns positions of an isosurface's large parts in the camera's frame, and their
+    distances.
+    """
     scene = bpy.context.scene
     points = camera.shown_points([obj])
     return np.array([world_to_camera_view(scene, scene.camera, Vector(p)) for p in points])
@@ -120,14 +122,16 @@ def change(obj):
 
 
 def edit_as_the_slider_does(obj, isovalue):
-    """A slider writes the ID property and tags the object; no Python of ours runs by it."""
+    """Changes the isovalue like a slider: sets the ID property and tags the object, without
+    our Python.
+    """
     obj.leaflight["isovalue"] = isovalue
     obj.update_tag()
     bpy.context.view_layer.update()
 
 
 class Clock:
-    """In place of the module time: its seconds pass only where a check adds to them."""
+    """A replacement of the module time, whose seconds pass only when a check adds to them."""
 
     def __init__(self):
         self.now = 0.0
@@ -145,25 +149,25 @@ def tick():
 
 
 def rest():
-    """Calls it until the work ends."""
+    """Calls tick() until the work ends."""
     while tick() is not None:
-        # For the thread of the work.
+        # Give the worker thread time.
         time.sleep(0.005)
 
 
-# Work that start() has started in this check.
+# Work that start() has started in the current check.
 _started = []
 
 
 def start(job):
-    """Returns a Job at work in a thread, which ends with the check, also where that fails."""
+    """Starts a Job in a thread; returns the work, which ends with the check."""
     work = jobs.BackgroundWork(job)
     _started.append(work)
     return work
 
 
 def end_all():
-    """Cancels what was started, and waits for its end."""
+    """Cancels all work that was started, and waits for its end."""
     for work in _started:
         work.cancel()
         work.wait(None)
@@ -171,7 +175,7 @@ def end_all():
 
 
 def wait_while(work, condition):
-    """Waits for as long as a condition holds; fails when the work ends before."""
+    """Waits while a condition holds; fails if the work ends before."""
     while condition():
         work.wait(0.01)
         if not work.is_alive() and condition():
@@ -180,7 +184,7 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """Returns the sentence with which an operator reports that it was cancelled, or cannot run."""
+    """Returns the message of an operator that is cancelled or cannot run."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
     return str(caught.value).strip().removeprefix("Error: ")
@@ -197,7 +201,7 @@ def duplicate(obj, linked=False):
 
 
 def add_camera(location, rotation, orthographic=None):
-    """Makes a camera and looks through it; orthographic is the width of its view."""
+    """Adds a camera and looks through it; orthographic: width of its view."""
     data = bpy.data.cameras.new("Camera")
     if orthographic is not None:
         data.type = "ORTHO"
@@ -211,7 +215,7 @@ def add_camera(location, rotation, orthographic=None):
 
 
 def require_eevee():
-    """Returns the engine's name; skips the check where Eevee has no OpenGL."""
+    """Returns the name of Eevee; skips the check if Eevee has no OpenGL."""
     if sys.platform == "win32" and "DISPLAY" not in os.environ:
         pytest.skip("Wine has OpenGL on a screen alone: run it by xvfb-run.")
     return EEVEE
@@ -246,12 +250,13 @@ def render_exr(path, engine="CYCLES", samples=1, size=48):
 
 
 def build_probe(albedo):
-    """Returns a tiny Lambertian square at the origin that faces up, in a black world.
+    """Adds a tiny Lambertian square at the origin that faces up, in a black world, and a camera
+    just above it.
 
-    A camera hangs closely above it; lights belong beside the camera, not above.
+    Put lights beside the camera, not above.
     """
     scene = bpy.context.scene
-    scene.world = one_coloured_world((0, 0, 0))
+    scene.world = one_colored_world((0, 0, 0))
     bpy.ops.mesh.primitive_plane_add(size=0.002)
     probe = bpy.context.object
     probe.data.materials.append(constant_material("ShaderNodeBsdfDiffuse", Color=(*albedo, 1.0)))
@@ -260,11 +265,10 @@ def build_probe(albedo):
 
 
 def traced_probe(description, samples=1 << 19):
-    """Radiance (3,) of the probe, the first mesh of the scene, by the core's path tracer.
-
-    And its standard error.
+    """Returns the radiance (3,) of the probe, the first mesh, by the core's path tracer, and its
+    standard error.
     """
-    # A scene needs a volume: one that is black, far below the probe.
+    # A scene needs a volume, so put a black one far below the probe.
     values = np.zeros((4, 4, 4), np.float32)
     values[1:3, 1:3, 1:3] = 1.0
     matrix = np.diag([0.01, 0.01, 0.01, 1.0])
@@ -295,31 +299,31 @@ def add_light(kind, location=(0, 0, 0), rotation=(0, 0, 0), **settings):
     return obj
 
 
-def plain_material(name, colour):
-    """Returns a new diffuse material, without nodes if this Blender still has such."""
+def plain_material(name, color):
+    """Returns a new diffuse material, without nodes if this Blender still supports that."""
     material = bpy.data.materials.new(name)
-    material.diffuse_color = (*colour, 1.0)
+    material.diffuse_color = (*color, 1.0)
     tree = versions.node_tree(material)
     for node in tree.nodes if tree else ():
         if node.type == "BSDF_PRINCIPLED":
-            node.inputs["Base Color"].default_value = (*colour, 1.0)
+            node.inputs["Base Color"].default_value = (*color, 1.0)
             node.inputs["Specular IOR Level"].default_value = 0.0
     return material
 
 
-def one_coloured_world(colour, name="World"):
-    """Returns the same of a world."""
+def one_colored_world(color, name="World"):
+    """Returns a new world of one color, without nodes if this Blender still supports that."""
     world = bpy.data.worlds.new(name)
-    world.color = colour
+    world.color = color
     tree = versions.node_tree(world)
     for node in tree.nodes if tree else ():
         if node.type == "BACKGROUND":
-            node.inputs["Color"].default_value = (*colour, 1.0)
+            node.inputs["Color"].default_value = (*color, 1.0)
     return world
 
 
 def constant_material(kind, **inputs):
-    """Returns a material of one shader node of this kind, its inputs set by name."""
+    """Returns a material of one shader node of this type, with its inputs by name."""
     material = bpy.data.materials.new("Material")
     nodes = versions.give_nodes(material).nodes
     nodes.clear()
@@ -332,14 +336,14 @@ def constant_material(kind, **inputs):
 
 
 def noise_image(width, height):
-    """Returns a float image of random colors, the same each time."""
+    """Returns a float image of random colors, always the same."""
     return _image(np.random.default_rng(0).random((height, width, 3)), True)
 
 
 def smooth_image(width, height):
-    """Returns an 8-bit image that changes little from pixel to pixel, and nothing at its seam.
+    """Returns an 8-bit image that is smooth, also across its border.
 
-    Between pixels Cycles interpolates 8-bit colors while they are still encoded.
+    Cycles interpolates 8-bit colors before it decodes them.
     """
     y, x = np.mgrid[:height, :width] / np.array([height, width]).reshape(2, 1, 1)
     waves = [
@@ -348,11 +352,11 @@ def smooth_image(width, height):
     return _image(0.5 + 0.4 * np.stack(waves, axis=-1), False)
 
 
-def _image(colours, is_float):
-    height, width, _ = colours.shape
+def _image(colors, is_float):
+    height, width, _ = colors.shape
     image = bpy.data.images.new("Picture", width, height, float_buffer=is_float)
     pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = colours
+    pixels[..., :3] = colors
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     return image
@@ -360,8 +364,8 @@ def _image(colours, is_float):
 
 def camera_rays_down(width, size):
     """Returns world x and y of the pixels of an orthographic camera above, top row first."""
-    centre = (np.arange(size) + 0.5) / size - 0.5
-    return np.meshgrid(width * centre, -width * centre)
+    center = (np.arange(size) + 0.5) / size - 0.5
+    return np.meshgrid(width * center, -width * center)
 
 
 def look_down(height, width):
@@ -369,14 +373,16 @@ def look_down(height, width):
 
 
 def displayed_gray(shares):
-    """Returns the linear gray, between nine colors, of shares of white as a display shows them."""
+    """Returns the linear gray, interpolated between nine samples, of displayed gray levels 0..1."""
     shown = np.linspace(0.0, 1.0, 9)
     linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     return np.interp(shares, shown, linear)
 
 
 def texels_at(bake, points, name="radiance"):
-    """Returns where the shader blends eight active texels, and their blended values."""
+    """Returns the positions at which the shader blends eight active texels, and the blended
+    values.
+    """
     texels = np.array(bake.grid.resolution)
     nodes = np.array(bake.volume.values.shape[::-1])
     inverse = np.linalg.inv(bake.volume.index_to_world)
@@ -391,7 +397,7 @@ def texels_at(bake, points, name="radiance"):
     for corner in range(8):
         bits = np.array([corner & 1, corner >> 1 & 1, corner >> 2])
         i, j, k = (low + bits).T
-        # Closest lookups may round to either side right at a texel.
+        # Next to a texel, closest lookups may be rounded to either side.
         inside &= active[k, j, i]
         weight = np.where(bits, share, 1 - share).prod(axis=1)
         radiance += weight[:, None] * dense[k, j, i]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python compare.py -- FOLDER: a comparison by its
-dialog, as a user makes it; a comparison and an import that Esc ends.
+"""blender --enable-event-simulate --python compare.py -- FOLDER: makes a comparison by its dialog,
+then ends a comparison and an import by Esc.
 
 Prints a line WINDOW and a JSON object.
 """
@@ -25,7 +25,7 @@ from leaflight_addon.operators import jobs
 FOLDER = Path(sys.argv[-1])
 
 found = {}
-# When the viewport was drawn; what the comparison has said, however briefly.
+# Times at which the viewport was drawn, and all status texts of the comparison.
 drawn, statuses = [], []
 
 
@@ -73,7 +73,7 @@ def compare(obj):
         now = time.perf_counter()
         gaps += [] if last is None else [now - last]
         last = now
-        # The user moves the isovalue meanwhile.
+        # The user moves the isovalue during the comparison.
         blender.show(obj, 45.0 + len(gaps) % 5)
         yield 0.05
     yield 0.5
@@ -123,7 +123,7 @@ def cancel_import():
     block = gzip.compress(bytes(800**3 // 64))
     path.write_bytes(gzip.compress(header.binaryblock + bytes(4)) + 64 * block)
     before = len(bpy.data.objects), len(bpy.data.meshes)
-    # As in Blender's factory scene, where imports come first.
+    # Use the shading of Blender's factory scene, where imports come first.
     hand.view().spaces.active.shading.type = "SOLID"
     yield from viewport_rests()
     with hand.in_view():
@@ -144,7 +144,7 @@ def cancel_import():
 
 
 def viewport_rests():
-    """Waits until the viewport is drawn: its shaders take seconds, whatever else is at work."""
+    """Waits until the viewport is drawn; its shaders take seconds."""
     drawn.clear()
     hand.view().tag_redraw()
     yield from stepwise.until(lambda: drawn and time.perf_counter() > drawn[-1] + 2.0)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_isovalue.py -- VOLUME.npy WINDOW_LOW WINDOW_HIGH:
-drags the isovalue's slider back and forth with the mouse, as a user does.
+drags the isovalue's slider back and forth with the mouse.
 
-It does so three times: with full detail in every step, as Leaflight shows it, and beside a bake.
-Prints a line WINDOW and a JSON object: per drag, the seconds between pictures of the viewport.
+There are three drags: with full detail in every step, as Leaflight shows it, and during a bake.
+Prints a line WINDOW and a JSON object: for each drag, the seconds between pictures of the viewport.
 """
 
 import os
@@ -28,7 +28,7 @@ pictures = []
 
 def main():
     path, low, high = sys.argv[-3:]
-    # Without a graphics card most of a picture's time would go into these.
+    # Switch these off, because they take most of the time without a graphics card.
     bpy.context.preferences.system.viewport_aa = "OFF"
     show_leaflight_alone()
     import_volume(path, float(low), float(high))
@@ -39,7 +39,7 @@ def main():
 
 
 def show_leaflight_alone():
-    """The sidebar of the viewport has no other tabs, save Blender's innermost."""
+    """Removes all other tabs of the sidebar, except Blender's innermost one."""
     for cls in list(bpy.types.Panel.__subclasses__()):
         place = [getattr(cls, name, None) for name in ("bl_space_type", "bl_region_type")]
         if place == ["VIEW_3D", "UI"] and getattr(cls, "bl_category", None) != "Leaflight":
@@ -62,17 +62,17 @@ def import_volume(path, low, high):
         filepath=raw, dims=values.shape[::-1], value_type=str(values.dtype), spacing=(1, 1, 1)
     )
     bpy.ops.leaflight.stage()
-    # Without a graphics card a lit viewport takes its time for all but the surface.
+    # Without a graphics card, a lit viewport takes too much time beside the surface.
     hand.view().spaces.active.shading.type = "SOLID"
     hand.view().spaces.active.region_3d.view_perspective = "CAMERA"
     settings = bpy.context.object.leaflight
     settings.light_walls = False
     settings.limit_isovalue((float(values.min()), float(values.max())), (low, high), low)
     settings.low, settings.high = low, high
-    # Few triangles, until the slider is found.
+    # Show few triangles until the slider is found.
     settings.isovalue = float(values.max()) - 1.0
     settings.bake_folder = os.path.dirname(path)
-    # The bake shall go on for as long as anyone drags.
+    # The bake must last for the whole drag.
     settings.resolution = 192
     settings.error = 0.01
 
@@ -96,7 +96,7 @@ def drive():
     jobs.running().cancel()
     yield from stepwise.until(lambda: jobs.running() is None)
     bpy.ops.leaflight.throw_bake_away()
-    # Another: on a fast machine little would be left of the first.
+    # Start another bake, because a fast machine may have nearly finished the first.
     yield from begin_bake(window)
     yield from drag(window, place, "baking")
     found["baking"]["bakes"] = jobs.running() is not None
@@ -104,7 +104,7 @@ def drive():
 
 
 def choose_last_tab(window):
-    """Clicks down the tabs of the sidebar; Blender's own is above ours."""
+    """Clicks through the tabs of the sidebar; Blender's own is above ours."""
     region = hand.region("UI")
     x, top = region.x + region.width - 14, region.y + region.height
     for y in range(top - 20, top - 200, -12):
@@ -112,7 +112,7 @@ def choose_last_tab(window):
 
 
 def find_slider(window):
-    """Presses and drags a little, row by row, until the isovalue moves; returns the place."""
+    """Presses and drags slightly in each row until the isovalue moves; returns the position."""
     region = hand.region("UI")
     x = region.x + region.width // 3
     obj = bpy.context.object
@@ -126,7 +126,7 @@ def find_slider(window):
 
 
 def gesture(window, places):
-    """Presses the mouse at the first place, lets go at the last."""
+    """Presses the mouse at the first position, and releases it at the last."""
     window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=places[0][0], y=places[0][1])
     yield 0.05
     window.event_simulate(type="LEFTMOUSE", value="PRESS", x=places[0][0], y=places[0][1])
@@ -163,7 +163,7 @@ def drag(window, place, name):
 
 
 def rest(name=None):
-    """Waits for the whole detail; notes when it came after the last move."""
+    """Waits for full detail; records its delay after the last move."""
     start = time.perf_counter()
     yield 0.05
     while surface_object.is_coarse(bpy.context.object.data):
@@ -176,7 +176,7 @@ def rest(name=None):
 
 
 def begin_bake(window):
-    """Begins a bake, and waits until it has shown a pass."""
+    """Starts a bake, and waits until it has shown a pass."""
     with bpy.context.temp_override(window=window, area=hand.view(), region=hand.region("UI")):
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
     yield from rest()
@@ -187,7 +187,7 @@ def begin_bake(window):
 
 
 def bake_alone():
-    """Lets the bake show passes for a while, without the mouse."""
+    """Lets the bake show passes for a while, without mouse events."""
     pictures.clear()
     start, before, passes = time.perf_counter(), None, 0
     statuses = set()

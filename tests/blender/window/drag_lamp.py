@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python drag_lamp.py -- VOLUME FOLDER: drags the key light of
-the Studio over a baked volume with the mouse, with Live on. Then stops the light by Esc and moves
-the lamp again.
+Studio over a baked volume with the mouse, with Live on.
 
-Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: seconds from
-moves to light.
+Then stops the light by Esc and moves the lamp again. Writes pictures of the viewport to the folder.
+Prints a line WINDOW and a JSON object: seconds from moves to light.
 """
 
 import json
@@ -25,7 +24,7 @@ from leaflight_addon.store import cache
 
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
-# Steps of the mouse in a drag, of so many pixels, that many times a second.
+# Mouse steps in a drag, pixels per step, and steps per second.
 STEPS, PIXELS, PER_SECOND = 40, 10, 10
 
 found, pictures = {"seconds": {}}, []
@@ -83,8 +82,8 @@ def drive():
     found["bake"] = time.perf_counter() - start
     found["triangles"] = len(hand.volume().data.polygons)
     found["points"] = len(cache.bake_of(hand.volume()).grid.direct.light_points)
-    # Isosurfaces of a small volume, too, are coarse while the lamp moves. The light adds triangles
-    # to those of its nodes.
+    # Make isosurfaces of small volumes coarse, too, while the lamp moves. The light adds triangles
+    # to their nodes.
     live._QUICK_MAPS = 0
     limit = min(surface_object.MOVING_TRIANGLES, found["triangles"] // 8)
     surface_object.MOVING_TRIANGLES = limit
@@ -124,7 +123,7 @@ def drag():
             triangles = min(triangles, len(hand.volume().data.polygons))
         if step == STEPS // 2:
             yield from picture("dragged")
-    # Nothing else moves: the pictures of this place.
+    # Nothing else moves, so take the pictures of this position.
     yield from stepwise.until(lambda: live._job is not None and not live._job.is_outdated)
     yield from stepwise.until(lambda: live._job is None or live._job._can_be_cancelled)
     press("LEFTMOUSE", x + PIXELS * STEPS, y)
@@ -140,7 +139,7 @@ def drag():
 
 
 def stop():
-    """Presses Esc during the passes, and records whether Live stays at rest."""
+    """Presses Esc during the passes, and records whether Live stays idle."""
     x, y = hand.region().x + 0.5 * hand.region().width, hand.region().y + 0.5 * hand.region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
     event("MOUSEMOVE", "NOTHING", x, y)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python duplicate.py -- VOLUME.npy: duplicates a volume, beside
-which another isosurface is shown, by Shift+D, and undoes and redoes that.
+"""blender --enable-event-simulate --python duplicate.py -- VOLUME.npy: duplicates a volume with an
+added isosurface by Shift+D, and undoes and redoes it.
 
-Prints a line WINDOW and a JSON object of what there is after each of these.
+Prints a line WINDOW and a JSON object of the state after each step.
 """
 
 import sys
@@ -23,7 +23,7 @@ def main():
 
 
 def steps():
-    # In a window, so that there is a step to go back to.
+    # Act in the window, so that there is an undo step.
     with hand.in_view():
         bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
         obj = bpy.context.object
@@ -43,7 +43,7 @@ def steps():
     copy = bpy.context.view_layer.objects.active
     found["moved"] = copy.location.length > 0.1
     found["duplicated"] = state()
-    # By hand, as the slider of the panel does.
+    # Move the slider of the panel.
     (own,) = display.added_to(copy)
     own.leaflight.isovalue = 80.0
     with hand.in_view():
@@ -60,7 +60,7 @@ def steps():
 
 
 def state():
-    """By volume: what its added isosurfaces show, and how translucent they are."""
+    """Returns, for each volume, isovalue and opacity of its added isosurfaces."""
     return [
         [
             [round(surface_object.shown_isovalue(obj), 3), round(obj.leaflight_look.opacity, 3)]

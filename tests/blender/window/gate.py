@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Holds work in the background at half way until the test lets it go on, or it is cancelled."""
+"""Holds background work halfway until the test releases it, or it is cancelled."""
 
 import time
 
@@ -7,7 +7,7 @@ import leaflight
 from leaflight import flatland
 from leaflight_addon.operators import jobs
 
-# Place where work waits: before it begins, or after its first pass. Empty if it does not wait.
+# Point where work waits: before it starts, or after its first pass. Empty if it does not wait.
 closed = ""
 # True if work waits, or has waited.
 reached = False
@@ -30,7 +30,7 @@ def _wait(where, progress):
 
 
 def install():
-    """Lets all work of the add-on come by here."""
+    """Makes all work of the add-on pass this gate."""
     run = jobs.BackgroundWork._run
 
     def held(work):
@@ -52,7 +52,7 @@ def _in_passes(bake):
 
         baked = bake(*arguments, on_pass=hold, progress=progress, **options)
         if not reached:
-            # The first pass was good enough.
+            # The first pass reached the target, so there was no callback.
             hold(baked)
         return baked
 

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hand of a user: keys and the mouse over the viewport, the file browser, dialogs.
+"""Simulated user input: keys and the mouse over the viewport, the file browser, dialogs.
 
-Each is a generator for stepwise.run(). Waits are counted in steps, in each of which Blender takes
-all events that there are and draws: how long these take does not matter.
+Each function is a generator for stepwise.run(). Waits are counted in steps, in which Blender
+handles all events and draws. Their duration does not matter.
 """
 
 import bpy
 import stepwise
 from leaflight_addon.stage import viewport
 
-# Keys that Blender leaves free, for operators that are pressed by buttons.
+# Keys without a function in Blender, for operators that users press as buttons.
 PRESS, DELETE, NEW = "F19", "F20", "F21"
 
 _STEP = 0.02
@@ -46,7 +46,7 @@ def region(kind="WINDOW"):
 
 
 def in_view():
-    """Returns a context of the viewport, as a button in it has."""
+    """Returns a context of the viewport, like that of a button in it."""
     return bpy.context.temp_override(window=window(), area=view(), region=region())
 
 
@@ -118,7 +118,9 @@ def bind(key, operator, options):
 
 
 def event(kind, value, x=0.5, y=0.5, **modifiers):
-    """Sends an event at shares of the width and height of the viewport, or of its cover."""
+    """Sends an event at shares of the width and height of the viewport, or of the area that
+    covers it.
+    """
     area = max(window().screen.areas, key=lambda area: area.width * area.height)
     area = next(iter(areas("FILE_BROWSER")), next(iter(areas("VIEW_3D")), area))
     place = int(area.x + x * area.width), int(area.y + y * area.height)

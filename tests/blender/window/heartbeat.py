@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How long Blender's window stands still, and what it does meanwhile."""
+"""A measurement of how long Blender's window is frozen, and in which function."""
 
 import os
 import re
@@ -12,12 +12,12 @@ import bpy
 
 # The folder of these tests.
 _HERE = os.path.dirname(__file__)
-# Seconds between two beats, and after which the window is looked at while it stands still.
+# Seconds between two beats, and of a freeze after which the stack is recorded.
 _BEAT, _LONG = 0.01, 0.25
 
 
 class Heartbeat:
-    """The longest time between two calls of a timer of Blender's, since start()."""
+    """The longest time between two calls of a timer of Blender's since start()."""
 
     def __init__(self):
         self._main = threading.main_thread().ident
@@ -31,7 +31,7 @@ class Heartbeat:
         self._seen, self._last = "", time.perf_counter()
 
     def skip(self):
-        """Leaves out the time since the last beat, which the test itself has taken."""
+        """Ignores the time since the last beat, which the test itself has used."""
         self._seen, self._last = "", time.perf_counter()
 
     def _beat(self):

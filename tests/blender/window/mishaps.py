@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python mishaps.py -- FOLDER: what once broke in a window.
+"""blender --enable-event-simulate --python mishaps.py -- FOLDER: repeats the input that once
+triggered bugs.
 
-Each step is pressed as a user presses it. Prints a line WINDOW and a JSON object: what was found.
-Pictures of the viewport go into the folder.
+Prints a line WINDOW and a JSON object of the results. Writes pictures of the viewport to the
+folder.
 """
 
 import sys
@@ -24,7 +25,7 @@ from leaflight_addon.ui import clip_outline
 
 
 FOLDER = Path(sys.argv[-1])
-# Percent that no bake reaches.
+# Target error in percent that no bake reaches.
 UNREACHED = 0.01
 
 found = {}
@@ -143,7 +144,7 @@ def delete_the_volume_of_a_bake():
     yield from hand.key(hand.DELETE)
     yield from until_free()
     found["deleted"] = {"sentence": failures.sentence(), "offered": stopped.offered() is not None}
-    # Esc closes the popup of the error, which takes all keys.
+    # Esc closes the popup of the error, which receives all keys.
     yield from hand.key("ESC")
     yield from hand.key("Z", ctrl=True)
     yield from stepwise.wait(1.0)
@@ -188,7 +189,7 @@ def open_volume(stages=False):
     yield from stepwise.wait(0.5)
     with hand.in_view():
         bpy.ops.leaflight.import_volume(filepath=str(FOLDER / "bumps.npy"))
-    # Few texels: what is pressed matters, and not how good the light is.
+    # Use few texels, because the quality of the light does not matter.
     hand.volume().leaflight.resolution = 9
     yield from stepwise.wait(0.3)
     if stages:
@@ -199,7 +200,7 @@ def open_volume(stages=False):
 def begin_bake():
     """Presses Bake; the bake waits after its first pass, which is shown."""
     settings = hand.volume().leaflight
-    # With little time walls are lit coarsely.
+    # With a short time limit, walls are lit coarsely.
     settings.error, settings.use_time_limit, settings.time_limit = UNREACHED, True, 1.0
     gate.close("pass")
     hand.press(bpy.ops.leaflight.bake)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python newcomer.py -- VOLUME FOLDER: from the factory scene
-to a lit isosurface by mouse clicks, which are counted, and what a user does next.
+"""blender --enable-event-simulate --python newcomer.py -- VOLUME FOLDER: goes from the factory
+scene to a lit isosurface by counted mouse clicks, and beyond.
 
-Pictures of the viewport go into the folder. Prints a line WINDOW and a JSON object: what was found
-after each step. A file's choice in the file browser is given by its path.
+Writes pictures of the viewport to the folder. Prints a line WINDOW and a JSON object of the results
+of each step. The file browser gets the path of the file.
 """
 
 import os
@@ -22,7 +22,7 @@ from leaflight_addon.show import surface_object, whole_detail
 
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
-# Pixels between the upper border of the window and the entry Import in the menu File.
+# Pixels from the upper border of the window to the entry Import in the menu File.
 IMPORT = 295 if bpy.app.version < (5, 0, 0) else 311
 
 found = {"clicks": 0}
@@ -45,15 +45,15 @@ def drive():
 def import_by_menu():
     found["objects"] = sorted(obj.name for obj in bpy.data.objects)
     top = hand.window().height
-    # From below the entries of Blender itself.
+    # Start below Blender's own entries.
     for row in (*range(9, 40), *range(9)):
-        # File, then down to Import, whose submenu opens under the mouse, and one of its entries.
+        # Open File, then move down to Import, whose submenu opens under the mouse, and to an entry.
         yield from click((46, top - 13))
         yield from stepwise.wait(0.4)
         x, y = 80, top - IMPORT
         yield from move((x, y))
         yield from stepwise.wait(0.5)
-        # To the right first, since the way across other entries would open theirs.
+        # Move to the right first, because crossing other entries would open theirs.
         for place in ((x + 200, y), (x + 200, y - 21 * row)):
             yield from move(place)
         yield from click(None)
@@ -66,7 +66,7 @@ def import_by_menu():
         yield from stepwise.wait(0.3)
     else:
         raise RuntimeError("The menu Import has no volume for Leaflight.")
-    # Searching for the entry does not count, finding it does.
+    # Do not count the clicks of the search.
     found["clicks"] = 2
     area = next(area for area in hand.window().screen.areas if area.type == "FILE_BROWSER")
     parameters = area.spaces.active.params
@@ -113,7 +113,7 @@ def stage_and_bake():
 
 
 def note_passes():
-    """The set of passes that the next bake shows, which waits with each until it was shown."""
+    """Returns the set of passes that the next bake shows; the bake waits until each is shown."""
     shown, light, show = set(), bake.BakeJob._light, bake.BakeJob.show
 
     def until_shown(job, on_pass, progress):
@@ -161,7 +161,7 @@ def picture(path):
 
 def stop_and_keep():
     first = hand.volume().leaflight.bake_id
-    # More work than anyone waits for.
+    # Ask for more work than anyone waits for.
     hand.volume().leaflight.error = 0.01
     hand.volume().leaflight.use_resolution = False
     yield from click(header_button(386))
@@ -177,7 +177,7 @@ def stop_and_keep():
         "offered": stopped.offered() is not None,
         "bake": hand.volume().leaflight.bake_id == first,
     }
-    # Keep Bake stands where Bake stood, once the header is drawn. A busy machine draws it late.
+    # Keep Bake replaces Bake, once the header is drawn. A busy machine draws it late.
     while stopped.offered() is not None:
         yield from stepwise.wait(1.0)
         if jobs.running() is None:
@@ -275,7 +275,7 @@ def play():
 
 
 def header_button(x):
-    """Returns the place of a button above the viewport, so many pixels from its left."""
+    """Returns the position of a button above the viewport, at this many pixels from the left."""
     region = hand.region("TOOL_HEADER")
     return region.x + x, region.y + region.height // 2
 
@@ -284,7 +284,7 @@ _mouse = [0, 0]
 
 
 def move(place):
-    """Moves the mouse in small steps, since menus judge its direction."""
+    """Moves the mouse in small steps, because menus judge its direction."""
     for k in range(1, 5):
         x, y = (round(a + (b - a) * k / 4) for a, b in zip(_mouse, place))
         hand.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)

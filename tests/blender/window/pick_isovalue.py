@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """blender --enable-event-simulate --python pick_isovalue.py -- VOLUME: drags the isovalue in the
-histogram over the viewport, keeps it, drags it again and takes that back.
+histogram over the viewport, confirms it, drags it again and undoes that.
 
-Prints a line WINDOW and a JSON object of the isovalues after each of these.
+Prints a line WINDOW and a JSON object of the isovalues after each step.
 """
 
 import sys
@@ -18,7 +18,7 @@ found = {}
 
 
 def event(kind, value, share, height=60):
-    """Sends an event at a share of the viewport's width, so many pixels above its bottom."""
+    """Sends an event at a share of the viewport's width, at this many pixels above its bottom."""
     x = int(hand.region().x + share * hand.region().width)
     hand.window().event_simulate(type=kind, value=value, x=x, y=int(hand.region().y + height))
 
@@ -32,7 +32,7 @@ def steps():
     hand.clear_scene()
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
     hand.view().spaces.active.show_region_ui = False
-    # A gray viewport, before which the mark's color stands out.
+    # Show a gray viewport, so that the mark's color is unique.
     hand.volume().hide_set(False)
     found["imported"] = hand.volume().leaflight.isovalue
     hand.press(bpy.ops.leaflight.pick_isovalue)

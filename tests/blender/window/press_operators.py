@@ -2,9 +2,9 @@
 """blender --enable-event-simulate --python press_operators.py -- FOLDER JSON: presses operators as
 a user does; JSON is a list of [number of the row in rows.py, way].
 
-Prints a line ROW before each, and after it a line PRESSED and a JSON object: what failed, and how
-long the window stood still. Ends with 3 after a row that failed: the next shall not suffer for it.
-The list OPERATORS, of all operators of the add-on, comes first.
+Prints a line ROW before each, and after it a line PRESSED and a JSON object with failures and the
+longest freeze of the window. Exits with 3 after a failed row, so that it cannot affect the next.
+First prints OPERATORS, a list of all operators of the add-on.
 """
 
 import json

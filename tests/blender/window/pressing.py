@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One operator, pressed in one way (rows.py): what must hold on the way and at its end."""
+"""Presses one operator in one way (rows.py), and checks the conditions on the way and at the
+end.
+"""
 
 import traceback
 
@@ -13,13 +15,13 @@ from leaflight_addon.bake import live, stopped
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import preview
 
-# The text in the status bar of the window.
+# Texts of the window's status bar.
 _status = []
 
-# The step that is undone.
+# Name of the step that is undone.
 _STEP = "Step"
 
-# Steps in which Blender comes to its own work, however long each takes.
+# Numbers of steps in which Blender does its own work.
 _FEW, _MANY = 4, 200
 
 bpy.types.WorkSpace.status_text_set = lambda _workspace, text: _status.append(text)
@@ -96,7 +98,7 @@ class Pressing:
         if hand.areas("VIEW_3D"):
             yield from hand.key(hand.DELETE)
         else:
-            # The browser has the whole window: as if in another.
+            # Remove the object as if in another window, because the browser covers this one.
             bpy.data.objects.remove(bpy.context.view_layer.objects.active)
             yield from hand.steps(_FEW)
         _expect(not seen.graphs() and len(seen.volumes()) < 2, "the object is not deleted")
@@ -129,7 +131,7 @@ class Pressing:
         yield from self._settle()
 
     def _closed(self):
-        """Presses the operator in a second window and closes that window meanwhile."""
+        """Presses the operator in a second window, and closes that window during its work."""
         before = self._see()
         with hand.in_view():
             bpy.ops.wm.window_new()
@@ -146,7 +148,7 @@ class Pressing:
         _expect(self._see() != before, f"{self._row.sees} is {before} as before")
 
     def _beside(self):
-        """Presses it while a bake is at half way, and lets the bake end."""
+        """Presses the operator while a bake is halfway, and lets the bake end."""
         yield from self._begin_bake()
         yield from self._press()
         gate.open_()
@@ -185,7 +187,7 @@ class Pressing:
         _expect(stopped.offered() is not None, "no stopped bake waits")
 
     def _move_lamp(self):
-        """Live is at work for the new place of a lamp."""
+        """Moves a lamp, so that Live is at work."""
         gate.close("work")
         hand.lamp().location.x += 0.1
         yield from self._until(lambda: gate.reached and live.at_work() is not None)
@@ -203,7 +205,7 @@ class Pressing:
             yield from self._until(hand.browser_is_open)
 
     def _answer(self):
-        """Chooses what the row says, or the button OK."""
+        """Makes the choice of the row, or presses OK."""
         if self._row.asks == "browser":
             yield from hand.choose(self._file or seen.folder())
         elif self._row.asks:
@@ -236,7 +238,9 @@ class Pressing:
             yield from hand.steps(1)
 
     def _settle(self):
-        """Waits until all work has ended; raises Failed if it hangs after its thread has ended."""
+        """Waits until all work has ended; raises Failed if its thread has ended but the work
+        has not.
+        """
         yield from hand.steps(_FEW)
         waited = 0
         while jobs.running() is not None or live.at_work() is not None:
@@ -254,7 +258,7 @@ class Pressing:
     # ---- At the end ----
 
     def _is_free(self):
-        """Checks that Blender is free for the next work; every way ends with this."""
+        """Checks that Blender is ready for the next work, after each way."""
         if hand.areas("FILE_BROWSER"):
             raise Failed("the file browser is still open")
         yield from self._decide()
@@ -265,7 +269,7 @@ class Pressing:
                 _expect(bpy.ops.leaflight.bake.poll(), "Bake is gray")
 
     def _decide(self):
-        """Throws away a bake that was stopped, which waits for that."""
+        """Discards a stopped bake, which waits for that."""
         if stopped.offered() is not None:
             hand.bind(hand.PRESS, "leaflight.throw_bake_away", {})
             yield from hand.key(hand.PRESS)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python reads.py -- FOLDER: a .blend whose files take long.
+"""blender --enable-event-simulate --python reads.py -- FOLDER: opens .blend files whose bake, or
+volume, takes long to read, and works meanwhile.
 
-Opens one whose bake, or whose volume before a bake, a thread holds while it is read, and works on
-meanwhile. Prints a line WINDOW and a JSON object: what each step saw before the thread went on
-("held") and afterwards.
+A gate holds the thread that reads. Prints a line WINDOW and a JSON object of the state in each step
+while the thread is held ("held") and afterwards.
 """
 
 import sys
@@ -23,7 +23,7 @@ from leaflight_addon.store import cache, reading, source_files
 
 FOLDER = Path(sys.argv[-1])
 NODES = 32
-# Isovalues as saved, and as dragged while the file is read.
+# Isovalues in the saved file, and after a drag while the file is read.
 SAVED, DRAGGED = 50.0, 60.0
 
 found = {}
@@ -32,9 +32,9 @@ status = []
 
 
 class Gate:
-    """Holds functions that read a file, (path, progress, ...), until it is opened.
+    """A gate for functions that read a file, (path, progress, ...), which wait until it opens.
 
-    reads: for each call "thread", or "window" if it would have held the window.
+    reads: for each call "thread", or "window" if it would freeze the window.
     """
 
     def __init__(self):
@@ -92,7 +92,7 @@ def drive():
 
 
 def make():
-    """Saves the unlit volume, and the same with a bake that lights walls."""
+    """Saves the unlit volume, and the volume with a bake that lights walls."""
     hand.stage_file(FOLDER / "ball.npy", 20.0, 80.0, SAVED)
     with hand.in_view():
         bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "unlit.blend"))
@@ -102,7 +102,7 @@ def make():
 
 
 def open_held(name):
-    """Opens a .blend whose files are held, and drags the isovalue as the slider does."""
+    """Opens a .blend whose files are held, and drags the isovalue."""
     gate.close()
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / f"{name}.blend"))
     status.clear()
@@ -118,7 +118,7 @@ def set_isovalue(isovalue):
 
 
 def release():
-    """Lets the thread go on, and yields until all is shown."""
+    """Releases the thread, and yields until everything is shown."""
     gate.open()
     yield from stepwise.until(lambda: not cache._readings)
     yield from hand.steps(8)
@@ -137,7 +137,7 @@ def shown():
 
 
 def is_lit(obj):
-    """True if the vertices have the radiance that the bake has at their places."""
+    """True if the vertices have the radiance of the bake."""
     mesh, bake = obj.data, cache._bakes.get(obj.leaflight.bake_id)
     if "radiance" not in mesh.attributes or bake is None:
         return False
@@ -152,7 +152,7 @@ def is_lit(obj):
 
 
 def refused(operator, **options):
-    """Returns the error with which an operator answers a button."""
+    """Returns the error of an operator."""
     try:
         with hand.in_view():
             operator("INVOKE_DEFAULT", **options)
@@ -162,7 +162,7 @@ def refused(operator, **options):
 
 
 def drag():
-    """The isovalue, with the sidebar open: "walls" are those that show its light."""
+    """Drags the isovalue with the sidebar open; "walls" counts those that show its light."""
     yield from open_held("lit")
     sidebar.show_all_panels()
     is_drawn = yield from sidebar.is_drawn()
@@ -182,7 +182,7 @@ def drag():
 
 
 def lit_walls():
-    """Returns the number of walls, and of those with the light of the volume's isovalue."""
+    """Returns the number of walls, and the number with the light of the volume's isovalue."""
     label, displays = walls._label(seen.volume()), walls._displays(bpy.context.scene)
     isovalue = repr(float(seen.volume().leaflight["isovalue"]))
     right = [obj for obj in displays if obj.data["leaflight_shown"] == label]
@@ -197,7 +197,7 @@ def drag_unlit():
 
 
 def press():
-    """Returns the answers of buttons, and what they leave."""
+    """Presses buttons; returns their answers and the state afterwards."""
     yield from open_held("lit")
     answers = {
         "add": refused(bpy.ops.leaflight.add_isosurface),
@@ -211,7 +211,7 @@ def press():
     held = {**shown(), "exported": export.exists(), "at work": seen.SEEN["at work"]()}
     yield from release()
     yield from stepwise.until(lambda: not seen.SEEN["at work"]())
-    # A script waits.
+    # Scripts wait for the file.
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "lit.blend"))
     with hand.in_view():
         bpy.ops.leaflight.add_isosurface()
@@ -227,7 +227,7 @@ def press():
 
 
 def go_live():
-    """Live is switched on, and a lamp is moved."""
+    """Switches Live on, and moves a lamp."""
     yield from open_held("lit")
     bpy.context.scene.leaflight_live = True
     hand.lamp().location.x += 0.1
@@ -242,7 +242,7 @@ def go_live():
 
 
 def render():
-    """A picture is asked for: "pictures" have the isovalue and the light of their mesh."""
+    """Renders; "pictures" have the isovalue and the light of their mesh."""
     yield from open_held("lit")
     pictures = []
     look = lambda *_: pictures.append(picture())  # noqa: E731
@@ -263,7 +263,7 @@ def picture():
 
 
 def delete():
-    """The object is deleted and comes back by undo, before and after the thread goes on."""
+    """Deletes the object and undoes that, before and after the thread is released."""
     yield from open_held("lit")
     hand.select_volume()
     for _ in range(2):
@@ -282,7 +282,7 @@ def delete():
 
 
 def leave():
-    """Another file is opened: the thread ends, and its file is read no further."""
+    """Opens another file: the thread must end without reading further."""
     yield from open_held("lit")
     begun = next(iter(cache._readings.values()))
     bpy.ops.wm.open_mainfile(filepath=str(FOLDER / "unlit.blend"))
@@ -292,7 +292,7 @@ def leave():
 
 
 def damage():
-    """The file turns out to be damaged, or the reader has a bug."""
+    """Simulates a damaged file, and a bug in the reader."""
     read, results = reading.open_bake, []
     for error in (reading.LeaflightError("The file is damaged."), RuntimeError("of a bug")):
         reading.open_bake = gate.holds(fails_with(error))

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How test_window_operators.py presses each operator of the add-on, and what it sees of it.
+"""How test_window_operators.py presses each operator of the add-on, and which state it checks.
 
-Plain data, for pytest and for Blender: the names are those of scenes.py, seen.py and pressing.py.
+Plain data for pytest and Blender: the names are those of scenes.py, seen.py and pressing.py.
 """
 
 from dataclasses import dataclass, field
 
-# The ways in which each operator is pressed.
+# Ways to press each operator.
 HAPPY, CANCELLED, DELETED, NEW = "happy", "cancelled", "object deleted", "new file"
-# These are for work in the background alone.
+# Ways only for background work.
 UNDONE, CLOSED = "step before undone", "window closed"
-# And this for what is over at once.
+# Way only for operators that finish at once.
 BESIDE = "beside a bake"
 WAYS = (HAPPY, CANCELLED, DELETED, NEW, UNDONE, CLOSED, BESIDE)
 
@@ -68,8 +68,8 @@ def _instant(operator, scene, sees, **how):
     return Row(operator, scene, sees, without=_INSTANT, **how)
 
 
-# The short suite presses the twelve operators of the guide's main way. They import, stage, bake,
-# stop, keep, continue, add an isosurface, choose a look, cut, slice time, label and export.
+# The short suite presses twelve operators of the guide's main path: import, stage, bake, stop,
+# keep, continue, add an isosurface, preset, cut, slice, label and export.
 ROWS = (
     Row(
         "import_volume",
@@ -139,7 +139,7 @@ ROWS = (
     Row("bake_frames", "frames", "baked frames", held="pass"),
     _instant("stop_bake", "baking", "at work", short=True),
     Row("keep_bake", "stopped", "lit", held="work", short=True),
-    # Undo cannot bring back passes, which are in no file.
+    # Undo cannot restore passes, which no file contains.
     _instant("throw_bake_away", "stopped", "waits", undone=False),
     _instant("stop_live", "living", "live"),
     Row("continue_bake", "unreached", "lit", held="pass", short=True),
@@ -183,7 +183,7 @@ ROWS = (
     _instant("add_orientation_cube", "baked", "labels"),
 )
 
-# Operators that nobody can press, each with its reason.
+# Operators that cannot be pressed, each with its reason.
 UNPRESSED = {
     "go_on": "It takes over the work of a window that was closed, by itself.",
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes in which operators are pressed: each is made once, saved, and opened for each row.
+"""Scenes for pressing operators: each is made once, saved, and opened for each row.
 
-Each scene and each row has one folder, with a .blend and its bakes.
+Each scene and each row has a folder with a .blend and its bakes.
 """
 
 import math
@@ -18,7 +18,7 @@ from leaflight_addon.bake import bake
 from leaflight_addon.show import isovalues
 from leaflight_addon.store import cache
 
-# Percent that a bake of so small a volume reaches with its first passes; that none reaches.
+# Target errors of small volumes: one that the first passes reach, and one out of reach.
 _EASY, _UNREACHED = 20.0, 0.01
 
 
@@ -29,13 +29,13 @@ class Scenes:
         self._folder = folder
 
     def file(self, name):
-        """Returns the path of the file that the file browser is to choose."""
+        """Returns the path of the file that the file browser must choose."""
         if name != "a bake":
             return self._folder / name
         return next(self._made("baked").glob("leaflight/*.vdb"))
 
     def open(self, name, row):
-        """Opens a scene, as a .blend in a folder of this row's."""
+        """Opens a scene, as a .blend in a folder of this row."""
         folder = self._folder / "rows" / row
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(self._made(name), folder)
@@ -52,7 +52,7 @@ class Scenes:
             shutil.copytree(self._made(parent), folder)
             _open(folder)
         else:
-            # Blender's first scene, which is open.
+            # Start from Blender's first scene, which is open.
             folder.mkdir(parents=True)
         with hand.in_view():
             change(self)
@@ -71,7 +71,7 @@ def _open(folder):
 
 
 def _nothing(_scenes):
-    """The scene is that of its parent."""
+    """Changes nothing."""
 
 
 def _import(scenes, name="head.nii.gz", **options):
@@ -91,7 +91,7 @@ def _light_walls(_scenes):
 
 
 def _limit_time(obj):
-    """Has all that takes long be lit coarsely."""
+    """Limits the time of bakes, which makes their light coarse."""
     obj.leaflight.use_time_limit, obj.leaflight.time_limit = True, 1.0
 
 
@@ -117,13 +117,15 @@ def _bake(_scenes):
 
 
 def _ask_for_more(_scenes):
-    """Than a bake reaches, for a moment."""
+    """Sets a target error that a bake does not reach soon."""
     seen.volume().leaflight.error = _UNREACHED
     _limit_time(seen.volume())
 
 
 def _light_the_ceiling(_scenes):
-    """All light of isosurfaces is indirect: it takes several passes."""
+    """Lights only the ceiling, so that all light of isosurfaces is indirect and needs several
+    passes.
+    """
     obj = seen.volume()
     blender.stage(obj, preset="CORNELL")
     (lamp,) = (o for o in bpy.context.scene.objects if o.type == "LIGHT" and not o.hide_render)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user sees of an operator: values that it changes, and that Esc leaves and undo restores.
+"""Values that a user sees: an operator changes them, Esc does not, and undo restores them.
 
-SEEN holds a function for each; the folder is that of the .blend that is open.
+SEEN has a function for each; the folder is that of the open .blend.
 """
 
 import bpy
@@ -70,7 +70,7 @@ def _numbers(matrix):
 SEEN = {
     "volumes": lambda: [obj.name for obj in volumes()],
     "graphs": lambda: [obj.name for obj in graphs()],
-    # The bake that lights the isosurface of each volume; empty without light.
+    # Bake that lights each volume's isosurface; empty without light.
     "lit": lambda: [
         obj.leaflight.bake_id if "radiance" in obj.data.attributes else "" for obj in volumes()
     ],

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The sidebar of the viewport, with all panels of Leaflight open: what they draw is looked at."""
+"""Opens all panels of Leaflight in the sidebar of the viewport, and records when they are drawn."""
 
 import bpy
 import hand
 from leaflight_addon import PANELS, registration, versions
 from leaflight_addon.operators import jobs
 
-# Each time that the panels were drawn.
+# Times at which the panels were drawn.
 _drawn = []
 
 
 def show_all_panels():
-    """There are no other tabs, save Blender's innermost; no panel begins closed."""
+    """Removes all other tabs, except Blender's innermost one, and opens all panels."""
     registration.unregister(PANELS)
     for cls in list(bpy.types.Panel.__subclasses__()):
         place = [getattr(cls, name, None) for name in ("bl_space_type", "bl_region_type")]
@@ -27,7 +27,7 @@ def show_all_panels():
 
 
 def is_drawn():
-    """Opens the tab of Leaflight where another one is; returns whether it was drawn."""
+    """Opens the tab of Leaflight if another one is open; returns whether it was drawn."""
     hand.view().spaces.active.show_region_ui = True
     versions.choose_sidebar_tab(hand.view(), "Leaflight")
     _drawn.clear()

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python stands.py -- FOLDER: what made the window stand still.
+"""blender --enable-event-simulate --python stands.py -- FOLDER: repeats steps that once froze the
+window.
 
-A scan whose background is noise is lit, and then: its file is opened again, what takes the bake is
-pressed, the isovalue goes among the noise, and a picture is rendered. Prints a line WINDOW and a
-JSON object. Each step has the longest time that the window stood and what Leaflight did then. The
-step into the noise also has the number of triangles at first. "beside walls": see beside_walls().
+A lit scan with a noisy background is opened again, operators that use the bake are pressed, the
+isovalue moves into the noise, and a picture is rendered. Prints a line WINDOW and a JSON object.
+Each step has the longest freeze and the function of Leaflight during it. The step into the noise
+also has the first number of triangles. "beside walls": see beside_walls().
 """
 
 import sys
@@ -74,11 +75,11 @@ def reopen():
 
 
 def beside_walls():
-    """The file has just been opened: the walls of its bake have no light before it is there.
+    """Works after a file is opened, when the walls have no light yet.
 
-    Returns the steps that "waited" for that light in a thread of Blender, the "box", the "size" of
-    a page and whether "live" was at work. "walls" are their numbers when they are wanted, after a
-    rendering and at the end; "status" are the texts of the status bar.
+    Returns the steps that "waited" for it in Blender's thread, the "box", the "size" of a page and
+    whether "live" was at work. "walls" counts lit walls when they are needed, after a rendering and
+    at the end; "status" are texts of the status bar.
     """
     may_go_on, with_walls, result = threading.Event(), reading.with_walls, reading.Reading.result
     step, waited, status, shown = "", [], [], {}
@@ -133,7 +134,7 @@ def page_size():
 
 
 def go_live():
-    """Returns whether it was at work for the new place of a lamp, which goes back."""
+    """Moves a lamp and restores it; returns whether Live was at work."""
     lamp = hand.lamp()
     bpy.context.scene.leaflight_live = True
     lamp.location.x += 0.1
@@ -146,7 +147,7 @@ def go_live():
 
 
 def go_among_noise():
-    """Returns the number of triangles at first, as the slider has moved it."""
+    """Moves the isovalue into the noise; returns the first number of triangles."""
     seen.volume().leaflight["isovalue"] = NOISE
     seen.volume().update_tag()
     bpy.context.view_layer.update()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the actions of a user in a window step by step, while Blender keeps working."""
+"""Runs simulated user input in a window step by step, while Blender keeps working."""
 
 import json
 import os
@@ -13,10 +13,10 @@ from leaflight_addon.operators import jobs
 
 
 def run(script, found):
-    """Runs a generator by a timer, then ends Blender, with 1 after an exception.
+    """Runs a generator by a timer, then exits Blender, with status 1 after an exception.
 
     script: yields the seconds until its next step, also across the loading of a file. found: a dict
-    that the steps fill, printed as JSON behind WINDOW.
+    that the steps fill, printed as JSON after WINDOW.
     """
 
     def step():
@@ -43,7 +43,7 @@ def _leave(found, status):
 
 
 def until(is_so):
-    """Yields until something is so; what never comes is ended from outside, as all that hangs."""
+    """Yields until a condition holds; the test ends what hangs."""
     while not is_so():
         yield 0.05
 
@@ -57,10 +57,10 @@ def wait(seconds):
 
 
 def pixels_of(area, found):
-    """Yields until the viewport of an area and its overlays were drawn. Then found holds its
-    pixels, float32 (height, width, 4), bottom row first.
+    """Yields until an area's viewport and overlays are drawn.
 
-    Screenshots are black in Blender 5.2 with OpenGL.
+    Then `found` has its pixels, float32 (height, width, 4), bottom row first. Screenshots are black
+    in Blender 5.2 with OpenGL.
     """
     region = next(region for region in area.regions if region.type == "WINDOW")
 
@@ -71,7 +71,7 @@ def pixels_of(area, found):
             pixels = buffer.read_color(0, 0, *size, 4, 0, "FLOAT")
             found["pixels"] = np.array(pixels.to_list(), np.float32).reshape(*size[::-1], 4)
 
-    # After what draws already.
+    # Run after the existing draw handlers.
     handle = bpy.types.SpaceView3D.draw_handler_add(read, (), "WINDOW", "POST_PIXEL")
     try:
         while "pixels" not in found:

@@ -3,10 +3,10 @@
 // uses the numbers here: they come from the program that wrote the seal.
 #include "bake/texels/checkpoint.h"
 
+#include "base/sample_average.h"
 #include "input_file.h"
 #include "io/checkpoint_file.h"
 #include "io/seal.h"
-#include "math/sample_average.h"
 #include "said.h"
 
 namespace {

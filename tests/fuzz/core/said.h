@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight::fuzz {
 

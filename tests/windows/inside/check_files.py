@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files on Windows: names, replacement while they are open, readers in processes of their own.
+"""Checks files on Windows: names, replacement of open files, reading in other processes.
 
 test_files.py runs this in Windows' Python.
 """

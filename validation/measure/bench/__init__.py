@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fast bakes, rays and isovalues are: docs/validation/performance.md.
+"""Measures the speed of bakes, rays and changes of the isovalue: docs/validation/performance.md.
 
 validation/run bench bake|scale|rays|scrub [--quick] [--data DIR] [--out FILE.md]
 """

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`bench bake`: bakes with the default settings beside Cycles, which bakes one isosurface.
+"""`bench bake`: default bakes against Cycles, which bakes one isosurface.
 
-The bake lights all isosurfaces of its range. At one of them compare() measures its error against
+The bake lights all isosurfaces of its range. compare() measures its error at one of them against
 Cycles. Cycles bakes the vertices of that one to the same error (cycles_peer.py). Bake and Cycles
-take turns, so that other work of the machine slows both equally.
+alternate, so that other work of the machine slows both equally.
 """
 
 import time
@@ -26,8 +26,8 @@ from .page import REPETITIONS, measured_on, repetitions
 
 @dataclass(frozen=True)
 class Case:
-    """volumes: see volume_recipes.py; isovalue: that Cycles bakes, too; scene: of the package,
-    None is the Cornell box.
+    """A case. volumes: see volume_recipes.py; isovalue: of the isosurface that Cycles bakes; scene:
+    of the package, None is the Cornell box.
     """
 
     name: str
@@ -48,8 +48,8 @@ CASES = (
 
 @dataclass(frozen=True)
 class Effort:
-    """points, paths: at which `compare` takes the error, and of Cycles at each; most_paths: of one
-    pass of Cycles over all vertices, which bounds its time; often(seconds): see page.py.
+    """The effort. points, paths: points and paths per point for `compare`; most_paths: upper bound
+    of one pass of Cycles over all vertices, which limits its time; often(seconds): see page.py.
     """
 
     cases: tuple = CASES
@@ -123,7 +123,7 @@ def bakes_section(options):
 
 
 def _measured(case, volume, effort):
-    """Returns the row of a bake, and those of Cycles at the samples where it was measured."""
+    """Returns the row of a bake, and the rows of Cycles by number of samples."""
     first, seconds = _baked(case, volume)
     statistics = first.statistics
     judged = compare(
@@ -132,9 +132,9 @@ def _measured(case, volume, effort):
     rms, judge = judged["rms_percent"], judged["reference_noise_percent"]
     error = without(rms, judge)
     peer = Peer.of(first, case.isovalue, effort.most_paths)
-    # Two bakes of a large volume take much memory.
+    # Free the first bake, because two of a large volume take much memory.
     del first
-    # Far below the judge's noise nothing is known of the error.
+    # Errors far below the noise of the reference cannot be measured.
     planned_error = max(error, judge / 4)
     samples = peer.reference_samples(planned_error, judge, effort.paths)
     truth, one_pass = peer.reference(samples)
@@ -172,7 +172,7 @@ def _measured(case, volume, effort):
 
 
 def break_even(bake_seconds, cycles_seconds, outside, seconds):
-    """Returns the ratio, or a text on the side of the measured points that it is on."""
+    """Returns the ratio, or a text if it is outside the measured points."""
     if outside is None:
         return bake_seconds / cycles_seconds
     side, end = ("above", seconds[0]) if outside == FEWER else ("below", seconds[-1])
@@ -180,7 +180,7 @@ def break_even(bake_seconds, cycles_seconds, outside, seconds):
 
 
 def _baked(case, volume):
-    """Returns (Bake, seconds by the clock)."""
+    """Returns (Bake, wall-clock seconds)."""
     scene = packaged_scene(case.scene) if case.scene else None
     start = time.perf_counter()
     return bake(volume, scene), time.perf_counter() - start

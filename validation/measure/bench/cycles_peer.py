@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cycles baking one isosurface into its vertices: its error and its seconds.
+"""Bakes one isosurface into its vertices by Cycles, and measures error and seconds.
 
 The reference is Cycles with many more samples, at the same vertices with other seeds. The noise of
 the reference is known from its spread and subtracted.
@@ -13,12 +13,13 @@ from leaflight.measure.cycles import bake_vertices
 from leaflight.measure.truth import Truth, errors_of, without
 from leaflight.scene.scene import isovalue_at
 
-# Corners of triangles at a vertex, about: Cycles bakes each, and a vertex is their mean.
+# Approximate number of triangle corners at a vertex. Cycles bakes each corner, and a vertex gets
+# their mean.
 CORNERS = 6
 # Independent passes of the reference, whose spread gives its noise.
 REFERENCE_PASSES = 4
 LEAST_REFERENCE_SAMPLES = 2
-# Place of an error that no two measured points enclose.
+# Results for an error that no two measured points enclose.
 FEWER = "fewer samples than measured"
 MORE = "more samples than measured"
 
@@ -37,7 +38,7 @@ def cost_at(error, errors, costs):
         return None, FEWER
     above = errors >= error
     if above.all() or len(errors) == 1:
-        # The least error itself.
+        # This is the smallest measured error.
         return float(costs[np.argmin(errors)]), None
     first = int(np.argmax(above[:-1] != above[1:]))
     ends = slice(first, first + 2)
@@ -50,8 +51,8 @@ def cost_at(error, errors, costs):
 class Peer:
     """One isosurface for Cycles; scene, isovalue: of a Bake with one volume.
 
-    mesh: (vertices, normals, triangles) by marching cubes, whatever finer mesh the bake may show;
-    most: samples of a pass at most.
+    mesh: (vertices, normals, triangles) by marching cubes, without the bake's split edges; most:
+    upper bound on the samples of a pass.
     """
 
     scene: object
@@ -61,7 +62,9 @@ class Peer:
 
     @classmethod
     def of(cls, bake, isovalue, most_paths):
-        """most_paths: of a pass at most, those at all corners together."""
+        """Returns the Peer of an isosurface. most_paths: upper bound of a pass, over all
+        corners.
+        """
         mesh = _core.contour(bake.volume.field(), isovalue_at(bake.scene, 0, isovalue))
         return cls(bake.scene, isovalue, mesh, max(2, most_paths // mesh[2].size))
 
@@ -70,7 +73,8 @@ class Peer:
         return len(self.mesh[0])
 
     def reference(self, samples):
-        """Returns (Truth of REFERENCE_PASSES with this number of samples, error of one pass).
+        """Returns (Truth of REFERENCE_PASSES passes with this number of samples, error of one
+        pass).
 
         The error is RMS in percent, as everywhere here.
         """
@@ -83,8 +87,8 @@ class Peer:
     def measured(self, counts, repetition, truth):
         """Returns (errors, seconds) of passes with these counts of samples, float64 (n,) each.
 
-        Seconds are by the clock, without Blender's start and its building of the scene; a pass
-        before them warms up. Seeds differ from the reference's and between repetitions.
+        Seconds are wall-clock time, without Blender's start and its building of the scene; a
+        warm-up pass precedes them. Seeds differ from the reference's and between repetitions.
         """
         seed = REFERENCE_PASSES + repetition
         found = self._baked([(count, seed) for count in (counts[0], *counts)])
@@ -92,17 +96,17 @@ class Peer:
         return np.array(errors), found.seconds[1:]
 
     def reference_samples(self, error, noise, paths):
-        """Returns how many samples a pass of the reference takes, for about this error.
+        """Returns the number of samples per pass of the reference, for about this error.
 
-        noise: RMS in percent that so many paths at a point leave.
+        noise: RMS error in percent of a point with this many paths.
         """
         wanted = paths / CORNERS * (noise / max(error, 1e-9)) ** 2
         return int(np.clip(round(wanted), min(LEAST_REFERENCE_SAMPLES, self.most), self.most))
 
     def counts(self, error, samples, error_of_samples):
-        """Samples to measure at, around those with which Cycles should have the error.
+        """Returns sample counts around the one with which Cycles should have the error.
 
-        error_of_samples: what it errs with so many samples.
+        error_of_samples: predicts the error of a number of samples.
         """
         wanted = samples * (error_of_samples / max(error, 1e-9)) ** 2
         middle = int(np.clip(round(wanted), 1, self.most))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/validation/performance.md: the tables of `bench`, each between its marks.
+"""Writes the tables of `bench` into docs/validation/performance.md, each between its marks.
 
 Each section begins with the machine and the source that were measured.
 """
@@ -26,13 +26,13 @@ def repetitions(seconds):
 
 
 def check_page(path, name):
-    """Raises LeaflightError unless the tables of `bench NAME` can be written into this document."""
+    """Raises LeaflightError unless this document has a place for the tables of `bench NAME`."""
     check_writable(path, ".md")
     _split(path, name)
 
 
 def write_page(path, name, lines):
-    """Writes the tables of `bench NAME` into a document, as a whole or not at all."""
+    """Writes the tables of `bench NAME` into a document, completely or not at all."""
     before, after = _split(path, name)
     with replaced(path) as temporary:
         temporary.write_text(before + "\n\n" + "\n".join(lines) + "\n\n" + after)
@@ -74,7 +74,7 @@ def _processor():
 
 
 def _output(program, *arguments):
-    """Returns the output of a program; empty where it is absent or fails."""
+    """Returns the output of a program; empty if it is missing or fails."""
     if shutil.which(program) is None:
         return ""
     done = subprocess.run([program, *arguments], cwd=HERE.parent, capture_output=True, text=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`bench rays`: isosurface rays beside Embree on the contoured mesh, on one thread.
+"""`bench rays`: isosurface rays against Embree on the contoured mesh, on one thread.
 
-A program of core/bench traces the same rays both ways, in turns: from points of the isosurface into
-its front, distributed by the cosine. Seconds are of the processor, medians.
+A program of core/bench traces the same rays both ways, alternately: from points of the isosurface
+into its front, cosine-distributed. Results are medians of processor time.
 """
 
 import json
@@ -19,14 +19,14 @@ from volume_recipes import absent_text, colin27, generated
 from .page import measured_on
 
 PROGRAM = "rays_against_embree"
-# Name, volumes as in volume_recipes.py, and isovalues.
+# Name, volumes as in volume_recipes.py, isovalues.
 CASES = (
     ("bump box, 100^3", generated(bump_box, 100), (20.0, 47.0, 100.0)),
     ("bump box, 256^3", generated(bump_box, 256), (47.0,)),
     ("Colin27 (ch2.nii.gz)", colin27, (24.5, 45.5, 70.5, 100.5, 150.5)),
 )
 QUICK_CASES = (("bump box, 16^3", generated(bump_box, 16), (20.0, 47.0, 100.0)),)
-# Rays of each isovalue, and how often all are traced.
+# Rays per isovalue, and number of repetitions.
 RAYS, REPETITIONS = 50_000, 9
 QUICK_RAYS, QUICK_REPETITIONS = 500, 3
 FORMATS = {
@@ -39,7 +39,7 @@ FORMATS = {
 
 
 def rays_section(options):
-    """Returns lines of Markdown. Raises LeaflightError where the program is not built."""
+    """Returns lines of Markdown. Raises LeaflightError if the program is not built."""
     cases, rays, repetitions = CASES, RAYS, REPETITIONS
     if options.quick:
         cases, rays, repetitions = QUICK_CASES, QUICK_RAYS, QUICK_REPETITIONS
@@ -82,7 +82,7 @@ def _traced(volume, rays, repetitions, isovalues):
 
 
 def _row(name, found, rays):
-    # The same rays, but for the few that start beneath a triangle of the mesh.
+    # Both must have the same hits, except for few rays that start under a triangle of the mesh.
     assert abs(found["intersect"]["hits"] - found["embree_intersect"]["hits"]) < 0.1 * rays
     assert found["intersect"]["hits"] == found["occluded"]["hits"]
     (speed, ratio), (of_occluded, ratio_of_occluded) = (
@@ -99,6 +99,6 @@ def _row(name, found, rays):
 
 
 def _speeds(found, kind, rays):
-    """Returns (million rays a second, that over Embree's)."""
+    """Returns (million rays per second, ratio to Embree)."""
     ours, theirs = (float(np.median(found[name]["seconds"])) for name in (kind, f"embree_{kind}"))
     return rays / ours / 1e6, theirs / ours

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`bench scale`: how seconds and memory of a bake grow with its size, and fall with threads."""
+"""`bench scale`: how time and memory of a bake grow with its size, and shrink with threads."""
 
 import multiprocessing
 import os
@@ -16,7 +16,7 @@ from leaflight.volume.volume import bump_box
 from .page import REPETITIONS, measured_on, repetitions
 
 MEBIBYTE = 2**20
-# Nodes a side: by size, and of what is baked with one thread and with two.
+# Nodes per axis: of the sizes, and of the bakes with one and two threads.
 SIZES, THREADS_SIZE = (16, 32, 48, 64, 96, 128), 64
 QUICK_SIZES, QUICK_THREADS_SIZE = (8, 12), 8
 FORMATS = {
@@ -59,9 +59,9 @@ def scale_section(options):
 
 
 def in_turns(items, work, often):
-    """Returns the results of work(item) by item; the items take turns.
+    """Returns the results of work(item) by item; the items alternate.
 
-    often(seconds): how often an item's turn comes, all of which have the first.
+    often(seconds): number of repetitions of an item, after the first.
     """
     runs = {item: [work(item)] for item in items}
     wanted = {item: often(found["seconds"]) for item, (found,) in runs.items()}
@@ -73,9 +73,9 @@ def in_turns(items, work, often):
 
 
 def bake_bump_box(nodes, threads):
-    """Returns seconds, rays, texels and peak of a bake in another process.
+    """Returns seconds, rays, texels and peak memory of a bake in another process.
 
-    A copy of this process would begin with its memory, and with locks that others hold.
+    A fork would start with this process's memory, and with locks of other threads.
     """
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         return pool.submit(_bake, nodes, threads).result()
@@ -84,7 +84,7 @@ def bake_bump_box(nodes, threads):
 def _bake(nodes, threads):
     scene = packaged_scene("bump_box.json")
     statistics = bake(bump_box(nodes), scene, threads=threads, progress=False).statistics
-    # The statistics' peak includes that of the process which started this one: exec keeps it.
+    # The peak in the statistics includes the process that started this one, because exec keeps it.
     peak = re.search(r"VmHWM:\s+(\d+) kB", Path("/proc/self/status").read_text())
     found = {name: getattr(statistics, name) for name in ("seconds", "rays", "texels")}
     return {**found, "peak": 1024 * int(peak[1])}

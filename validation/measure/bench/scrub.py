@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`bench scrub`: a new isovalue, until its lit mesh is there; VTK beside it, and inside Blender.
+"""`bench scrub`: time from a new isovalue to its lit mesh, against VTK and inside Blender.
 
-Outside Blender a case is contouring and the lookup of baked radiance at the vertices. VTK does the
-same with FlyingEdges3D and ProbeFilter, in turns with us. Inside Blender it is what its user waits
-for before the drawing: all from the slider's change to the evaluated mesh.
+Outside Blender, it is contouring and the lookup of baked radiance at the vertices. VTK does the
+same with FlyingEdges3D and ProbeFilter, alternately. Inside Blender, it is the wait before the
+drawing: from the slider's change to the evaluated mesh.
 """
 
 import json
@@ -25,7 +25,7 @@ from .page import measured_on
 from .vtk_peer import VtkPeer
 
 SCRIPT = Path(__file__).with_name("scrub_scene.py")
-# Seconds of a lookup do not depend on the noise.
+# Settings of a coarse bake, because the time of a lookup does not depend on the noise.
 LEAST_WORK = {"error": 20.0, "progress": False}
 FORMATS = {
     "isovalue": "{:g}",
@@ -40,7 +40,7 @@ FORMATS = {
 
 @dataclass(frozen=True)
 class Effort:
-    """volumes: see volume_recipes.py; repetitions: of each isovalue."""
+    """The effort. volumes: see volume_recipes.py; repetitions: per isovalue."""
 
     name: str = "Colin27 (ch2.nii.gz)"
     volumes: Callable = colin27
@@ -49,7 +49,7 @@ class Effort:
     repetitions: int = 7
 
 
-# Effort without Colin27: a generated volume with as many triangles.
+# The effort without Colin27: a generated volume with as many triangles.
 GENERATED = Effort(
     "bump box, 256^3", generated(bump_box, 256), (20.0, 47.0, 100.0), isovalues_in_blender=(20.0,)
 )
@@ -57,7 +57,7 @@ QUICK = Effort("bump box, 24^3", generated(bump_box, 24), (47.0, 100.0), (47.0,)
 
 
 def scrub_section(options):
-    """Returns lines of Markdown. Raises LeaflightError without VTK, and without Blender."""
+    """Returns lines of Markdown. Raises LeaflightError without VTK or without Blender."""
     effort = QUICK if options.quick else Effort()
     volumes, absent = effort.volumes(options.data, 1.0), []
     if volumes is None:
@@ -88,7 +88,7 @@ def scrub_section(options):
 
 
 def _row(effort, field, grid, isovalue, peer):
-    # Each once before, so that neither has yet to find its memory.
+    # Run each once before, so that both have allocated their memory.
     triangles, theirs = _ours(field, grid, isovalue)[1], peer.contour(isovalue)[1]
     plain = len(_core.contour(field, isovalue)[2])
     assert abs(plain - theirs) < 0.02 * plain, f"VTK has {theirs} triangles, not {plain}"
@@ -114,7 +114,7 @@ def _ours(field, grid, isovalue):
 
 
 def _in_blender(baked, effort):
-    """Returns (version, rows) of Blender with the add-on."""
+    """Returns (version, rows) of measurements in Blender with the add-on."""
     with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
         blender = driver.with_addon(Path(folder, "blender"))
         baked.save(Path(folder, "bake.vdb"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender, for scrub.py: ... -- JSON. Measures changes of the isovalue of a bake."""
+"""Measures changes of the isovalue of a bake inside Blender, for scrub.py. Argument: JSON."""
 
 import json
 import statistics
@@ -11,14 +11,14 @@ import bpy
 from leaflight_addon.show import whole_detail
 
 WORK = json.loads(sys.argv[-1])
-# The share of the isovalue by which it changes from one picture to the next.
+# Relative change of the isovalue from one picture to the next.
 STEP = 1e-3
 
 
 def scrubbed(obj, isovalue):
-    """Returns (triangles, milliseconds), medians of the steps of a slider."""
+    """Returns (triangles, milliseconds), medians over the steps of a slider."""
     found = []
-    # The first two show whatever was there before, and how large the surface is.
+    # Skip the first two steps, which still depend on the previous mesh.
     for step in range(WORK["repetitions"] + 2):
         obj.leaflight["isovalue"] = isovalue * (1 + STEP * step)
         obj.update_tag()
@@ -38,7 +38,7 @@ def main():
     for isovalue in WORK["isovalues"]:
         whole_detail.may_follow = may_follow
         triangles, milliseconds = scrubbed(obj, isovalue)
-        # As in a window, which this Blender does not have.
+        # Simulate a window.
         whole_detail.may_follow = lambda *_: True
         moving, moving_milliseconds = scrubbed(obj, isovalue)
         rows.append(

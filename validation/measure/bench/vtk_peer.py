@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""VTK in a process of its own: FlyingEdges3D, then ProbeFilter at the vertices that it gives."""
+"""Runs VTK in a separate process: FlyingEdges3D, then ProbeFilter at the resulting vertices."""
 
 import json
 import subprocess
@@ -14,16 +14,17 @@ from leaflight import LeaflightError
 
 
 class VtkPeer:
-    """Contours a volume and looks baked radiance up, in index coordinates.
+    """Contours a volume and looks up baked radiance, in index coordinates.
 
-    values: float32 [z, y, x]; radiance: float32 [z, y, x, 3], from end to end of the same box.
+    values: float32 [z, y, x]; radiance: float32 [z, y, x, 3], over the whole extent of the same
+    box.
     """
 
     def __init__(self, values, radiance):
-        """Raises LeaflightError where this Python has no VTK."""
+        """Raises LeaflightError if this Python has no VTK."""
         if find_spec("vtkmodules") is None:
             raise LeaflightError(
-                "bench scrub holds contours against VTK, which this Python does not have: install "
+                "bench scrub compares contours with VTK, which this Python does not have: install "
                 "the Debian package python3-vtk9, or vtk with pip."
             )
         self._folder = tempfile.TemporaryDirectory(prefix="leaflight-")
@@ -38,7 +39,7 @@ class VtkPeer:
         )
 
     def contour(self, isovalue):
-        """Returns (milliseconds by the clock, triangles) of one isovalue."""
+        """Returns (wall-clock milliseconds, triangles) of one isovalue."""
         print(isovalue, file=self._process.stdin, flush=True)
         return json.loads(self._process.stdout.readline())
 

@@ -1,6 +1,6 @@
 in vec3 position, frontLight, backLight;  // world position; light times the exposure of the scene
 uniform mat4 worldToClip;
-uniform vec3 centre;  // center of the mesh
+uniform vec3 center;  // center of the mesh
 out vec3 place, fromFront, fromBack;
 
 void main() {
@@ -9,6 +9,6 @@ void main() {
   fromBack = backLight;
   // Adjacent walls have vertices that differ by rounding. Extend each wall by less than a pixel, so
   // that the background is not visible between them.
-  vec3 grown = centre + 1.0003 * (position - centre);
+  vec3 grown = center + 1.0003 * (position - center);
   gl_Position = worldToClip * vec4(grown, 1.0);
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "math/parallel.h"
-#include "math/sampling.h"
+#include "base/parallel.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -26,8 +26,8 @@ template <int D>
 Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, const Vec<D>& shading) {
   Vec<D> gradient = geometric_gradient(corners, local);
   for (int a = 0; a < D; ++a) {
-    const double own = std::min(1.0, std::min(local[a], 1 - local[a]) / near_face);
-    gradient[a] = shading[a] + (gradient[a] - shading[a]) * own;
+    const double weight = std::min(1.0, std::min(local[a], 1 - local[a]) / near_face);
+    gradient[a] = shading[a] + (gradient[a] - shading[a]) * weight;
   }
   return gradient;
 }
@@ -39,8 +39,8 @@ double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattic
   double sum = 0, area = 0;
   const std::size_t step = 1 + lattice.active.size() / most_texels;
   for (std::size_t s = 0; s < lattice.active.size(); s += step) {
-    const Vec<D> centre = lattice.centre(lattice.active[s]);
-    const Vec<D> gradient = shading_gradient(field, locate(field, centre));
+    const Vec<D> center = lattice.center(lattice.active[s]);
+    const Vec<D> gradient = shading_gradient(field, locate(field, center));
     const double difference = (gradient * lattice.voxels_per_texel).length();
     sum += difference * difference;
     area += difference;
@@ -116,20 +116,21 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
   fill_blocks();
   auto maps = std::make_shared<Maps>();
   const Scene<D>& scene = tracer.scene();
-  const Volume<D>& own = scene.volumes[volume];
-  maps->lattice = make_lattice(own.field, resolution, isovalue_range_.min, isovalue_range_.max);
+  const Volume<D>& lit_volume = scene.volumes[volume];
+  maps->lattice =
+      make_lattice(lit_volume.field, resolution, isovalue_range_.min, isovalue_range_.max);
   const IsovalueRange common =
-      range_of_codes(scene, own, earlier ? earlier->lattice() : maps->lattice);
-  code_range_ = own.isovalues(common);
+      range_of_codes(scene, lit_volume, earlier ? earlier->lattice() : maps->lattice);
+  code_range_ = lit_volume.isovalues(common);
   std::vector<int> known(points_.size(), -1);
   if (earlier) known = same_points(points_, earlier->points_);
   std::vector<std::size_t> unknown;
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (known[i] < 0) unknown.push_back(i);
   }
-  const VisibilityThroughAll<D> way(tracer, volume, maps->lattice, common, spacing);
+  const AllShadows<D> shadows(tracer, volume, maps->lattice, common, spacing);
   for (int side = 0; side < (back ? 2 : 1); ++side) {
-    find(way, unknown, side != 0, *maps, progress);
+    find(shadows, unknown, side != 0, *maps, progress);
     if (unknown.size() < known.size()) take(*earlier, known, side != 0, *maps, progress);
     summarize(side != 0, *maps, progress);
   }
@@ -137,9 +138,8 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
 }
 
 template <int D>
-void DirectLight<D>::find(const VisibilityThroughAll<D>& way,
-                          const std::vector<std::size_t>& numbers, bool back, Maps& maps,
-                          Progress& progress) const {
+void DirectLight<D>::find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers,
+                          bool back, Maps& maps, Progress& progress) const {
   const std::size_t count = points_.size(), active = maps.lattice.active.size();
   std::vector<std::uint8_t>& codes = maps.codes[back];
   codes.resize(active * count + block);  // radiance() reads whole blocks
@@ -150,7 +150,7 @@ void DirectLight<D>::find(const VisibilityThroughAll<D>& way,
     parallel_range(some, 1, work_of_texel * static_cast<double>(maps.lattice.texels()), progress,
                    [&](std::size_t begin, std::size_t end) {
                      for (std::size_t i = begin; i < end; ++i) {
-                       way.run(points_[numbers[first + i]].source, code, found[i], progress);
+                       shadows.run(points_[numbers[first + i]].source, code, found[i], progress);
                      }
                    });
     parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
@@ -171,7 +171,7 @@ void DirectLight<D>::take(const DirectLight& earlier, const std::vector<int>& nu
       maps.lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s) {
           const std::int32_t slot =
-              nearest_active_slot(earlier.lattice(), maps.lattice.centre(maps.lattice.active[s]));
+              nearest_active_slot(earlier.lattice(), maps.lattice.center(maps.lattice.active[s]));
           if (slot == TexelLattice<D>::inactive) continue;
           for (std::size_t i = 0; i < count; ++i) {
             if (numbers[i] >= 0)
@@ -218,22 +218,23 @@ float DirectLight<D>::greatest(std::size_t point, const TexelWeights<D>& near, b
 template <int D>
 void DirectLight<D>::fill_blocks() {
   blocks_.assign((points_.size() + block - 1) / block, Block{});
-  for (Block& of : blocks_) {
-    for (Row& row : of.at) row.fill(1);
+  for (Block& points : blocks_) {
+    for (Row& row : points.at) row.fill(1);
   }
   for (std::size_t n = 0; n < points_.size(); ++n) {
     const LightSource<D>& source = points_[n].source;
-    Block& of = blocks_[n / block];
+    Block& points = blocks_[n / block];
     const std::size_t k = n % block;
-    of.near[k] = source.infinite ? 0 : 1;
+    points.near[k] = source.infinite ? 0 : 1;
     const bool even = source.infinite || source.sphere;
-    (even ? of.even : source.both_sides ? of.both : of.front)[k] = 1;
+    (even ? points.even : source.both_sides ? points.both : points.front)[k] = 1;
     for (int a = 0; a < D; ++a) {
-      of.at[a][k] = static_cast<float>(source.infinite ? -source.direction[a] : source.position[a]);
-      if (!even) of.normal[a][k] = static_cast<float>(source.normal[a]);
+      points.at[a][k] =
+          static_cast<float>(source.infinite ? -source.direction[a] : source.position[a]);
+      if (!even) points.normal[a][k] = static_cast<float>(source.normal[a]);
     }
-    for (int i = 0; i < 3; ++i) of.amount[i][k] = static_cast<float>(source.amount[i]);
-    if (source.cone) of.cones.push_back(static_cast<int>(k));
+    for (int i = 0; i < 3; ++i) points.amount[i][k] = static_cast<float>(source.amount[i]);
+    if (source.cone) points.cones.push_back(static_cast<int>(k));
   }
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     bound(blocks_[b], b * block, std::min(points_.size(), (b + 1) * block));
@@ -241,25 +242,25 @@ void DirectLight<D>::fill_blocks() {
 }
 
 template <int D>
-void DirectLight<D>::bound(Block& of, std::size_t first, std::size_t end) const {
+void DirectLight<D>::bound(Block& points, std::size_t first, std::size_t end) const {
   Box<D> box;
   for (std::size_t n = first; n < end; ++n) {
     const LightSource<D>& source = points_[n].source;
     if (source.infinite) {
-      of.radius = std::numeric_limits<float>::infinity();
+      points.radius = std::numeric_limits<float>::infinity();
       return;
     }
     box.extend(source.position);
   }
-  of.centre = Vec<D, float>((box.low + box.high) * 0.5);
-  of.radius = static_cast<float>((box.high - box.low).length() * 0.5);
+  points.center = Vec<D, float>((box.low + box.high) * 0.5);
+  points.radius = static_cast<float>((box.high - box.low).length() * 0.5);
 }
 
 // True if no point lights an isosurface of code `own`, for any weights of the texels.
 template <int D>
-bool DirectLight<D>::is_dark(const TexelWeights<D>& near, bool back, float own) const {
+bool DirectLight<D>::is_dark(const TexelWeights<D>& near, bool back, float code) const {
   for (int i = 0; i < near.count; ++i) {
-    if (own >= static_cast<float>(maps_->least[back][near.slot[i]]) - 1) return false;
+    if (code >= static_cast<float>(maps_->least[back][near.slot[i]]) - 1) return false;
   }
   return true;
 }
@@ -288,17 +289,17 @@ typename DirectLight<D>::Shadows DirectLight<D>::shadows(std::size_t number,
 }
 
 template <int D>
-typename DirectLight<D>::Row DirectLight<D>::arriving(const Block& of, const Receiver& at,
-                                                      const Shadows& shadows, float own) {
+typename DirectLight<D>::Row DirectLight<D>::arriving(const Block& points, const Receiver& at,
+                                                      const Shadows& shadows, float code) {
   Row distance2{}, cosine{}, facing{}, leaving{}, share;
   for (int a = 0; a < D; ++a) {
     const float from = at.position[a], normal = at.normal[a], geometric = at.geometric_normal[a];
     for (int k = 0; k < block; ++k) {
-      const float way = from * of.near[k] - of.at[a][k];
-      distance2[k] += way * way;
-      cosine[k] -= way * normal;
-      facing[k] -= way * geometric;
-      leaving[k] += way * of.normal[a][k];
+      const float toward = from * points.near[k] - points.at[a][k];
+      distance2[k] += toward * toward;
+      cosine[k] -= toward * normal;
+      facing[k] -= toward * geometric;
+      leaving[k] += toward * points.normal[a][k];
     }
   }
   const Row &greatest = shadows.greatest, &dark = shadows.dark;
@@ -306,10 +307,11 @@ typename DirectLight<D>::Row DirectLight<D>::arriving(const Block& of, const Rec
     const float per_distance = 1 / std::sqrt(distance2[k]);
     const float from_light = leaving[k] * per_distance;
     const float front = from_light > 0 ? from_light : 0.0f;
-    const float strength = of.even[k] + of.front[k] * front + of.both[k] * std::abs(from_light);
+    const float strength =
+        points.even[k] + points.front[k] * front + points.both[k] * std::abs(from_light);
     const float spreads = D == 3 ? per_distance * per_distance : per_distance;
     const float light = strength * spreads * cosine[k] * per_distance;
-    const float shown = greatest[k] < own * (1 - dark[k]) ? light : 0.0f;
+    const float shown = greatest[k] < code * (1 - dark[k]) ? light : 0.0f;
     const float unhidden = dark[k] < 0.5f ? shown : 0.0f;
     const float faced = facing[k] > 0 ? unhidden : 0.0f;
     share[k] = cosine[k] > 0 ? faced : 0.0f;
@@ -322,8 +324,8 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, const TexelWeights
                              bool back) const {
   const double h = point.value;
   if (std::isnan(h)) return Rgb(0);
-  const float own = VisibilityCode{code_range_, back}(h);
-  if (is_dark(near, back, own)) return Rgb(0);
+  const float code = VisibilityCode{code_range_, back}(h);
+  if (is_dark(near, back, code)) return Rgb(0);
   // The back faces higher values.
   const Vec<D> gradient = to_index_.pull_back_gradient(point.gradient);
   const double length = gradient.length();
@@ -332,23 +334,25 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, const TexelWeights
   const Vec<D> surface = has_smooth_normals_ ? gradient
                                              : to_index_.pull_back_gradient(surface_gradient(
                                                    point.corners, point.at.local, point.gradient));
+  // Transform the point and its normals to the frame.
   const Vec<D> place = to_frame_.point(point.position);
   const Receiver receiver{Vec<D, float>(place), Vec<D, float>(gradient * outward),
                           Vec<D, float>(surface * outward)};
   std::array<float, 3> irradiance{};
+  // Add the light of each block of points that is not in shadow.
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Block& of = blocks_[b];
-    if (of.is_behind(receiver)) continue;
+    const Block& points = blocks_[b];
+    if (points.is_behind(receiver)) continue;
     const Shadows in_shadow = shadows(b, near, back);
-    if (!in_shadow.any_lit(own)) continue;
-    Row share = arriving(of, receiver, in_shadow, own);
-    for (const int k : of.cones) {
+    if (!in_shadow.any_lit(code)) continue;
+    Row share = arriving(points, receiver, in_shadow, code);
+    for (const int k : points.cones) {
       if (!(share[k] > 0)) continue;
       const LightSource<D>& source = points_[b * block + k].source;
       share[k] *= static_cast<float>(source.cone_share((place - source.position).normalized()));
     }
     for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < block; ++k) irradiance[i] += share[k] * of.amount[i][k];
+      for (int k = 0; k < block; ++k) irradiance[i] += share[k] * points.amount[i][k];
     }
   }
   const Rgb sum(irradiance[0], irradiance[1], irradiance[2]);

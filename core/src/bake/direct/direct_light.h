@@ -3,28 +3,29 @@
 
 #include <memory>
 
-#include "bake/direct/visibility_through.h"
-#include "math/box.h"
+#include "bake/direct/all_shadows.h"
+#include "base/box.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
 
-// A point on the isosurface through a position. Texels and direct light both need it.
+// A point with the isosurface through it, as texels and direct light need it.
 template <int D>
 struct IsosurfacePoint {
   Vec<D> position;  // in index coordinates
   CellPoint<D> at;
   CellCorners<D> corners;
-  double value;     // of the field; NaN without data
+  double value;     // value of the field; NaN in masked cells
   Vec<D> gradient;  // shading gradient, in index coordinates
 };
 template <int D>
 IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_position);
 
-// Direct light of a scene's light points at any point of any isosurface of a volume. The cosine and
-// the distance are exact at each point. For each texel and light point it stores the greatest value
-// on the way, for backs the least. Isosurfaces of lower isovalues are in shadow there, for backs
-// those of higher ones. Nothing is averaged or random.
+// Direct light of a scene's light points on all isosurfaces of a volume. Visibility maps hold, for
+// each texel and light point, the greatest value between the two. Isosurfaces of lower isovalues
+// are in shadow there. For backs, the maps hold the least value, and isosurfaces of higher
+// isovalues are in shadow. Cosine and distance are exact at each shaded point. Nothing is averaged
+// or random.
 template <int D>
 class DirectLight {
  public:
@@ -34,8 +35,8 @@ class DirectLight {
   // Computes the maps of one volume in a `resolution`. With `back`, it includes the backs, which
   // requires that the scene has only this volume. For `spacing`, see VisibilitySweep. An `earlier`
   // light is that of the same scene under other lights. Its maps are reused for points that have
-  // not moved. The result does not depend on the number of threads, nor on `earlier` if its texels
-  // are as wide. Throws Cancelled.
+  // not moved. The result does not depend on the number of threads. It does not depend on
+  // `earlier`, if the texels of that have the same width. Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
               const DirectLight* earlier = nullptr);
@@ -54,7 +55,7 @@ class DirectLight {
   // Returns the range of the codes in values of the field.
   const IsovalueRange& code_range() const { return code_range_; }
   bool has_back() const { return !maps_->codes[1].empty(); }
-  // Returns the VisibilityCode of the way from an active texel to a point.
+  // Returns the VisibilityCode between an active texel and a light point.
   std::uint8_t code(std::size_t point, std::size_t slot, bool back) const {
     return maps_->codes[back][slot * points_.size() + point];
   }
@@ -77,8 +78,8 @@ class DirectLight {
   }
   // Returns the emission of the isosurface [W/(m^2 sr)].
   Rgb emission(const Field<D>& field, const Vec<D>& index_position) const;
-  // Interpolates the greatest code on the way to a point. `near`: the position's weights in
-  // lattice().
+  // Interpolates the greatest code between a position and a light point. `near`: the position's
+  // weights in lattice().
   float greatest(std::size_t point, const TexelWeights<D>& near, bool back) const;
 
  private:
@@ -100,13 +101,13 @@ class DirectLight {
     std::array<Row, 3> amount{};
     std::vector<int> cones;  // points with a cone
     // A ball in the frame that contains the points; infinite for lights at infinity.
-    Vec<D, float> centre{0.0f};
+    Vec<D, float> center{0.0f};
     float radius = 0;
 
     // True if all points lie below the horizon of a receiver.
     bool is_behind(const Receiver& seen) const {
-      const Vec<D, float> way = centre - seen.position;
-      return way.dot(seen.normal) + radius < -rounding * way.length();
+      const Vec<D, float> to_center = center - seen.position;
+      return to_center.dot(seen.normal) + radius < -rounding * to_center.length();
     }
   };
   // For each point of a block, the greatest code on the way and the weight of a mesh's shadow.
@@ -114,15 +115,15 @@ class DirectLight {
     Row greatest{}, dark{};
 
     // True if any point lights an isosurface of code `own`.
-    bool any_lit(float own) const {
+    bool any_lit(float code) const {
       bool any = false;
-      for (int k = 0; k < block; ++k) any |= greatest[k] < own;
+      for (int k = 0; k < block; ++k) any |= greatest[k] < code;
       return any;
     }
   };
   struct Maps;
   // Computes the codes of the points with these numbers.
-  void find(const VisibilityThroughAll<D>& way, const std::vector<std::size_t>& numbers, bool back,
+  void find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers, bool back,
             Maps& maps, Progress& progress) const;
   // Copies codes from an earlier DirectLight. `numbers`: each point's number there, or -1.
   void take(const DirectLight& earlier, const std::vector<int>& numbers, bool back, Maps& maps,
@@ -131,12 +132,12 @@ class DirectLight {
   void summarize(bool back, Maps& maps, Progress& progress) const;
   void fill_blocks();
   // Computes the bounding ball of points [first, end).
-  void bound(Block& of, std::size_t first, std::size_t end) const;
-  bool is_dark(const TexelWeights<D>& near, bool back, float own) const;
+  void bound(Block& points, std::size_t first, std::size_t end) const;
+  bool is_dark(const TexelWeights<D>& near, bool back, float code) const;
   Shadows shadows(std::size_t number, const TexelWeights<D>& near, bool back) const;
   // Computes the irradiance at a receiver of code `own` from each point of a block, divided by the
   // point's amount. Ignores cones.
-  static Row arriving(const Block& of, const Receiver& at, const Shadows& shadows, float own);
+  static Row arriving(const Block& points, const Receiver& at, const Shadows& shadows, float code);
 
   IsovalueRange isovalue_range_, code_range_;  // in values of the field
   ColorRamp albedo_, emission_;

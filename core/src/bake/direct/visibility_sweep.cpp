@@ -41,20 +41,20 @@ struct SweptVolume {
 template <int D>
 class AxisSweep {
  public:
-  AxisSweep(const SweptVolume<D>& of, const LightSource<D>& source, const VisibilityCode& code,
+  AxisSweep(const SweptVolume<D>& swept, const LightSource<D>& source, const VisibilityCode& code,
             bool meshes, int axis, int sense)
-      : tracer_(of.tracer),
-        field_(tracer_.scene().volumes[of.volume].field),
-        turned_(of.turned),
+      : tracer_(swept.tracer),
+        field_(tracer_.scene().volumes[swept.volume].field),
+        turned_(swept.turned),
         source_(source),
-        nodes_(of.nodes),
+        nodes_(swept.nodes),
         code_(code),
         axis_(axis),
         sense_(sense),
-        to_frame_(tracer_.index_to_frame(of.volume)),
+        to_frame_(tracer_.index_to_frame(swept.volume)),
         planes_(field_, nodes_, axis),
         meshes_(meshes),
-        spacing_(of.spacing) {
+        spacing_(swept.spacing) {
     const double width = nodes_.voxels_per_texel[axis];
     if (spacing_ >= width) {
       auto& all = planes_.planes;
@@ -68,11 +68,11 @@ class AxisSweep {
     const auto count = static_cast<int>(planes_.planes.size());
     for (int i = 0; i < count; ++i) order_.push_back(sense > 0 ? i : count - 1 - i);
     if (source.infinite) {
-      const Vec<D> way = to_index.vector(source.direction);
+      const Vec<D> direction = to_index.vector(source.direction);
       from_ = width * planes_.planes[order_[0]].z;
       for (int b = 0; b < D - 1; ++b) {
         fans_[b].parallel = true;
-        fans_[b].slope = way[across_[b]] / std::abs(way[axis]);
+        fans_[b].slope = direction[across_[b]] / std::abs(direction[axis]);
       }
     } else {
       const Vec<D> at = to_index.point(source.position);
@@ -163,21 +163,22 @@ class AxisSweep {
         }
         const Vec<D> per_t = to_frame_.vector(two - one);
         const double length = per_t.length();
-        const Vec<D> way = per_t / length;
+        const Vec<D> direction = per_t / length;
         Vec<D> origin;
         double t = 0;
         if (source_.infinite) {
           const Vec<D> entry = to_frame_.point(one);
           const double back =
-              2 * tracer_.bounds().radius + (entry - tracer_.bounds().centre).length();
-          origin = entry - way * back;
+              2 * tracer_.bounds().radius + (entry - tracer_.bounds().center).length();
+          origin = entry - direction * back;
           t = -back / length;
         } else {
-          const Vec<D> normal = source_.normal.dot(way) < 0 ? -source_.normal : source_.normal;
-          origin = leave_plane<D>(source_.position, source_.sphere ? way : normal);
+          const Vec<D> normal =
+              source_.normal.dot(direction) < 0 ? -source_.normal : source_.normal;
+          origin = leave_plane<D>(source_.position, source_.sphere ? direction : normal);
         }
-        if (const auto hit =
-                tracer_.walls().intersect(origin, way, std::numeric_limits<double>::infinity())) {
+        if (const auto hit = tracer_.mesh_bvh().intersect(
+                origin, direction, std::numeric_limits<double>::infinity())) {
           walls_[static_cast<std::size_t>(v) * u_lines() + u] = t + hit->t / length;
         }
       }
@@ -374,12 +375,12 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
     AxisSweep<D>(swept, source, code, meshes, axis, sense).run(found, progress);
   };
   if (source.infinite) {
-    const Vec<D> way = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);
+    const Vec<D> direction = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);
     int along = 0;
     for (int a = 1; a < D; ++a) {
-      if (std::abs(way[a]) > std::abs(way[along])) along = a;
+      if (std::abs(direction[a]) > std::abs(direction[along])) along = a;
     }
-    run_along(along, way[along] < 0 ? -1 : 1);
+    run_along(along, direction[along] < 0 ? -1 : 1);
   } else {
     for (int axis = 0; axis < D; ++axis) {
       run_along(axis, 1);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "base/large_array.h"
+#include "base/progress.h"
 #include "field/texel_lattice.h"
-#include "math/large_array.h"
-#include "math/progress.h"
 #include "trace/scene_tracer.h"
 #include "transport/lamp_sampling.h"
 

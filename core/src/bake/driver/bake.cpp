@@ -6,7 +6,7 @@
 #include <chrono>
 
 #include "bake/driver/passes.h"
-#include "math/platform.h"
+#include "base/platform.h"
 
 namespace leaflight {
 template <int D>

@@ -7,7 +7,7 @@
 #include "bake/indirect/previous_light.h"
 #include "bake/output/baked.h"
 #include "bake/texels/checkpoint.h"
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight {
 

@@ -5,7 +5,7 @@
 
 #include "bake/driver/line_bake.h"
 #include "bake/driver/pass_texels.h"
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 
@@ -16,15 +16,15 @@ struct BlockTracer::Parts {
   tbb::task_arena arena;
   std::unique_ptr<LineBake<3>> bake;
 
-  Parts(const Scene<3>& scene, const BakeSettings<3>& of, Progress& progress)
-      : settings(of),
-        plan(make_plan(scene, of)),
+  Parts(const Scene<3>& scene, const BakeSettings<3>& given, Progress& progress)
+      : settings(given),
+        plan(make_plan(scene, given)),
         lit(scene, settings, plan, progress),
-        arena(of.threads > 0 ? of.threads : tbb::task_arena::automatic) {
+        arena(given.threads > 0 ? given.threads : tbb::task_arena::automatic) {
     arena.execute([&] {
       BakeTexels<3> texels = pass_texels(lit.volumes[0], settings);
       texels.photon_count = 0;
-      lit.learn_direct({texels.shown.lattice.resolution}, 1);
+      lit.compute_visibility_maps({texels.shown.lattice.resolution}, 1);
       bake = std::make_unique<LineBake<3>>(lit, 0, std::move(texels));
     });
   }
@@ -52,9 +52,9 @@ std::uint64_t block_tracer_memory(const Scene<3>& scene, const BakeSettings<3>& 
   const BakeTexels<3> texels = pass_texels(volume, settings);
   const Plan plan = make_plan(scene, settings);
   const std::uint64_t sides = plan.back ? 2 : 1;
-  const auto known = [&](const IndexedLattice<3>& of) {
-    return of.slots.size() * sizeof(of.slots[0]) +
-           of.lattice.active.size() * sizeof(of.lattice.active[0]);
+  const auto known = [&](const IndexedLattice<3>& lattice) {
+    return lattice.slots.size() * sizeof(lattice.slots[0]) +
+           lattice.lattice.active.size() * sizeof(lattice.lattice.active[0]);
   };
   const Field<3>& field = volume.volume().field;
   std::uint64_t voxels = 1;

@@ -17,7 +17,7 @@ class BlockTracer {
   BlockTracer(const Scene<3>& scene, const BakeSettings<3>& settings, Progress& progress);
   ~BlockTracer();
 
-  // Reads the output of BlockWorkers::begin(), which blocks need.
+  // Reads the light that lines look up, as BlockWorkers::begin() provides it. Blocks need it.
   void look_up(std::istream& stream);
   // Traces a block and returns it as block_bytes() does.
   std::string trace(int number);

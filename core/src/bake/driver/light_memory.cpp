@@ -7,14 +7,14 @@
 #include "bake/direct/direct_light.h"
 #include "bake/driver/pass_texels.h"
 #include "bake/plan/plan.h"
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {
 
-// Measured memory in bytes (docs/clusters.md). It counts texels of the result and of indirect light
-// at the end of a pass, when memory peaks. A saved texel is one of the file's grids, without their
-// inputs. A saved voxel is a share of the nodes of the grid of values.
+// Measured memory in bytes (docs/clusters.md): per texel of direct and of indirect light, at the
+// end of a pass, when memory peaks. While a file is written, memory per texel is `saved_texel`, and
+// per voxel of the volume `saved_voxel`.
 struct TexelBytes {
   double direct, indirect;
 };
@@ -46,12 +46,12 @@ class LightMemory {
     settings.resolution = resolution;
     const PassResolutions<3> chosen = pass_resolutions(field_, isovalue_range_, settings);
     const double direct = texels(chosen.shown);
-    const double lit = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
-                       texels(chosen.photons) * photon_texel;
+    const double lighting = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
+                            texels(chosen.photons) * photon_texel;
     const double maps =
         sides_ * static_cast<double>(map_bytes(field_, isovalue_range_, chosen.shown, points_));
     const double saved = direct * saved_texel + saved_voxel * static_cast<double>(field_.voxels());
-    return static_cast<std::uint64_t>(fixed + maps + std::max(lit, saved));
+    return static_cast<std::uint64_t>(fixed + maps + std::max(lighting, saved));
   }
 
   // Returns the resolution of texels that are `width` voxels wide.

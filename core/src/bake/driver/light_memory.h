@@ -7,7 +7,7 @@
 namespace leaflight {
 
 // Estimates the maximum memory of a bake in passes in bytes, without the arrays of the volume
-// (math/large_array.h).
+// (base/large_array.h).
 std::uint64_t light_memory(const Scene<3>& scene, const BakeSettings<3>& settings);
 
 // Returns the finest resolution whose light_memory() is at most `bytes`, or zeros if the default

@@ -8,9 +8,9 @@
 #include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
-#include "math/error.h"
-#include "math/release.h"
-#include "math/sampling.h"
+#include "base/error.h"
+#include "base/release.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -60,13 +60,13 @@ template <int D>
 void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   progress_.begin("Indirect light");
-  learn_lookups();
+  compute_direct_lookup();
   const auto ended = [&] { return go_on && !go_on(); };
   bool stopped = false;
   // After an interrupted add(), these are already computed.
   if (indirect_sides_[0].empty()) {
-    learn_back_direct();
-    learn_indirect();
+    compute_back_direct();
+    compute_indirect_sides();
     if (this->blocks() == 0) {
       gather_bounces();
       stopped = ended();
@@ -151,7 +151,7 @@ void LineBake<D>::serialize_lookups(Archive& archive) {
   bool walls = photons_.walls != nullptr;
   archive(walls);
   if (archive.restores()) {
-    learn_lookups();
+    compute_direct_lookup();
     if (walls && !photons_.walls) {
       photons_.walls = std::make_unique<SurfaceCache<D>>(volume_.tracer, false, 1.0, 0, true);
     }
@@ -224,7 +224,7 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
     }
     pool_variances(texels.lattice, light[side].averages, progress_);
   }
-  learn_surfaces();
+  compute_surfaces();
   filter_along_isosurfaces(texels, surfaces_, light, progress_);
   return light;
 }
@@ -236,7 +236,7 @@ WallRadiance<D> LineBake<D>::walls() {
   std::unique_ptr<IndirectEstimator<D>> estimator;
   if (indirect_) {
     const TexelLattice<D>& lattice = indirect_->texels().lattice;
-    learn_indirect();
+    compute_indirect_sides();
     isosurfaces[0].lattice = &lattice;
     isosurfaces[0].photons = photons_.isosurfaces[0].get();
     for (int side = 0; side < 2; ++side) {
@@ -247,7 +247,7 @@ WallRadiance<D> LineBake<D>::walls() {
       }
       for (std::size_t s = 0; s < indirect_sides_[side].size(); ++s) {
         all[s] += indirect_sides_[side][s] *
-                  albedo_near(volume_.volume(), lattice.centre(lattice.active[s]));
+                  albedo_near(volume_.volume(), lattice.center(lattice.active[s]));
       }
     }
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
@@ -292,7 +292,7 @@ std::vector<Rgb> LineBake<D>::direct_at(const TexelLattice<D>& lattice, bool bac
   const Field<D>& field = volume_.volume().field;
   parallel_range(found.size(), 1024, 0, progress_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      found[s] = direct_->radiance(field, lattice.centre(lattice.active[s]), back);
+      found[s] = direct_->radiance(field, lattice.center(lattice.active[s]), back);
     }
   });
   return found;
@@ -309,22 +309,22 @@ std::vector<Average> LineBake<D>::direct_averages(bool back) {
 }
 
 template <int D>
-void LineBake<D>::learn_lookups() {
+void LineBake<D>::compute_direct_lookup() {
   if (direct_lookup_.sources() == 0) {
     direct_lookup_ = DirectLookup<D>(volume_, indirect_->texels().lattice, *direct_, progress_);
   }
-  learn_surfaces();
+  compute_surfaces();
 }
 
 template <int D>
-void LineBake<D>::learn_surfaces() {
+void LineBake<D>::compute_surfaces() {
   if (surfaces_.empty())
     surfaces_ = texel_surfaces(volume_, indirect_->texels().lattice, progress_);
 }
 
 // Computes the indirect light that lines look up. Photons light the back if no lines gather for it.
 template <int D>
-void LineBake<D>::learn_indirect() {
+void LineBake<D>::compute_indirect_sides() {
   for (int side = 0; side < 2; ++side) {
     const bool gathers = side == 0 || plan_.back;
     if (!gathers || (!previous_ && indirect_->blocks() == 0)) {
@@ -339,7 +339,7 @@ void LineBake<D>::learn_indirect() {
 }
 
 template <int D>
-void LineBake<D>::learn_back_direct() {
+void LineBake<D>::compute_back_direct() {
   if (!plan_.back) return;
   back_direct_ = direct_at(indirect_->texels().lattice, true);
 }
@@ -359,15 +359,15 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
 // Converts light of white isosurfaces to light of the scene's isosurfaces.
 template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
-  const Volume<D>& of = volume_.volume();
+  const Volume<D>& volume = volume_.volume();
   const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
   for (std::size_t s = 0; s < indirect.size(); ++s) {
-    const Vec<D> centre = texels_.lattice.centre(texels_.lattice.active[s]);
-    const Rgb albedo = albedo_near(of, centre);
+    const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
+    const Rgb albedo = albedo_near(volume, center);
     indirect[s].mean *= albedo;
     const auto scale = static_cast<float>(average(albedo));
     indirect[s].variance *= scale * scale;
-    indirect[s].mean += emission_near(of, isovalue_range, centre);
+    indirect[s].mean += emission_near(volume, isovalue_range, center);
   }
 }
 
@@ -378,15 +378,15 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, settings_.seed)) {
     const TexelWeights<D> near = linear_weights(texels_.lattice, point.position);
-    double colour = 0, deviation = 0;
+    double color = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
       const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
-      colour += w * average(d.mean + m.mean);
+      color += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
     // Errors of colors brighter than white are invisible.
-    const bool is_white = colour * settings_.exposure > 1;
+    const bool is_white = color * settings_.exposure > 1;
     errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);
   }
 }

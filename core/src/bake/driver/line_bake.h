@@ -47,7 +47,7 @@ class LineBake final : public Integrator<D> {
   int blocks() const override {
     return indirect_ ? indirect_->blocks() + (previous_ ? previous_->blocks() : 0) : 0;
   }
-  // Returns the work of a block in points of lines.
+  // Returns the work of a block, in the unit of the progress: points of lines.
   double cost() const override { return indirect_ ? indirect_->cost() : 0; }
 
   RadianceGrid<D> grid();
@@ -64,11 +64,11 @@ class LineBake final : public Integrator<D> {
   void serialize_indirect(Archive& archive);
   std::vector<Average> direct_averages(bool back);
   std::vector<Rgb> indirect_of_photons(bool back) const;
-  void learn_indirect();
+  void compute_indirect_sides();
   void gather_bounces();
-  void learn_back_direct();
-  void learn_lookups();
-  void learn_surfaces();
+  void compute_back_direct();
+  void compute_direct_lookup();
+  void compute_surfaces();
   GatheredRadiance<D> gathered() const;
   void finish(std::vector<Average>& indirect) const;
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
@@ -87,11 +87,11 @@ class LineBake final : public Integrator<D> {
   const PreviousLight<D>* previous_;  // may be null
   const BlockWorkers* workers_;       // may be null
   IndexedLattice<D> texels_;
-  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light there, after the first use
-  std::vector<TexelSurface<D>> surfaces_;          // at the texels of indirect light
-  DirectLookup<D> direct_lookup_;                  // empty when no lines need it
+  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light at texels_, after its first use
+  std::vector<TexelSurface<D>> surfaces_;          // isosurfaces at the texels of indirect light
+  DirectLookup<D> direct_lookup_;                  // empty if no lines need it
   std::unique_ptr<IndirectLight<D>> indirect_;     // null: nothing reflects
-  std::vector<TexelLattice<D>> lattices_;          // of the photons
+  std::vector<TexelLattice<D>> lattices_;          // texels that collect photons
   PhotonCaches<D> photons_;
   // Light of both sides of white isosurfaces at the texels of indirect light; empty when no lines
   // need it.

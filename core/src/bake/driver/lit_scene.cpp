@@ -32,7 +32,7 @@ const std::vector<SubdividedMesh<D>>& LitScene<D>::subdivided() {
 }
 
 template <int D>
-void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spacing) {
+void LitScene<D>::compute_visibility_maps(const std::vector<Index<D>>& texels, double spacing) {
   progress.begin("Direct light");
   // With several volumes, backs would need two maps, so they have none.
   const bool back = plan.back && volumes.size() == 1;
@@ -46,20 +46,22 @@ void LitScene<D>::learn_direct(const std::vector<Index<D>>& texels, double spaci
 }
 
 template <int D>
-void LitScene<D>::learn_direct_of_walls() {
-  if (learned_share_ == wall_detail.share) return;
+void LitScene<D>::compute_wall_direct_light() {
+  if (computed_share_ == wall_detail.share) return;
   progress.begin("Shadows on walls");
   direct_of_walls =
       std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress, wall_detail.share);
-  learned_share_ = wall_detail.share;
+  computed_share_ = wall_detail.share;
 }
 
 template <int D>
 double LitScene<D>::cost_of_walls() {
   if (!plan.walls) return 0;
-  const bool learned = learned_share_ == wall_detail.share;
-  const double ways = learned ? 0 : work_of_ways(tracer, subdivided(), wall_detail.share);
-  return ways + (plan.lines ? work_of_samples(tracer, subdivided(), wall_detail.samples) : 0);
+  const bool learned = computed_share_ == wall_detail.share;
+  const double shadow_rays =
+      learned ? 0 : work_of_shadow_rays(tracer, subdivided(), wall_detail.share);
+  return shadow_rays +
+         (plan.lines ? work_of_samples(tracer, subdivided(), wall_detail.samples) : 0);
 }
 
 template struct LitScene<2>;

@@ -11,8 +11,8 @@
 
 namespace leaflight {
 
-// Detail of the light of walls. One of every `share` ways to light points is traced
-// (MeshDirectLight). `samples`: of each vertex at each node, if lines light the volume.
+// Quality of the walls' light. `share`: one of this many shadow rays to light points is traced
+// (MeshDirectLight). `samples`: paths per vertex and isovalue node, if lines light the volume.
 struct WallDetail {
   int samples = 8;
   std::size_t share = 1;
@@ -29,7 +29,7 @@ struct LitScene {
   LightSampler<D> lights;
   SplitLight<D> split;
   std::vector<LineVolume<D>> volumes;
-  // One per volume, after its computation; null if no texel of it stores light.
+  // Direct light of each volume, once it is computed; null if no texel of the volume stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
   WallDetail wall_detail;
   std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // null before its computation
@@ -48,9 +48,9 @@ struct LitScene {
   const std::vector<SubdividedMesh<D>>& subdivided();
   // Computes the visibility maps of the points of `split`. `texels`: the resolution of each volume.
   // `spacing`: see VisibilitySweep.
-  void learn_direct(const std::vector<Index<D>>& texels, double spacing);
+  void compute_visibility_maps(const std::vector<Index<D>>& texels, double spacing);
   // Computes the direct light of the walls once for each detail.
-  void learn_direct_of_walls();
+  void compute_wall_direct_light();
   // Returns the remaining work for the walls in the unit of the progress. Paths light walls in
   // their blocks.
   double cost_of_walls();
@@ -58,7 +58,7 @@ struct LitScene {
  private:
   std::vector<EmptySpace<D>> empty_;  // below the isovalue range; one per volume
   std::vector<SubdividedMesh<D>> subdivided_;
-  std::size_t learned_share_ = 0;  // share of the walls' direct light; 0: none yet
+  std::size_t computed_share_ = 0;  // share of the walls' direct light; 0: none yet
 };
 
 }  // namespace leaflight

@@ -49,13 +49,13 @@ double square_without_noise(const Vec<3, float>& radiance, const std::vector<Rgb
       sum += one;
       sum2 += one * one;
     }
-    const double mean = sum / count, own = std::min(1.0, exposure * radiance[i]);
+    const double mean = sum / count, color = std::min(1.0, exposure * radiance[i]);
     // Clip colors at white, where errors are invisible.
     if (mean > 1) {
-      result += (own - 1) * (own - 1);
+      result += (color - 1) * (color - 1);
     } else {
       const double noise = (sum2 / count - mean * mean) / (count - 1);
-      result += (own - mean) * (own - mean) - noise;
+      result += (color - mean) * (color - mean) - noise;
     }
   }
   return result / 3;
@@ -104,6 +104,7 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estim
   for (; estimates_ < estimates; ++estimates_) {
     const std::uint64_t seed =
         random_for(scene_.settings.seed, Purpose::measured_error, estimates_).bits();
+    // Prepare independent light, with new photons, for each estimate.
     const PathLight<D> light(scene_, lattices, texels[0].photon_count, seed);
     const PointSampler<D> from = light.sampler(scene_.lights);
     for (std::size_t v = 0; v < points_.size(); ++v) {
@@ -117,6 +118,7 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estim
               // The area is zero if no isosurface passes there.
               if (point.kind() == HitKind::none) at.area = 0;
               if (!(at.area > 0)) continue;
+              // Average the paths of one estimate at the point.
               const SampleKeys keys =
                   sample_keys(seed, Purpose::measured_error, v, static_cast<std::uint32_t>(p));
               Imath::V3d sum(0);

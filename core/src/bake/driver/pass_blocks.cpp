@@ -11,16 +11,16 @@ namespace {
 constexpr int most_blocks = 32;
 // Bakes with fewer texels begin with four blocks, which are quick.
 constexpr std::size_t few_texels = 1'500'000;
-// Bounds of the noise to reach, as a share of the target error. If the texture error leaves less
+// Bounds of the noise to reach, as a share of the target error. If the bias leaves less
 // than the lower bound, passes would take several times as long for almost no gain. Then the noise
-// to reach is a share of the texture error.
+// to reach is a share of the bias.
 constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
 
 }  // namespace
 
-double noise_to_reach(double error, double texture) {
-  const double wanted = std::sqrt(std::max(0.0, error * error - texture * texture));
-  if (wanted < least_noise * error) return out_of_reach_noise * texture;
+double noise_to_reach(double error, double bias) {
+  const double wanted = std::sqrt(std::max(0.0, error * error - bias * bias));
+  if (wanted < least_noise * error) return out_of_reach_noise * bias;
   return std::min(wanted, most_noise * error);
 }
 

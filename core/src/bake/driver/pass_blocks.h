@@ -6,8 +6,8 @@
 namespace leaflight {
 
 // Returns the noise, in percent, at which a bake ends: the part of the target error that the
-// texture error leaves, within bounds.
-double noise_to_reach(double error, double texture);
+// bias leaves, within bounds.
+double noise_to_reach(double error, double bias);
 
 // Returns the blocks of the first pass. At least two are needed to estimate the error.
 int first_blocks(std::size_t texels);

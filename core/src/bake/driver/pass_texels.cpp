@@ -10,31 +10,31 @@ namespace {
 // Upper bounds on the default texels if they are finer than voxels.
 constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
 constexpr int most_halvings = 2;
-// Numbers of voxels that isosurfaces pass. Above the first, lines of indirect light are two texels
-// apart. Above the second, texels of indirect light are coarser than voxels. Above the third, those
-// of photons are.
+// Limits on the number of voxels that isosurfaces cross. Above the first, lines of indirect light
+// are two texels apart. Above the second, texels of indirect light are wider than voxels. Above the
+// third, so are those of photons.
 constexpr std::size_t most_dense_voxels = 200'000, most_indirect_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
 constexpr int widest_texel = 8;
 // Photons of a block of rays; each block traces its own.
 constexpr std::uint64_t ray_photons = 100'000;
-// Upper bound on the texels of indirect light if each traces its own rays.
+// Upper bound on the texels of indirect light if rays are traced from each.
 constexpr std::size_t most_ray_texels = 500'000;
-// Upper bound on the texels of indirect light if a resolution is given that has fewer.
+// Upper bound on the texels of indirect light if the caller gives a resolution with fewer texels.
 constexpr std::size_t most_given_indirect_texels = 500'000;
 // Width of a texel of a first picture, in voxels.
 constexpr int preview_width = 4;
-// Photons carry light of several bounces until line passes have sampled it, and the indirect light
-// of the walls.
+// Number of photons. They carry the indirect light of the walls, and light of several bounces until
+// line passes have sampled it.
 constexpr std::uint64_t photons = 400'000, preview_photons = 20'000;
 // Shadow rays per patch of the walls.
 constexpr int wall_samples = 8, preview_wall_samples = 2;
 
-// Counts the texels that isosurfaces pass.
+// A function that counts the texels that isosurfaces cross.
 template <int D>
 using Counted = std::function<std::size_t(const Index<D>& resolution)>;
 
-// Halves the width of texels while their number stays small. `count`: number at `resolution`.
+// Halves the width of texels while their number stays small. `count`: their number at `resolution`.
 template <int D>
 Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
                 const Counted<D>& counted) {
@@ -45,8 +45,8 @@ Index<D> finest(Index<D> resolution, std::size_t count, std::size_t most,
   return resolution;
 }
 
-// Returns the texel width at which isosurfaces pass at most `most` texels. `voxels`: those that
-// they pass.
+// Returns the texel width at which isosurfaces cross at most `most` texels. `voxels`: number of
+// voxels that they cross.
 int width_for(std::size_t voxels, std::size_t most, int dimension) {
   int width = 1;
   while (width < widest_texel && voxels > most) {
@@ -83,6 +83,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     known.emplace_back(resolution, count);
     return count;
   };
+  // Start with texels of indirect light that are as wide as voxels, or wider for large volumes.
   const bool given = settings.resolution != Index<D>{};
   const std::size_t voxels = counted(field.dims);
   PassResolutions<D> found;
@@ -104,6 +105,7 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     if (width == 1)
       found.indirect = finest<D>(field.dims, voxels, most_finer_indirect_texels, counted);
   }
+  // Choose the lines and the texels of photons by the number of crossed voxels.
   found.spacing = voxels > most_dense_voxels ? 2 : 1;
   found.photons = coarser_resolution<D>(field.dims, width_for(voxels, most_photon_voxels, D));
   return found;
@@ -146,10 +148,10 @@ BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& set
 
 template <int D>
 BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolution) {
-  const Index<D> of_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
-  const Index<D> of_texels = coarser_resolution<D>(resolution, preview_width);
+  const Index<D> by_voxels = coarser_resolution<D>(volume.volume().field.dims, preview_width);
+  const Index<D> by_texels = coarser_resolution<D>(resolution, preview_width);
   Index<D> coarser;
-  for (int a = 0; a < D; ++a) coarser[a] = std::min(of_voxels[a], of_texels[a]);
+  for (int a = 0; a < D; ++a) coarser[a] = std::min(by_voxels[a], by_texels[a]);
   BakeTexels<D> texels;
   texels.photons = lattice_of(volume, coarser);
   texels.shown = texels.indirect = IndexedLattice<D>(texels.photons);

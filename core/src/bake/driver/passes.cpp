@@ -9,7 +9,7 @@
 #include "bake/driver/pass_texels.h"
 #include "bake/driver/ray_bake.h"
 #include "bake/driver/time_limit.h"
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {
@@ -19,8 +19,8 @@ constexpr std::size_t most_without_preview = 200'000;
 // Parameters of a first picture: its blocks, the spacing of its visibility sweeps, and the
 // estimates per point of its error. All estimates would delay it.
 constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
-// Predicted ratio of the walls' time in a complete pass to that in the first picture: for ways to
-// lights, and for samples.
+// Predicted ratio of the walls' time in a complete pass to that in the first picture: for shadow
+// rays and for samples.
 constexpr int more_ways = 6, more_samples = 3;
 // A pass that runs out of time ends after at least this many blocks.
 constexpr int least_blocks = 2;
@@ -68,7 +68,7 @@ class Passes {
     } else {
       begin(first_picture());
     }
-    return subdivide();
+    return run_passes();
   }
 
  private:
@@ -115,7 +115,7 @@ class Passes {
     preview_seconds_.points = limit_.seconds() - began;
     make_preview();
     preview_->add(preview_blocks);
-    Baked<D> baked = whole(*preview_);
+    Baked<D> baked = bake_so_far(*preview_);
     preview_seconds_.rest = limit_.seconds() - began - preview_seconds_.all();
     if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
     if (limit_.is_given() && scene_.plan.walls) choose_wall_detail();
@@ -127,7 +127,7 @@ class Passes {
     scene_.wall_detail = least_wall_detail;
     scene_.subdivided();
     const double began = limit_.seconds();
-    scene_.learn_direct_of_walls();
+    scene_.compute_wall_direct_light();
     const double ways = more_ways * (limit_.seconds() - began);
     preview_walls_ = walls(*preview_);
     // A bake by rays samples walls in the blocks of the volume.
@@ -137,7 +137,7 @@ class Passes {
     if (over(2 * fine_walls_seconds_)) return;
     preview_walls_.reset();
     scene_.wall_detail = WallDetail();
-    scene_.learn_direct_of_walls();
+    scene_.compute_wall_direct_light();
     walls_seconds_ = samples;
   }
 
@@ -163,7 +163,7 @@ class Passes {
       texels.push_back(preview_texels(scene_.volumes[v], shown_[v]));
     }
     preview_texels_ = std::max<std::size_t>(1, texels_of_indirect_light(texels));
-    scene_.learn_direct(coarse, preview_spacing);
+    scene_.compute_visibility_maps(coarse, preview_spacing);
     const double began = limit_.seconds();
     preview_ = integrator(std::move(texels), nullptr, nullptr);
     preview_seconds_.photons = limit_.seconds() - began;
@@ -184,12 +184,12 @@ class Passes {
         texels_ = std::move(wider());
         count_texels();
       }
-      scene_.learn_direct(shown_, 1);
+      scene_.compute_visibility_maps(shown_, 1);
       bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
     }
     texels_.clear();
     wider_.clear();
-    if (limit_.is_given() && scene_.plan.walls) scene_.learn_direct_of_walls();
+    if (limit_.is_given() && scene_.plan.walls) scene_.compute_wall_direct_light();
     before_ = previous_ ? bake_->blocks() : 0;
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
   }
@@ -230,13 +230,13 @@ class Passes {
     progress_.expect(progress_.work() + bake_->cost() * blocks + scene_.cost_of_walls());
   }
 
-  Baked<D> subdivide() {
+  Baked<D> run_passes() {
     const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
       // The first picture is a complete bake.
       if (chosen_ == Texels::preview && passes_ <= 1 &&
           over(preview_seconds_.all() + closing_seconds())) {
-        return last(whole(*bake_), true);
+        return last(bake_so_far(*bake_), true);
       }
       block_began_ = limit_.seconds();
       expect_pass();
@@ -249,9 +249,9 @@ class Passes {
       preview_.reset();
       preview_walls_.reset();
       ++passes_;
-      Baked<D> baked = whole(*bake_);
+      Baked<D> baked = bake_so_far(*bake_);
       const IsovalueError error = errors_.all();
-      const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.texture));
+      const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.bias));
       const double target = std::pow(noise / 100, 2);
       const int next = next_blocks(bake_->blocks(), error.noise, target);
       if (error.noise <= target) return last(std::move(baked), false);
@@ -263,7 +263,7 @@ class Passes {
         hooks_.on_pass(std::move(baked));
       }
       // Out of time: the result is the bake that was shown.
-      if (is_late()) return last(whole(*bake_), true);
+      if (is_late()) return last(bake_so_far(*bake_), true);
       blocks_ = next;
     }
   }
@@ -318,7 +318,7 @@ class Passes {
 
   bool over(double to_come) const { return progress_.stopped() || limit_.is_over(to_come); }
 
-  Baked<D> whole(Integrator<D>& bake) {
+  Baked<D> bake_so_far(Integrator<D>& bake) {
     const double began = limit_.seconds();
     Baked<D> baked;
     baked.grids = bake.grids();
@@ -339,7 +339,7 @@ class Passes {
   }
 
   WallRadiance<D> walls(Integrator<D>& bake) {
-    scene_.learn_direct_of_walls();
+    scene_.compute_wall_direct_light();
     const double began = limit_.seconds();
     WallRadiance<D> walls = bake.walls();
     walls_seconds_ = limit_.seconds() - began;
@@ -372,13 +372,14 @@ class Passes {
   const Previous* previous_ = nullptr;                 // null: none
   std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
-  std::size_t count_ = 0, preview_texels_ = 1;         // of all texels; of the first picture's
+  // Number of all texels, and of those of the first picture.
+  std::size_t count_ = 0, preview_texels_ = 1;
   Texels chosen_ = Texels::usual;
-  // Passes; blocks of the previous bake; blocks after this pass.
+  // Number of passes, of blocks of the previous bake, and of blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
   PreviewSeconds preview_seconds_;
   double walls_seconds_ = 0, fine_walls_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0;
-  double block_began_ = 0, saved_ = 0;  // times
+  double block_began_ = 0, saved_ = 0;  // when the block began; when the last checkpoint was saved
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "math/discrete_distribution.h"
-#include "math/sampling.h"
+#include "base/discrete_distribution.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -20,10 +20,11 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
   for (std::size_t i = 0; i < count; ++i) {
     const LightSource<D>& source = direct.point(i).source;
     const double distance = source.infinite ? 1 : source.position.length();
-    const Vec<D> way =
+    const Vec<D> direction =
         source.infinite || !(distance > 0) ? source.direction : -source.position / distance;
     // The constant keeps points with a chance that shine away from the center.
-    light[i] = average(source.amount) * (source.strength(way, std::max(distance, 0.1)) + 0.05);
+    light[i] =
+        average(source.amount) * (source.strength(direction, std::max(distance, 0.1)) + 0.05);
   }
   const DiscreteDistribution by_light(std::move(light));
   const int wanted = static_cast<int>(std::min<std::size_t>(count, most));
@@ -54,7 +55,7 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
   }
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> position = lattice.centre(lattice.active[s]);
+      const Vec<D> position = lattice.center(lattice.active[s]);
       const Vec<D> gradient =
           to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
       const double steep = gradient.length();
@@ -63,17 +64,17 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
       const TexelWeights<D> near = linear_weights(direct.lattice(), position);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
         const LightSource<D>& source = direct.point(chosen[k].first).source;
-        Vec<D> way = source.direction;
+        Vec<D> direction = source.direction;
         double distance = 1;
         if (!source.infinite) {
-          way = place - source.position;
-          distance = way.length();
-          way /= distance;
+          direction = place - source.position;
+          distance = direction.length();
+          direction /= distance;
         }
-        const double cosine = -way.dot(normal);
+        const double cosine = -direction.dot(normal);
         if (!(cosine > 0)) continue;
-        const auto share =
-            static_cast<float>(source.strength(way, distance) * cosine / projected_hemisphere<D>);
+        const auto share = static_cast<float>(source.strength(direction, distance) * cosine /
+                                              projected_hemisphere<D>);
         const float greatest = direct.greatest(chosen[k].first, near, false);
         std::uint32_t& packed = reflected_[k][s];
         std::memcpy(&packed, &share, sizeof share);

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "math/parallel.h"
-#include "math/release.h"
+#include "base/parallel.h"
+#include "base/release.h"
 
 namespace leaflight {
 namespace {
@@ -24,14 +24,14 @@ constexpr float quarter_distance = 0.75f;
 
 // The neighbors of texels, `reach` texels away along some axes.
 template <int D>
-class Neighbours {
+class Neighbors {
  public:
-  Neighbours(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
+  Neighbors(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
     Index<D> low, high;
     low.fill(-1);
     high.fill(2);
     for_each_index<D>(low, high, [&](const Index<D>& step) {
-      Neighbour one{step, 0, 1};
+      Neighbor one{step, 0, 1};
       for (int a = D; a-- > 0;) {
         one.offset = one.offset * texels.lattice.resolution[a] + step[a] * reach;
         if (step[a] != 0) one.weight *= beside;
@@ -42,7 +42,7 @@ class Neighbours {
 
   // Calls visit(slot, weight) for each active neighbor of a texel.
   template <class Visit>
-  void of(std::size_t slot, Visit visit) const {
+  void for_each(std::size_t slot, Visit visit) const {
     const TexelLattice<D>& lattice = texels_.lattice;
     const std::uint32_t number = lattice.active[slot];
     const Index<D> texel = lattice.texel(number);
@@ -50,7 +50,7 @@ class Neighbours {
     for (int a = 0; a < D; ++a) {
       within = within && texel[a] >= reach_ && texel[a] + reach_ < lattice.resolution[a];
     }
-    for (const Neighbour& one : all_) {
+    for (const Neighbor& one : all_) {
       if (!within && outside(texel, one.step)) continue;
       const std::int32_t s = texels_.slots[number + one.offset];
       if (s != TexelLattice<D>::inactive) visit(static_cast<std::size_t>(s), one.weight);
@@ -58,7 +58,7 @@ class Neighbours {
   }
 
  private:
-  struct Neighbour {
+  struct Neighbor {
     Index<D> step;
     std::ptrdiff_t offset;
     float weight;
@@ -73,7 +73,7 @@ class Neighbours {
 
   const IndexedLattice<D>& texels_;
   int reach_;
-  std::vector<Neighbour> all_;
+  std::vector<Neighbor> all_;
 };
 
 // Calls body(slot) for all texels, in parallel.
@@ -117,17 +117,17 @@ float likeness(const TexelSurface<D>& a, const TexelSurface<D>& b, bool across) 
 }
 
 template <int D>
-Offset offset_of(const Neighbours<D>& neighbours, const std::vector<TexelSurface<D>>& surfaces,
+Offset offset_of(const Neighbors<D>& neighbors, const std::vector<TexelSurface<D>>& surfaces,
                  const std::vector<Texel>& texels, bool across, std::size_t slot) {
-  const Texel& own = texels[slot];
+  const Texel& center = texels[slot];
   Offset sum;
-  float weights = own.halves.weight;
-  neighbours.of(slot, [&](std::size_t s, float place) {
+  float weights = center.halves.weight;
+  neighbors.for_each(slot, [&](std::size_t s, float place) {
     const Texel& one = texels[s];
     const float weight = place * likeness(surfaces[slot], surfaces[s], across) * one.halves.weight;
     weights += weight;
-    sum.light += Imath::V3f(one.light - own.light) * weight;
-    sum.halves += (one.halves.first_less_second - own.halves.first_less_second) * weight;
+    sum.light += Imath::V3f(one.light - center.light) * weight;
+    sum.halves += (one.halves.first_less_second - center.halves.first_less_second) * weight;
   });
   const float weight = weights > 0 ? weights : 1;
   return {sum.light / weight, sum.halves / weight};
@@ -150,50 +150,51 @@ Weighed weighed(float first, float second, float weight) {
   return {weight * first, weight * second, weight, 1};
 }
 template <int D>
-Weighed sums_about(const Neighbours<D>& neighbours, const std::vector<Weighed>& of,
+Weighed sums_about(const Neighbors<D>& neighbors, const std::vector<Weighed>& values,
                    std::size_t slot) {
-  Weighed sums = of[slot];
-  neighbours.of(slot, [&](std::size_t s, float place) {
-    sums.first += place * of[s].first;
-    sums.second += place * of[s].second;
-    sums.weight += place * of[s].weight;
-    sums.places += place * of[s].places;
+  Weighed sums = values[slot];
+  neighbors.for_each(slot, [&](std::size_t s, float place) {
+    sums.first += place * values[s].first;
+    sums.second += place * values[s].second;
+    sums.weight += place * values[s].weight;
+    sums.places += place * values[s].places;
   });
   return sums;
 }
 
 // Moves texels towards the mean of their neighbors. Updates the variances of `averages`.
 template <int D>
-void shrink(const Neighbours<D>& neighbours, const std::vector<Offset>& offsets,
+void shrink(const Neighbors<D>& neighbors, const std::vector<Offset>& offsets,
             std::vector<Texel>& texels, std::vector<Average>& averages, Progress& progress) {
   const std::size_t count = texels.size();
   // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const HalfDifference& own = texels[s].halves;
-    changes[s] =
-        weighed(square(offsets[s].light), noise_of(offsets[s].halves, own.first_share), own.weight);
+    const HalfDifference& halves = texels[s].halves;
+    changes[s] = weighed(square(offsets[s].light), noise_of(offsets[s].halves, halves.first_share),
+                         halves.weight);
   });
-  std::vector<float> of_light(count);
+  std::vector<float> bias(count);
   for_each_texel(count, progress, [&](std::size_t s) {
-    const Weighed about = sums_about(neighbours, changes, s);
-    HalfDifference& own = texels[s].halves;
+    const Weighed about = sums_about(neighbors, changes, s);
+    HalfDifference& halves = texels[s].halves;
     // The noise of a texel decreases with its samples; the light does not.
     const float by_noise = about.second / about.places;
     const float by_light = about.weight > 0 ? (about.first - about.second) / about.weight : 0;
-    const float of_own = std::max(0.0f, by_light) * own.weight;
-    const float share = by_noise > 0 ? by_noise / (by_noise + of_own) : 0;
-    of_light[s] = share * share * (1 - share) * square(offsets[s].light);
-    const float before = noise_of(own.first_less_second, own.first_share);
-    own.first_less_second += offsets[s].halves * share;
-    noise[s] = weighed(before, noise_of(own.first_less_second, own.first_share), own.weight);
+    const float signal = std::max(0.0f, by_light) * halves.weight;
+    const float share = by_noise > 0 ? by_noise / (by_noise + signal) : 0;
+    bias[s] = share * share * (1 - share) * square(offsets[s].light);
+    const float before = noise_of(halves.first_less_second, halves.first_share);
+    halves.first_less_second += offsets[s].halves * share;
+    noise[s] =
+        weighed(before, noise_of(halves.first_less_second, halves.first_share), halves.weight);
     texels[s].light += Rgb(offsets[s].light * share);
   });
   for_each_texel(count, progress, [&](std::size_t s) {
     float& variance = averages[s].variance;
-    const Weighed about = sums_about(neighbours, noise, s);
+    const Weighed about = sums_about(neighbors, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
-    variance += of_light[s];
+    variance += bias[s];
   });
 }
 
@@ -205,17 +206,17 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
                               std::array<NoisyLight, 2>& sides, Progress& progress) {
   for (NoisyLight& light : sides) {
     if (light.averages.empty()) continue;
-    std::vector<Texel> lit = texels_of(light);
+    std::vector<Texel> filtered = texels_of(light);
     release(light.halves);
-    std::vector<Offset> offsets(lit.size());
+    std::vector<Offset> offsets(filtered.size());
     for (const Step& step : steps) {
-      const Neighbours<D> neighbours(texels, step.reach);
-      for_each_texel(lit.size(), progress, [&](std::size_t s) {
-        offsets[s] = offset_of(neighbours, surfaces, lit, step.across, s);
+      const Neighbors<D> neighbors(texels, step.reach);
+      for_each_texel(filtered.size(), progress, [&](std::size_t s) {
+        offsets[s] = offset_of(neighbors, surfaces, filtered, step.across, s);
       });
-      shrink(neighbours, offsets, lit, light.averages, progress);
+      shrink(neighbors, offsets, filtered, light.averages, progress);
     }
-    for (std::size_t s = 0; s < lit.size(); ++s) light.averages[s].mean = lit[s].light;
+    for (std::size_t s = 0; s < filtered.size(); ++s) light.averages[s].mean = filtered[s].light;
   }
 }
 

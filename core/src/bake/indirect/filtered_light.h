@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bake/texels/texel_surface.h"
-#include "math/sample_average.h"
+#include "base/sample_average.h"
 
 namespace leaflight {
 

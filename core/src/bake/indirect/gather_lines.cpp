@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "math/random.h"
+#include "base/random.h"
 
 namespace leaflight {
 namespace {
@@ -45,7 +45,7 @@ struct GatherLines {
   // Slots of the points, or inactive.
   std::vector<std::array<std::int32_t, LineBundle<D>::width>> slots;
   std::size_t source = 0;  // number of a source of direct light
-  // The next members serve one line at a time.
+  // Working memory for one line at a time.
   std::vector<float> h;
   Stack higher, lower;
 
@@ -57,11 +57,11 @@ struct GatherLines {
 template <int D>
 struct Walk {
   int lane, step, begin, end;  // planes
-  double length;               // of the way from z to z + 1
+  double length;               // length of the line between two planes
   Vec<D> to_origin;
   Rgb sky;
   int stretch;  // plane after the last masked one
-  std::optional<WallHit> wall;
+  std::optional<MeshHit> wall;
   double wall_z;  // z of the nearest mesh behind
 };
 
@@ -80,22 +80,23 @@ struct Gathering {
   std::uint64_t key;
   SideMoments& moments;
   const SceneTracer<D>& tracer = volume.tracer;
-  const Volume<D>& of = volume.volume();
+  const Volume<D>& scene_volume = volume.volume();
   const IsovalueRange isovalue_range = volume.isovalue_range();
-  const bool back = !moments[1].empty(), emissive = from.emission && of.emission.largest() > 0;
-  const bool one_albedo = of.albedo.stops.size() == 1;
+  const bool back = !moments[1].empty(),
+             emissive = from.emission && scene_volume.emission.largest() > 0;
+  const bool one_albedo = scene_volume.albedo.stops.size() == 1;
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
   const bool meshes = !tracer.meshes().empty();
   const bool within = meshes && meshes_near<D>(tracer, volume.number, nullptr);
 
-  void add(const LineBundle<D>& lines, GatherLines<D>& own) const;
+  void add(const LineBundle<D>& lines, GatherLines<D>& scratch) const;
   using Lanes = std::bitset<LineBundle<D>::width>;
-  Lanes find_slots(const LineBundle<D>& lines, GatherLines<D>& own) const;
-  void walk(const LineBundle<D>& lines, Walk<D> walk, GatherLines<D>& own) const;
-  void add_sample(const LineBundle<D>& lines, int k, Walk<D>& walk, GatherLines<D>& own) const;
+  Lanes find_slots(const LineBundle<D>& lines, GatherLines<D>& scratch) const;
+  void walk(const LineBundle<D>& lines, Walk<D> walk, GatherLines<D>& scratch) const;
+  void add_sample(const LineBundle<D>& lines, int k, Walk<D>& walk, GatherLines<D>& scratch) const;
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
-  int beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h, bool front) const;
-  Rgb wall_radiance(const WallHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
+  int beyond_masked(const GatherLines<D>& scratch, const Walk<D>& walk, float h, bool front) const;
+  Rgb wall_radiance(const MeshHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
   std::int32_t slot_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
                        std::int32_t receiver) const;
   Rgb isosurface_radiance(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
@@ -106,16 +107,16 @@ struct Gathering {
 // walks, whose speed is limited by memory.
 template <int D>
 typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines,
-                                                      GatherLines<D>& own) const {
+                                                      GatherLines<D>& scratch) const {
   const std::vector<Rgb>& indirect = *from.indirect[0];
   Lanes found;
   for (int k = lines.first(); k <= lines.last(); ++k) {
     if (lines.is_empty(k)) {
-      own.slots[k].fill(TexelLattice<D>::inactive);
+      scratch.slots[k].fill(TexelLattice<D>::inactive);
       continue;
     }
     for (int lane = 0; lane < lines.lanes(); ++lane) {
-      std::int32_t& slot = own.slots[k][lane];
+      std::int32_t& slot = scratch.slots[k][lane];
       slot = TexelLattice<D>::inactive;
       if (!isovalue_range.contains(lines.value(k, lane))) continue;
       const std::int64_t texel = lines.texel(k, lane);
@@ -126,18 +127,18 @@ typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines
       __builtin_prefetch(&moments[0].sums[slot], 1);
       __builtin_prefetch(&from.surfaces[slot]);
       if (!indirect.empty()) __builtin_prefetch(&indirect[slot]);
-      from.direct.prefetch(own.source, slot);
+      from.direct.prefetch(scratch.source, slot);
     }
   }
   return found;
 }
 
 template <int D>
-void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
-  const Lanes lanes = find_slots(lines, own);
+void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& scratch) const {
+  const Lanes lanes = find_slots(lines, scratch);
   for (int lane = 0; lane < lines.lanes(); ++lane) {
     if (!lanes[lane]) continue;
-    for (int k = lines.first(lane); k <= lines.last(lane); ++k) own.h[k] = lines.value(k, lane);
+    for (int k = lines.first(lane); k <= lines.last(lane); ++k) scratch.h[k] = lines.value(k, lane);
     const Vec<D> per_z = to_frame.vector(lines.direction(lane));
     const double length = per_z.length();
     for (const int step : {1, -1}) {
@@ -145,7 +146,7 @@ void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
       const Rgb sky = from.sky ? from.sky->radiance(to_origin) : Rgb(0);
       const int first = lines.first(lane), last = lines.last(lane);
       const int begin = step > 0 ? first : last, end = step > 0 ? last : first;
-      walk(lines, {lane, step, begin, end, length, to_origin, sky, begin, {}, 0}, own);
+      walk(lines, {lane, step, begin, end, length, to_origin, sky, begin, {}, 0}, scratch);
     }
   }
 }
@@ -153,13 +154,13 @@ void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& own) const {
 // Rays back from a point hit the front of its isosurface at the last greater value, and the back at
 // the last smaller one.
 template <int D>
-void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>& own) const {
+void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>& scratch) const {
   if (meshes) find_wall(line, line.z(walk.begin), walk);
-  Stack &higher = own.higher, &lower = own.lower;
+  Stack &higher = scratch.higher, &lower = scratch.lower;
   higher.clear();
   lower.clear();
   for (int k = walk.begin; k != walk.end + walk.step; k += walk.step) {
-    const float h = own.h[k];
+    const float h = scratch.h[k];
     if (std::isnan(h)) {
       higher.clear();
       lower.clear();
@@ -170,7 +171,8 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
     if (back) {
       while (lower.entries[lower.top].h >= h) --lower.top;
     }
-    if (own.slots[k][walk.lane] != TexelLattice<D>::inactive) add_sample(line, k, walk, own);
+    if (scratch.slots[k][walk.lane] != TexelLattice<D>::inactive)
+      add_sample(line, k, walk, scratch);
     // Values outside the isovalue range belong to no isosurface.
     if (h >= isovalue_range.min) higher.push(h, k);
     if (back && h <= isovalue_range.max) lower.push(h, k);
@@ -179,35 +181,35 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
 
 template <int D>
 void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk) const {
-  walk.wall = tracer.walls().intersect(to_frame.point(line.position(walk.lane, z)), walk.to_origin,
-                                       std::numeric_limits<double>::infinity());
+  walk.wall = tracer.mesh_bvh().intersect(to_frame.point(line.position(walk.lane, z)),
+                                          walk.to_origin, std::numeric_limits<double>::infinity());
   if (walk.wall) walk.wall_z = z - walk.step * walk.wall->t / walk.length;
 }
 
 // Adds the radiance that reaches the isosurface at plane k from behind.
 template <int D>
 void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
-                              GatherLines<D>& own) const {
-  const float h = own.h[k];
+                              GatherLines<D>& scratch) const {
+  const float h = scratch.h[k];
   // If the value rises along the walk, the ray back leaves from the front.
   const float climb = line.slope(k, walk.lane) * static_cast<float>(walk.step / walk.length);
   const bool front = climb > 0;
   if (!front && !(back && climb < 0)) return;
   if (within) find_wall(line, line.z(k), walk);
-  const Stack& stack = front ? own.higher : own.lower;
+  const Stack& stack = front ? scratch.higher : scratch.lower;
   int crossing = stack.entries[stack.top].plane;
-  if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(own, walk, h, front);
+  if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(scratch, walk, h, front);
   Hit hit{h, 0, false};
   if (crossing >= 0) {
-    const float there = own.h[crossing], here = own.h[crossing + walk.step];
-    const float t = there != here ? (there - h) / (there - here) : 0;
+    const float hit_value = scratch.h[crossing], here = scratch.h[crossing + walk.step];
+    const float t = hit_value != here ? (hit_value - h) / (hit_value - here) : 0;
     hit.z = line.z(crossing) + (line.z(crossing + walk.step) - line.z(crossing)) * t;
-    hit.on_back = there < h;
+    hit.on_back = hit_value < h;
   }
-  const std::int32_t slot = own.slots[k][walk.lane];
+  const std::int32_t slot = scratch.slots[k][walk.lane];
   Rgb radiance = walk.sky;
   if (crossing >= 0 && (!walk.wall || (hit.z - walk.wall_z) * walk.step > 0)) {
-    radiance = isosurface_radiance(line, walk, hit, slot, own.source);
+    radiance = isosurface_radiance(line, walk, hit, slot, scratch.source);
   } else if (walk.wall) {
     radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
@@ -216,11 +218,11 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
 
 // Returns the radiance of a wall towards the isosurface of value h at the texel of `slot`.
 template <int D>
-Rgb Gathering<D>::wall_radiance(const WallHit& hit, const Vec<D>& direction, float h,
+Rgb Gathering<D>::wall_radiance(const MeshHit& hit, const Vec<D>& direction, float h,
                                 std::int32_t slot) const {
   if (!from.walls) return Rgb(0);
   const double u = static_cast<double>(Random::mix(key + slot) >> 11) * 0x1p-53;
-  Rgb radiance = from.walls->radiance(hit, direction, of.common_isovalue(h), u);
+  Rgb radiance = from.walls->radiance(hit, direction, scene_volume.common_isovalue(h), u);
   if (from.mesh_is_wide[hit.mesh]) radiance += tracer.meshes()[hit.mesh].emission;
   return radiance;
 }
@@ -228,11 +230,11 @@ Rgb Gathering<D>::wall_radiance(const WallHit& hit, const Vec<D>& direction, flo
 // Returns the plane at which a ray back hits the isosurface of value h before the last masked
 // voxels, or -1.
 template <int D>
-int Gathering<D>::beyond_masked(const GatherLines<D>& own, const Walk<D>& walk, float h,
+int Gathering<D>::beyond_masked(const GatherLines<D>& scratch, const Walk<D>& walk, float h,
                                 bool front) const {
   bool above = !front, known = false;
   for (int j = walk.stretch - walk.step; j != walk.begin - walk.step; j -= walk.step) {
-    const float other = own.h[j];
+    const float other = scratch.h[j];
     if (std::isnan(other)) {
       known = false;
       continue;
@@ -274,7 +276,7 @@ template <int D>
 Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& walk,
                                       const Hit& hit, std::int32_t receiver,
                                       std::size_t source) const {
-  const double c = of.common_isovalue(hit.h);
+  const double c = scene_volume.common_isovalue(hit.h);
   Rgb radiance(0), back_direct(0);
   const std::int32_t slot = slot_at(line, walk, hit, receiver);
   if (slot != TexelLattice<D>::inactive) {
@@ -284,8 +286,8 @@ Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& 
     }
     if (hit.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
   }
-  radiance = radiance * of.albedo.at(one_albedo ? 0 : c) + back_direct;
-  if (emissive) radiance += of.emission.at(c);
+  radiance = radiance * scene_volume.albedo.at(one_albedo ? 0 : c) + back_direct;
+  if (emissive) radiance += scene_volume.emission.at(c);
   return radiance;
 }
 
@@ -304,9 +306,9 @@ std::uint64_t gather_along_lines(const LineVolume<D>& volume, const IndexedLatti
   const std::size_t sources = std::max<std::size_t>(1, from.direct.sources());
   for_each_bundle(
       volume, lattice, set, planes, progress, [&] { return GatherLines<D>(planes.planes.size()); },
-      [&](GatherLines<D>& own, const LineBundle<D>& bundle, std::size_t number) {
-        own.source = Random::mix(key ^ number) % sources;
-        gathering.add(bundle, own);
+      [&](GatherLines<D>& scratch, const LineBundle<D>& bundle, std::size_t number) {
+        scratch.source = Random::mix(key ^ number) % sources;
+        gathering.add(bundle, scratch);
       });
   return set.lines();
 }

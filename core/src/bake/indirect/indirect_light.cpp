@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/low_discrepancy.h"
-#include "math/sampling.h"
+#include "base/low_discrepancy.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
@@ -133,14 +133,14 @@ std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector
   std::vector<Average> result(to.active.size());
   parallel_range(result.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const TexelWeights<D> near = linear_weights(from, to.centre(to.active[s]));
+      const TexelWeights<D> near = linear_weights(from, to.center(to.active[s]));
       float error = 0;
       for (int i = 0; i < near.count; ++i) {
-        const Average& there = averages[near.slot[i]];
-        result[s].mean += there.mean * near.weight[i];
+        const Average& texel = averages[near.slot[i]];
+        result[s].mean += texel.mean * near.weight[i];
         // Texels on the same lines have correlated errors.
-        error += near.weight[i] * std::sqrt(there.variance);
-        result[s].samples = std::max(result[s].samples, there.samples);
+        error += near.weight[i] * std::sqrt(texel.variance);
+        result[s].samples = std::max(result[s].samples, texel.samples);
       }
       result[s].variance = error * error;
     }

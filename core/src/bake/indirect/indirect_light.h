@@ -21,13 +21,13 @@ class IndirectLight {
 
   const IndexedLattice<D>& texels() const { return texels_; }
 
-  // Adds a block of directions, given the light to look up. All averaged blocks have the same
-  // number.
+  // Adds a block of directions, given the light to look up. All blocks of an average must have the
+  // same number of directions.
   void add_block(const GatheredRadiance<D>& from, Progress& progress,
                  int directions = directions_per_block);
-  // Adds a block whose open sums come from `fill`.
+  // Adds a block whose sums `fill` computes.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
-  // Adds the block next_block() of a BlockTracer, from its block_bytes().
+  // Adds the block of number next_block(), which a BlockTracer has returned as block_bytes().
   void add_block_of_others(const std::string& bytes, Progress& progress);
   int next_block() const { return drawn_; }
   // Traces a block for another bake.
@@ -37,7 +37,7 @@ class IndirectLight {
   // Serializes the state between two blocks.
   void serialize(Archive& archive);
   int blocks() const { return blocks_; }
-  // Returns the work of a block in points of lines.
+  // Returns the work of a block, in the unit of the progress: points of lines.
   double cost() const { return cost(texels_.lattice, spacing_); }
   static double cost(const TexelLattice<D>& texels, int spacing);
   // Starts again with other directions.

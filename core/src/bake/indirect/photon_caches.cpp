@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "math/parallel.h"
+#include "base/parallel.h"
 #include "transport/photon_tracer.h"
 
 namespace leaflight {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "bake/plan/plan.h"
-#include "math/progress.h"
+#include "base/progress.h"
 #include "transport/isosurface_cache.h"
 #include "transport/surface_cache.h"
 

@@ -11,8 +11,8 @@ namespace {
 // Returns the value of a texel, or the mean of its active neighbors, or black.
 Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, float>>& values,
                      const Index<3>& texel) {
-  const std::int32_t own = lattice.slot[lattice.linear(texel)];
-  if (own != TexelLattice<3>::inactive) return values[own];
+  const std::int32_t center = lattice.slot[lattice.linear(texel)];
+  if (center != TexelLattice<3>::inactive) return values[center];
   Vec<3, float> sum(0);
   int count = 0;
   Index<3> low, high;
@@ -20,8 +20,8 @@ Vec<3, float> filled(const TexelLattice<3>& lattice, const std::vector<Vec<3, fl
     low[a] = std::max(0, texel[a] - 1);
     high[a] = std::min(lattice.resolution[a], texel[a] + 2);
   }
-  for_each_index<3>(low, high, [&](const Index<3>& neighbour) {
-    const std::int32_t slot = lattice.slot[lattice.linear(neighbour)];
+  for_each_index<3>(low, high, [&](const Index<3>& neighbor) {
+    const std::int32_t slot = lattice.slot[lattice.linear(neighbor)];
     if (slot == TexelLattice<3>::inactive) return;
     sum += values[slot];
     ++count;

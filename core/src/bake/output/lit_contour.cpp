@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "surface/split_edges.h"
 
 namespace leaflight {
@@ -19,7 +19,7 @@ constexpr double narrow = 0.75;
 constexpr std::size_t small = 100'000;
 constexpr int most_step_halvings = 2;
 
-// Looks up the requested radiance of a grid at the vertices of a mesh.
+// The lookup of a grid's radiance at the vertices of a mesh.
 class Lookup {
  public:
   Lookup(const ShownGrid<3>& grid, const Field<3>& field, const LitContourSettings& settings,

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
-#include "math/release.h"
+#include "base/release.h"
 
 namespace leaflight {
 
 namespace {
 
-using Colours = std::vector<Vec<3, float>>;
+using Colors = std::vector<Vec<3, float>>;
 
-Colours sums(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
-  Colours sums;
+Colors sums(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
+  Colors sums;
   sums.reserve(direct.size());
   for (std::size_t s = 0; s < direct.size(); ++s) {
     sums.emplace_back(direct[s].mean + indirect[s].mean);
@@ -22,8 +22,8 @@ Colours sums(const std::vector<Average>& direct, const std::vector<Average>& ind
   return sums;
 }
 
-Colours means(const std::vector<Average>& averages) {
-  Colours means;
+Colors means(const std::vector<Average>& averages) {
+  Colors means;
   means.reserve(averages.size());
   for (const Average& average : averages) means.emplace_back(average.mean);
   return means;
@@ -51,12 +51,12 @@ RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
 namespace {
 
 template <int D>
-void prefetch(const TexelWeights<D>& near, const Colours& values) {
+void prefetch(const TexelWeights<D>& near, const Colors& values) {
   for (int i = 0; i < near.count; ++i) __builtin_prefetch(&values[near.slot[i]]);
 }
 
 template <int D>
-Vec<3, float> mean(const TexelWeights<D>& near, const Colours& values) {
+Vec<3, float> mean(const TexelWeights<D>& near, const Colors& values) {
   Vec<3, float> mean(0);
   for (int i = 0; i < near.count; ++i) mean += values[near.slot[i]] * near.weight[i];
   return mean;
@@ -101,7 +101,7 @@ class PointLookup {
     }
     around_ = linear_weights(lattice, index_position);
   }
-  void fetch(const Colours& values, bool back) const {
+  void fetch(const Colors& values, bool back) const {
     prefetch(around_, values);
     if (in_front_ > 0) {
       prefetch(near_, values);
@@ -109,7 +109,7 @@ class PointLookup {
     }
     if (direct_) direct_->prefetch(maps_, back);
   }
-  Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colours& values,
+  Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colors& values,
                          bool back) const {
     const Vec<3, float> light = of_texels(values);
     if (!direct_) return light;
@@ -140,12 +140,12 @@ class PointLookup {
     near_ = linear_weights(lattice, near);
     far_ = linear_weights(lattice, far);
   }
-  Vec<3, float> of_texels(const Colours& values) const {
+  Vec<3, float> of_texels(const Colors& values) const {
     const Vec<3, float> around = mean(around_, values);
     if (!(in_front_ > 0)) return around;
     return around * (1 - in_front_) + extrapolated(values) * in_front_;
   }
-  Vec<3, float> extrapolated(const Colours& values) const {
+  Vec<3, float> extrapolated(const Colors& values) const {
     const Vec<3, float> near = mean(near_, values), far = mean(far_, values);
     Vec<3, float> light;
     for (int i = 0; i < 3; ++i) {
@@ -163,7 +163,7 @@ class PointLookup {
 
 // Returns the texels for lookups.
 template <int D>
-const Colours& texels_of(const ShownGrid<D>& shown, bool back) {
+const Colors& texels_of(const ShownGrid<D>& shown, bool back) {
   const RadianceGrid<D>& grid = shown.grid;
   if (shown.direct_of(back)) return back ? grid.radiance_back_indirect : grid.radiance_indirect;
   return back ? grid.radiance_back : grid.radiance;
@@ -193,7 +193,7 @@ template <int D>
 void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
                  const std::vector<Vec<D>>& index_positions, bool back, Vec<3, float>* found) {
   constexpr std::size_t ahead = 16;
-  const Colours& values = texels_of(shown, back);
+  const Colors& values = texels_of(shown, back);
   std::array<PointLookup<D>, ahead> lookups;
   for (std::size_t first = 0; first < index_positions.size(); first += ahead) {
     const std::size_t count = std::min(ahead, index_positions.size() - first);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "bake/direct/direct_light.h"
+#include "base/sample_average.h"
 #include "field/texel_lattice.h"
-#include "math/sample_average.h"
 
 namespace leaflight {
 

@@ -90,6 +90,7 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
     plan.*pass = false;
     plan.skipped.push_back({name, reason});
   };
+  // Skip passes for light that the scene does not have.
   if (!anything_reflects(scene)) {
     skip(&Plan::indirect, "indirect light", "nothing in the scene reflects light");
   }
@@ -106,6 +107,7 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   } else if (!method.photons) {
     skip(&Plan::photons, "photons", "the " + method.name + " estimator needs none");
   }
+  // Skip the walls and their cache.
   if (!walls) {
     skip(&Plan::walls, "radiance of the walls", "it was not asked for");
   } else if (scene.meshes.empty()) {
@@ -120,6 +122,7 @@ Plan make_plan(const Scene<D>& scene, const IndirectMethod& method, bool both_si
   } else if (!method.walls && !plan.walls) {
     skip(&Plan::wall_cache, "cache of the walls", "the " + method.name + " estimator needs none");
   }
+  // Skip backs that no light can reach.
   bool inside = false, open = false;
   for (const Volume<D>& volume : scene.volumes) {
     open = open || isosurfaces_are_open(volume, scene.isovalue_range);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bake/plan/settings.h"
-#include "math/error.h"
+#include "base/error.h"
 #include "scene/scene.h"
 
 namespace leaflight {

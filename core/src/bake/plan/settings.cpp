@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/plan/settings.h"
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 

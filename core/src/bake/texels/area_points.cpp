@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "math/random.h"
+#include "base/random.h"
 
 namespace leaflight {
 
@@ -11,22 +11,23 @@ template <int D>
 std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                                       std::uint64_t seed) {
   constexpr std::size_t most = 1 << 16;
-  const Volume<D>& of = volume.volume();
+  const Volume<D>& scene_volume = volume.volume();
   const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
   const std::size_t step = 1 + lattice.active.size() / most;
   std::vector<AreaPoint<D>> points;
   for (std::size_t s = 0; s < lattice.active.size(); s += step) {
     Random random = random_for(seed, Purpose::noise, s);
-    Vec<D> position = lattice.centre(lattice.active[s]);
+    Vec<D> position = lattice.center(lattice.active[s]);
     for (int a = 0; a < D; ++a) {
       position[a] += (random.uniform() - 0.5) * lattice.voxels_per_texel[a];
     }
-    const CellPoint<D> at = locate(of.field, position);
-    const double h = interpolate(load_corners(of.field, at.cell), at.local);
+    const CellPoint<D> at = locate(scene_volume.field, position);
+    const double h = interpolate(load_corners(scene_volume.field, at.cell), at.local);
     if (!volume.isovalue_range().contains(h)) continue;
     // By the coarea formula, the density of isosurfaces is the length of the gradient of h.
-    const double area = to_index.pull_back_gradient(shading_gradient(of.field, at)).length();
-    if (area > 0) points.push_back({position, at, of.common_isovalue(h), area});
+    const double area =
+        to_index.pull_back_gradient(shading_gradient(scene_volume.field, at)).length();
+    if (area > 0) points.push_back({position, at, scene_volume.common_isovalue(h), area});
   }
   return points;
 }

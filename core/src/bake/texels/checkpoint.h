@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 

@@ -9,12 +9,12 @@
 
 namespace leaflight {
 
-// Mean squared errors of colors over points of isosurfaces. `noise`: of indirect light. `texture`:
+// Mean squared errors of colors over points of isosurfaces. `noise`: of indirect light. `bias`:
 // all other errors, such as detail finer than the texels.
 struct IsovalueError {
-  double noise = 0, texture = 0;
+  double noise = 0, bias = 0;
 
-  double percent() const { return 100 * std::sqrt(noise + texture); }
+  double percent() const { return 100 * std::sqrt(noise + bias); }
 };
 
 // The error of the isosurfaces near a common isovalue.
@@ -72,9 +72,9 @@ class IsovalueErrors {
   struct Mean {
     double sum = 0, area = 0;
 
-    void add(double of, double square) {
-      sum += of * square;
-      area += of;
+    void add(double weight, double square) {
+      sum += weight * square;
+      area += weight;
     }
     void add(const Mean& other) {
       sum += other.sum;

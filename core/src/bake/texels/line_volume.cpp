@@ -10,9 +10,9 @@ bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point) 
   if (point) box.extend(*point);
   for (const Mesh<D>& mesh : tracer.meshes()) {
     for (const auto& facet : mesh.facets) {
-      Box<D> own;
-      for (const std::uint32_t v : facet) own.extend(Vec<D>(mesh.vertices[v]));
-      if (own.overlaps(box)) return true;
+      Box<D> facet_box;
+      for (const std::uint32_t v : facet) facet_box.extend(Vec<D>(mesh.vertices[v]));
+      if (facet_box.overlaps(box)) return true;
     }
   }
   return false;

@@ -70,13 +70,13 @@ void for_each_bundle(const LineVolume<D>& volume, const TexelLattice<D>& lattice
   parallel_range(row * rows, std::clamp<std::size_t>(row, 1, 32), 0, progress,
                  [&](std::size_t begin, std::size_t end) {
                    LineBundle<D> bundle(volume.volume().field, volume.empty, lattice, set, planes);
-                   auto own = local();
+                   auto scratch = local();
                    for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
                      typename LineBundle<D>::Tracks tracks;
                      tracks[0] = static_cast<int>(i % row * width);
                      if constexpr (D == 3) tracks[1] = static_cast<int>(i / row);
                      bundle.follow(tracks);
-                     body(own, bundle, i * width);
+                     body(scratch, bundle, i * width);
                    }
                  });
 }

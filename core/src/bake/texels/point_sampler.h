@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/low_discrepancy.h"
+#include "base/low_discrepancy.h"
 #include "transport/indirect_estimator.h"
 #include "transport/light_sampler.h"
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "math/parallel.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {

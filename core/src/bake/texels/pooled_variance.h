@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "base/progress.h"
+#include "base/sample_average.h"
 #include "field/texel_lattice.h"
-#include "math/progress.h"
-#include "math/sample_average.h"
 
 namespace leaflight {
 

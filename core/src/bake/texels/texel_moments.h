@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "bake/texels/checkpoint.h"
-#include "math/parallel.h"
-#include "math/release.h"
-#include "math/sample_average.h"
+#include "base/parallel.h"
+#include "base/release.h"
+#include "base/sample_average.h"
 
 namespace leaflight {
 

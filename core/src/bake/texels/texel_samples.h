@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/low_discrepancy.h"
+#include "base/random.h"
 #include "field/texel_lattice.h"
-#include "math/low_discrepancy.h"
-#include "math/random.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {
@@ -66,17 +66,17 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool back,
                           std::uint64_t key, Visit visit) {
   constexpr int tries_per_sample = 16;
   // Interpolated lookups blur once more, so a texel averages over less than its own box. Values of
-  // 0.25 to 0.5 measure alike on smooth surfaces; less is better on thin shells
+  // 0.25 to 0.5 give equal errors on smooth surfaces; less is better on thin shells
   // (docs/decisions/thesis.md).
   constexpr double own_half_width = 0.35;
-  const Volume<D>& of = tracer.scene().volumes[volume];
-  const Field<D>& field = of.field;
+  const Volume<D>& scene_volume = tracer.scene().volumes[volume];
+  const Field<D>& field = scene_volume.field;
   const IsovalueRange& isovalue_range = tracer.scene().isovalue_range;
   int visited = 0;
   const auto try_point = [&](const Vec<D>& position) {
     const CellPoint<D> point = locate(field, position);
     const double h = interpolate(load_corners(field, point.cell), point.local);
-    const double c = of.common_isovalue(h);
+    const double c = scene_volume.common_isovalue(h);
     if (!isovalue_range.contains(c)) return;
     const SurfacePoint<D> surface = tracer.isosurface_point(volume, point, c, back);
     if (surface.kind() == HitKind::none) return;
@@ -91,7 +91,7 @@ int for_each_texel_sample(const SceneTracer<D>& tracer, int volume, bool back,
   }
   if (visited > 0) return visited;
   const TexelBox<D> box(lattice, texel, 1);
-  const double middle = of.isovalue(0.5 * (isovalue_range.min + isovalue_range.max));
+  const double middle = scene_volume.isovalue(0.5 * (isovalue_range.min + isovalue_range.max));
   for (int i = 0; i < samples; ++i) {
     const Vec<D> position = moved_to_isosurface(field, box.point(i, key), middle);
     if (box.contains(position)) try_point(position);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/texels/texel_surface.h"
 
-#include "math/parallel.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
@@ -9,13 +9,13 @@ namespace {
 // Returns the mean shading gradient around a texel's center. A texel wider than a voxel contains
 // isosurfaces away from its center.
 template <int D>
-Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& centre) {
+Vec<D> mean_gradient(const Field<D>& field, const Vec<D>& width, const Vec<D>& center) {
   Vec<D> reach;
   for (int a = 0; a < D; ++a) reach[a] = 0.25 * std::max(0.0, width[a] - 1);
-  if (!(reach.length() > 0)) return shading_gradient(field, locate(field, centre));
+  if (!(reach.length() > 0)) return shading_gradient(field, locate(field, center));
   Vec<D> sum(0.0);
   for (int i = 0; i < 1 << D; ++i) {
-    Vec<D> position = centre;
+    Vec<D> position = center;
     for (int a = 0; a < D; ++a) position[a] += i >> a & 1 ? reach[a] : -reach[a];
     sum += shading_gradient(field, locate(field, position));
   }
@@ -32,9 +32,9 @@ std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
   std::vector<TexelSurface<D>> surfaces(lattice.active.size());
   parallel_range(surfaces.size(), 2048, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> centre = lattice.centre(lattice.active[s]);
-      const Vec<D> per_voxel = mean_gradient(field, lattice.voxels_per_texel, centre);
-      const CellPoint<D> at = locate(field, centre);
+      const Vec<D> center = lattice.center(lattice.active[s]);
+      const Vec<D> per_voxel = mean_gradient(field, lattice.voxels_per_texel, center);
+      const CellPoint<D> at = locate(field, center);
       const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
       const double length = gradient.length();
       const double h = interpolate(load_corners(field, at.cell), at.local);

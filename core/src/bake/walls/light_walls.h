@@ -3,7 +3,7 @@
 
 #include "bake/texels/point_sampler.h"
 #include "bake/walls/wall_radiance.h"
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight {
 

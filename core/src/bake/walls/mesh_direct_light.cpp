@@ -5,26 +5,26 @@
 #include <cmath>
 #include <limits>
 
-#include "math/parallel.h"
-#include "math/sampling.h"
+#include "base/parallel.h"
+#include "base/sampling.h"
 
 namespace leaflight {
 namespace {
 
-constexpr std::size_t ways_per_piece = 256;
-// Work of a way in points of lines.
-constexpr double points_of_lines_per_way = 48;
+constexpr std::size_t rays_per_piece = 256;
+// Work of a shadow ray, in the unit of the progress: points of lines.
+constexpr double points_of_lines_per_ray = 48;
 
-// Gives each vertex the set that its neighbors and their neighbors use least.
-std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t vertices) {
+// Assigns to each vertex the set of light points that its neighbors and their neighbors use least.
+std::vector<std::uint8_t> sets_of(const MeshNeighbors& neighbors, std::size_t vertices) {
   constexpr std::uint8_t none = light_point_sets;
-  constexpr int near = 64;  // weight of a neighbor against all of theirs
+  constexpr int near = 64;  // weight of a neighbor relative to all of its neighbors
   std::vector<std::uint8_t> sets(vertices, none);
   for (std::size_t v = 0; v < vertices; ++v) {
     std::array<int, light_point_sets + 1> uses{};
-    for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
+    for (const std::uint32_t* u = neighbors.begin(v); u != neighbors.end(v); ++u) {
       uses[sets[*u]] += near;
-      for (const std::uint32_t* w = neighbours.begin(*u); w != neighbours.end(*u); ++w) {
+      for (const std::uint32_t* w = neighbors.begin(*u); w != neighbors.end(*u); ++w) {
         ++uses[sets[*w]];
       }
     }
@@ -34,9 +34,10 @@ std::vector<std::uint8_t> sets_of(const MeshNeighbours& neighbours, std::size_t 
   return sets;
 }
 
-// Returns the vertex that traces the way to a point, by the point's number modulo `share`. It is
-// the nearest of the neighbors and their neighbors whose turn it is, or else the vertex itself.
-std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbours,
+// Returns, by the number of a light point modulo `share`, the vertex that traces the shadow ray to
+// it. This is the nearest of the neighbors and their neighbors whose turn it is, or else the vertex
+// itself.
+std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbors& neighbors,
                                                   const std::vector<std::uint8_t>& sets,
                                                   std::size_t vertex, std::size_t share) {
   std::array<std::uint32_t, light_point_sets> found;
@@ -47,37 +48,37 @@ std::array<std::uint32_t, light_point_sets> turns(const MeshNeighbours& neighbou
     std::uint32_t& turn = found[(light_point_sets * share - sets[u]) % share];
     if (turn == none) turn = u, --missing;
   };
-  const std::uint32_t *begin = neighbours.begin(vertex), *end = neighbours.end(vertex);
+  const std::uint32_t *begin = neighbors.begin(vertex), *end = neighbors.end(vertex);
   std::for_each(begin, end, offer);
   for (const std::uint32_t* u = begin; missing > 0 && u != end; ++u) {
-    std::for_each(neighbours.begin(*u), neighbours.end(*u), offer);
+    std::for_each(neighbors.begin(*u), neighbors.end(*u), offer);
   }
   std::replace(found.begin(), found.end(), none, static_cast<std::uint32_t>(vertex));
   return found;
 }
 
-// The way to a source from a point, seen from the front of its facet.
+// A shadow ray from a point to a source, relative to the front of the point's facet.
 template <int D>
-struct WayTo {
+struct ShadowRay {
   Vec<D> direction{0.0};  // unit
   double share = 0;       // of the source's amount
 
-  WayTo(const LightSource<D>& source, const SurfacePoint<D>& from) {
-    const Vec<D> whole = source.infinite ? -source.direction : source.position - from.position;
-    const double distance = whole.length();
+  ShadowRay(const LightSource<D>& source, const SurfacePoint<D>& from) {
+    const Vec<D> to_source = source.infinite ? -source.direction : source.position - from.position;
+    const double distance = to_source.length();
     if (!(distance > 0)) return;
-    direction = whole / distance;
+    direction = to_source / distance;
     share = direction.dot(from.geometric_normal) * source.strength(-direction, distance);
   }
 };
 
 template <int D>
-BlockingIsovalues blocking(const WayTo<D>& way, const LightSource<D>& source, SurfacePoint<D> from,
-                           const SceneTracer<D>& tracer) {
-  if (way.share == 0) return {0, 0};
-  if (way.share < 0) from.geometric_normal = -from.geometric_normal;
-  if (source.infinite) return tracer.blocking(from, way.direction);
-  const bool faces_away = source.normal.dot(way.direction) > 0;
+BlockingIsovalues blocking(const ShadowRay<D>& ray, const LightSource<D>& source,
+                           SurfacePoint<D> from, const SceneTracer<D>& tracer) {
+  if (ray.share == 0) return {0, 0};
+  if (ray.share < 0) from.geometric_normal = -from.geometric_normal;
+  if (source.infinite) return tracer.blocking(from, ray.direction);
+  const bool faces_away = source.normal.dot(ray.direction) > 0;
   return tracer.blocking(from, source.position, faces_away ? -source.normal : source.normal);
 }
 
@@ -89,14 +90,14 @@ MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     Progress& progress, std::size_t share,
                                     const MeshDirectLight* earlier)
     : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
-  auto ways = std::make_shared<std::vector<MeshWays>>(meshes.size());
+  auto traced = std::make_shared<std::vector<MeshRays>>(meshes.size());
   Known known = earlier ? known_of(*earlier) : Known{};
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
-    if (earlier) known.ways = &earlier->ways(static_cast<int>(m));
-    (*ways)[m] = ways_of(tracer, meshes[m].fine, progress, share, known);
+    if (earlier) known.rays = &earlier->rays(static_cast<int>(m));
+    (*traced)[m] = trace_mesh(tracer, meshes[m].fine, progress, share, known);
   }
-  meshes_ = std::move(ways);
+  meshes_ = std::move(traced);
 }
 
 template <int D>
@@ -130,77 +131,77 @@ MeshDirectLight<D> MeshDirectLight<D>::scaled(const std::vector<Rgb>& lights) co
 }
 
 template <int D>
-typename MeshDirectLight<D>::MeshWays MeshDirectLight<D>::ways_of(const SceneTracer<D>& tracer,
-                                                                  const FineMesh<D>& mesh,
-                                                                  Progress& progress,
-                                                                  std::size_t share,
-                                                                  const Known& known) const {
+typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::trace_mesh(const SceneTracer<D>& tracer,
+                                                                     const FineMesh<D>& mesh,
+                                                                     Progress& progress,
+                                                                     std::size_t share,
+                                                                     const Known& known) const {
   const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
-  MeshWays of{known.ways ? known.ways->neighbours : MeshNeighbours(vertices, mesh.facets),
-              known.ways ? known.ways->sets : sets_of(of.neighbours, vertices),
-              {},
-              {},
-              {}};
-  of.ways.resize(vertices * points);
-  if (tracer.has_openings()) of.least.resize(of.ways.size());
-  for (auto& side : of.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
+  MeshRays traced{known.rays ? known.rays->neighbors : MeshNeighbors(vertices, mesh.facets),
+                  known.rays ? known.rays->sets : sets_of(traced.neighbors, vertices),
+                  {},
+                  {},
+                  {}};
+  traced.rays.resize(vertices * points);
+  if (tracer.has_openings()) traced.least.resize(traced.rays.size());
+  for (auto& side : traced.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
   parallel_range(
-      vertices, ways_per_piece,
-      points_of_lines_per_way * static_cast<double>(points) / static_cast<double>(share), progress,
+      vertices, rays_per_piece,
+      points_of_lines_per_ray * static_cast<double>(points) / static_cast<double>(share), progress,
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
-          if (known.ways) take(known, v, of);
+          if (known.rays) take(known, v, traced);
           const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
           const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
-          const auto turn = turns(of.neighbours, of.sets, v, share);
+          const auto turn = turns(traced.neighbors, traced.sets, v, share);
           for (std::size_t set = 0; set < sets_.size(); ++set) {
             for (std::size_t i = 0; i < points; ++i) {
               const LightSource<D>& source = sets_[set][i].source;
               const std::size_t light = place_of(sets_[set][i]);
               if (known.has(light)) continue;
-              const WayTo<D> way(source, from);
-              of.unshadowed[way.share < 0][light * vertices + v] +=
+              const ShadowRay<D> ray(source, from);
+              traced.unshadowed[ray.share < 0][light * vertices + v] +=
                   Vec<3, float>(source.amount) * brdf *
-                  static_cast<float>(std::abs(way.share) / light_point_sets);
-              if (set != of.sets[v]) continue;
-              of.ways[v * points + i].share = static_cast<float>(way.share);
+                  static_cast<float>(std::abs(ray.share) / light_point_sets);
+              if (set != traced.sets[v]) continue;
+              traced.rays[v * points + i].share = static_cast<float>(ray.share);
               if (turn[i % share] != v) continue;
-              const BlockingIsovalues isosurfaces = blocking(way, source, from, tracer);
-              of.ways[v * points + i].greatest = static_cast<float>(isosurfaces.greatest);
-              if (!of.least.empty()) {
-                of.least[v * points + i] = static_cast<float>(isosurfaces.least);
+              const BlockingIsovalues isosurfaces = blocking(ray, source, from, tracer);
+              traced.rays[v * points + i].greatest = static_cast<float>(isosurfaces.greatest);
+              if (!traced.least.empty()) {
+                traced.least[v * points + i] = static_cast<float>(isosurfaces.least);
               }
             }
           }
         }
       });
-  if (share > 1) take_from_neighbours(of, share, known);
-  return of;
+  if (share > 1) take_from_neighbors(traced, share, known);
+  return traced;
 }
 
 template <int D>
-void MeshDirectLight<D>::take_from_neighbours(MeshWays& ways, std::size_t share,
-                                              const Known& known) const {
+void MeshDirectLight<D>::take_from_neighbors(MeshRays& traced, std::size_t share,
+                                             const Known& known) const {
   const std::size_t points = sets_[0].size();
-  for (std::size_t v = 0; v < ways.sets.size(); ++v) {
-    const auto turn = turns(ways.neighbours, ways.sets, v, share);
+  for (std::size_t v = 0; v < traced.sets.size(); ++v) {
+    const auto turn = turns(traced.neighbors, traced.sets, v, share);
     for (std::size_t i = 0; i < points; ++i) {
-      const std::size_t own = v * points + i, other = turn[i % share] * points + i;
-      if (known.has(place_of(sets_[ways.sets[v]][i]))) continue;
-      ways.ways[own].greatest = ways.ways[other].greatest;
-      if (!ways.least.empty()) ways.least[own] = ways.least[other];
+      const std::size_t entry = v * points + i, other = turn[i % share] * points + i;
+      if (known.has(place_of(sets_[traced.sets[v]][i]))) continue;
+      traced.rays[entry].greatest = traced.rays[other].greatest;
+      if (!traced.least.empty()) traced.least[entry] = traced.least[other];
     }
   }
 }
 
 template <int D>
-void MeshDirectLight<D>::take(const Known& known, std::size_t vertex, MeshWays& to) const {
-  const MeshWays& from = *known.ways;
+void MeshDirectLight<D>::take(const Known& known, std::size_t vertex, MeshRays& to) const {
+  const MeshRays& from = *known.rays;
   const std::vector<LightPoint<D>>& set = sets_[to.sets[vertex]];
   for (std::size_t i = 0; i < set.size(); ++i) {
     if (!known.has(place_of(set[i]))) continue;
     const std::size_t same = vertex * known.points + known.numbers[to.sets[vertex]][i];
-    to.ways[vertex * set.size() + i] = from.ways[same];
+    to.rays[vertex * set.size() + i] = from.rays[same];
     if (!to.least.empty()) to.least[vertex * set.size() + i] = from.least[same];
   }
   const std::size_t vertices = to.sets.size();
@@ -215,11 +216,11 @@ void MeshDirectLight<D>::take(const Known& known, std::size_t vertex, MeshWays& 
 
 template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed(int mesh, bool back) const {
-  const MeshWays& of = (*meshes_)[mesh];
-  const std::size_t vertices = of.sets.size();
+  const MeshRays& traced = (*meshes_)[mesh];
+  const std::size_t vertices = traced.sets.size();
   std::vector<Vec<3, float>> sums(vertices, Vec<3, float>(0));
   for (std::size_t l = 0; vertices > 0 && l < scales_.size(); ++l) {
-    const Vec<3, float>* light = &of.unshadowed[back][l * vertices];
+    const Vec<3, float>* light = &traced.unshadowed[back][l * vertices];
     for (std::size_t v = 0; v < vertices; ++v) sums[v] += light[v] * Vec<3, float>(scales_[l]);
   }
   return sums;
@@ -228,9 +229,10 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed(int mesh, bool back) c
 template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed_by(std::size_t light, int mesh,
                                                              bool back) const {
-  const MeshWays& of = (*meshes_)[mesh];
-  const std::size_t vertices = of.sets.size();
-  const auto begin = of.unshadowed[back].begin() + static_cast<std::ptrdiff_t>(light * vertices);
+  const MeshRays& traced = (*meshes_)[mesh];
+  const std::size_t vertices = traced.sets.size();
+  const auto begin =
+      traced.unshadowed[back].begin() + static_cast<std::ptrdiff_t>(light * vertices);
   std::vector<Vec<3, float>> radiance(begin, begin + static_cast<std::ptrdiff_t>(vertices));
   for (Vec<3, float>& each : radiance) each *= Vec<3, float>(scales_[light]);
   return radiance;
@@ -238,26 +240,26 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed_by(std::size_t light, 
 
 template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
-  const MeshWays& of = (*meshes_)[mesh];
-  const std::size_t vertices = of.sets.size(), points = sets_[0].size();
-  const auto own = static_cast<float>(c);
+  const MeshRays& traced = (*meshes_)[mesh];
+  const std::size_t vertices = traced.sets.size(), points = sets_[0].size();
+  const auto isovalue = static_cast<float>(c);
   const float side = back ? -1 : 1;
   std::vector<Vec<3, float>> reaching(vertices);  // share of the light that reaches each vertex
   for (std::size_t v = 0; v < vertices; ++v) {
     Vec<3, float> all(0), lit(0);
     for (std::size_t i = 0; i < points; ++i) {
-      const Way& way = of.ways[v * points + i];
+      const TracedRay& ray = traced.rays[v * points + i];
       const Vec<3, float> light =
-          Vec<3, float>(sets_[of.sets[v]][i].source.amount) * std::max(0.0f, side * way.share);
+          Vec<3, float>(sets_[traced.sets[v]][i].source.amount) * std::max(0.0f, side * ray.share);
       all += light;
-      const bool passes = !of.least.empty() && own <= of.least[v * points + i];
-      if (way.greatest < own || passes) lit += light;
+      const bool passes = !traced.least.empty() && isovalue <= traced.least[v * points + i];
+      if (ray.greatest < isovalue || passes) lit += light;
     }
     for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
   }
   std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
   for (std::size_t v = 0; v < vertices; ++v) {
-    const std::uint32_t *begin = of.neighbours.begin(v), *end = of.neighbours.end(v);
+    const std::uint32_t *begin = traced.neighbors.begin(v), *end = traced.neighbors.end(v);
     Vec<3, float> sum(0);
     for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
     radiance[v] *= sum / static_cast<float>(end - begin);
@@ -266,22 +268,22 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool
 }
 
 template <int D>
-double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
-                    std::size_t share) {
+double work_of_shadow_rays(const SceneTracer<D>& tracer,
+                           const std::vector<SubdividedMesh<D>>& meshes, std::size_t share) {
   double vertices = 0;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     if (tracer.meshes()[m].scattering != Scattering::diffuse) continue;
     vertices += static_cast<double>(meshes[m].fine.vertices.size());
   }
-  return points_of_lines_per_way * vertices *
+  return points_of_lines_per_ray * vertices *
          static_cast<double>(interleaved_points(tracer)[0].size()) / static_cast<double>(share);
 }
 
 template class MeshDirectLight<2>;
 template class MeshDirectLight<3>;
-template double work_of_ways(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&,
-                             std::size_t);
-template double work_of_ways(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&,
-                             std::size_t);
+template double work_of_shadow_rays(const SceneTracer<2>&, const std::vector<SubdividedMesh<2>>&,
+                                    std::size_t);
+template double work_of_shadow_rays(const SceneTracer<3>&, const std::vector<SubdividedMesh<3>>&,
+                                    std::size_t);
 
 }  // namespace leaflight

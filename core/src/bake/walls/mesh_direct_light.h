@@ -3,32 +3,32 @@
 
 #include <memory>
 
-#include "bake/walls/mesh_neighbours.h"
+#include "bake/walls/mesh_neighbors.h"
 #include "bake/walls/subdivided_mesh.h"
-#include "math/progress.h"
+#include "base/progress.h"
 #include "transport/light_points.h"
 
 namespace leaflight {
 
-// Direct light of a scene's light points at the vertices of its diffuse meshes. For each vertex and
-// point it stores the isosurfaces that block the way, which gives the shadow of every isosurface.
-// Neighboring vertices use different sets of points. The shadow at a vertex is the mean over it and
-// its neighbors (interleaved sampling, Keller and Heidrich 2001). Shadows are as smooth as with all
-// sets, and their edges are as wide as an edge of the mesh. The result does not depend on the
-// number of threads.
+// Direct light of a scene's light points at the vertices of its diffuse meshes. A shadow ray from
+// each vertex to each point finds the isosurfaces that block it, which gives the shadow of every
+// isosurface. Neighboring vertices use different sets of points. The shadow at a vertex is the mean
+// over it and its neighbors (interleaved sampling, Keller and Heidrich 2001). Shadows are as smooth
+// as with all sets, and their edges are as wide as an edge of the mesh. The result does not depend
+// on the number of threads.
 template <int D>
 class MeshDirectLight {
  public:
-  // Traces one of every `share` ways, at most light_point_sets. Neighbors provide the other ways,
-  // from their own nearby points, which makes shadows softer. An `earlier` light is that of the
-  // same scene under other lights, whose ways are reused for unchanged lights. It must not be
-  // scaled(). Throws Cancelled.
+  // Traces one of every `share` shadow rays, at most light_point_sets. Neighbors provide the
+  // others, from their own nearby points, which makes shadows softer. An `earlier` light is that of
+  // the same scene under other lights. Its shadow rays are reused for unchanged lights. It must not
+  // be scaled(). Throws Cancelled.
   MeshDirectLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
                   Progress& progress, std::size_t share = 1,
                   const MeshDirectLight* earlier = nullptr);
 
   // Returns the same light with one factor per channel for each light of the scene. Shares the
-  // ways.
+  // shadow rays.
   MeshDirectLight scaled(const std::vector<Rgb>& lights) const;
 
   // Returns the radiance [W/(m^2 sr)] that one side of a mesh reflects at its fine vertices, in the
@@ -41,54 +41,54 @@ class MeshDirectLight {
   std::vector<Vec<3, float>> unshadowed_by(std::size_t light, int mesh, bool back) const;
   std::size_t lights() const { return scales_.size(); }
 
-  // A way from one vertex to one point of its set.
-  struct Way {
-    float greatest;  // common isovalue; infinite if a mesh blocks the way
+  // A traced shadow ray from a vertex to a point of its set.
+  struct TracedRay {
+    float greatest;  // common isovalue; infinite if a mesh blocks the ray
     // Unshadowed irradiance divided by the point's amount: positive on the mesh's front, negative
     // on its back.
     float share;
   };
-  struct MeshWays {
-    MeshNeighbours neighbours;
+  struct MeshRays {
+    MeshNeighbors neighbors;
     std::vector<std::uint8_t> sets;  // one per vertex
-    std::vector<Way> ways;           // [vertex * points + point]
+    std::vector<TracedRay> rays;     // [vertex * points + point]
     std::vector<float> least;        // as in BlockingIsovalues; empty if nothing has openings
     // Unshadowed radiance by side, averaged over all sets; its index is light * vertices + vertex.
     // The last light is that of emissive meshes and the environment.
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
-  const MeshWays& ways(int mesh) const { return (*meshes_)[mesh]; }
+  const MeshRays& rays(int mesh) const { return (*meshes_)[mesh]; }
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
-  // An earlier mesh whose ways are reused for unchanged lights.
+  // An earlier mesh whose shadow rays are reused for unchanged lights.
   struct Known {
-    const MeshWays* ways = nullptr;
+    const MeshRays* rays = nullptr;
     std::size_t points = 0;                 // of each earlier set
     std::vector<std::vector<int>> numbers;  // by set: the earlier numbers of its points, or -1
     std::vector<int> lights;                // by place_of(): the earlier number of the light, or -1
 
-    bool has(std::size_t light) const { return ways && lights[light] >= 0; }
+    bool has(std::size_t light) const { return rays && lights[light] >= 0; }
   };
   Known known_of(const MeshDirectLight& earlier) const;
-  // Copies the reusable ways of a vertex.
-  void take(const Known& known, std::size_t vertex, MeshWays& to) const;
+  // Copies the reusable shadow rays of a vertex.
+  void take(const Known& known, std::size_t vertex, MeshRays& to) const;
   // Returns the place of a point's light; the last is that of emissive meshes and environments.
   std::size_t place_of(const LightPoint<D>& point) const {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
-  MeshWays ways_of(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
-                   std::size_t share, const Known& known) const;
-  void take_from_neighbours(MeshWays& ways, std::size_t share, const Known& known) const;
+  MeshRays trace_mesh(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
+                      std::size_t share, const Known& known) const;
+  void take_from_neighbors(MeshRays& traced, std::size_t share, const Known& known) const;
 
   std::vector<std::vector<LightPoint<D>>> sets_;
   std::vector<Rgb> scales_;                              // one per light, and 1
-  std::shared_ptr<const std::vector<MeshWays>> meshes_;  // empty for mirrors and glass
+  std::shared_ptr<const std::vector<MeshRays>> meshes_;  // empty for mirrors and glass
 };
 
-// Returns the work of tracing the ways, in points of lines.
+// Returns the work of tracing the shadow rays, in points of lines.
 template <int D>
-double work_of_ways(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes,
-                    std::size_t share = 1);
+double work_of_shadow_rays(const SceneTracer<D>& tracer,
+                           const std::vector<SubdividedMesh<D>>& meshes, std::size_t share = 1);
 
 }  // namespace leaflight

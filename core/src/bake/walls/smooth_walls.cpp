@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/walls/mesh_neighbours.h"
-#include "math/parallel.h"
+#include "bake/walls/mesh_neighbors.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
@@ -17,15 +17,15 @@ float distance2(const Vec<3, float>& a, const Vec<3, float>& b) { return (a - b)
 
 // Estimates the variance of one half's mean at each entry of a node. Pools the halves' differences
 // over neighbors, because two values are too few.
-std::vector<float> variances(const Halves& halves, const MeshNeighbours& neighbours,
+std::vector<float> variances(const Halves& halves, const MeshNeighbors& neighbors,
                              std::size_t first, std::size_t vertices) {
   std::vector<float> variances(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     float sum = 0;
-    for (const std::uint32_t* u = neighbours.begin(v); u != neighbours.end(v); ++u) {
+    for (const std::uint32_t* u = neighbors.begin(v); u != neighbors.end(v); ++u) {
       sum += distance2(halves[0][first + *u], halves[1][first + *u]) / 2;
     }
-    variances[v] = sum / static_cast<float>(neighbours.end(v) - neighbours.begin(v));
+    variances[v] = sum / static_cast<float>(neighbors.end(v) - neighbors.begin(v));
   }
   return variances;
 }
@@ -33,16 +33,16 @@ std::vector<float> variances(const Halves& halves, const MeshNeighbours& neighbo
 // One pass over an entry's neighbors, at its node and at adjacent nodes.
 class Pass {
  public:
-  Pass(const Halves& before, const MeshNeighbours& neighbours, std::size_t vertices,
+  Pass(const Halves& before, const MeshNeighbors& neighbors, std::size_t vertices,
        Progress& progress)
       : before_(before),
-        neighbours_(neighbours),
+        neighbors_(neighbors),
         vertices_(vertices),
         nodes_(before[0].size() / vertices),
         variance_(nodes_) {
     parallel_range(nodes_, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = begin; node < end; ++node) {
-        variance_[node] = variances(before, neighbours, node * vertices, vertices);
+        variance_[node] = variances(before, neighbors, node * vertices, vertices);
       }
     });
   }
@@ -50,7 +50,7 @@ class Pass {
   Vec<3, float> mean(int half, std::size_t node, std::size_t v) const {
     Weighted sum;
     const std::size_t e = node * vertices_ + v;
-    const std::uint32_t *begin = neighbours_.begin(v), *end = neighbours_.end(v);
+    const std::uint32_t *begin = neighbors_.begin(v), *end = neighbors_.end(v);
     for (const std::uint32_t* u = begin; u != end; ++u) {
       add(half, e, variance_[node][v], node * vertices_ + *u, variance_[node][*u], sum);
     }
@@ -81,7 +81,7 @@ class Pass {
   }
 
   const Halves& before_;
-  const MeshNeighbours& neighbours_;
+  const MeshNeighbors& neighbors_;
   std::size_t vertices_, nodes_;
   std::vector<std::vector<float>> variance_;  // by node
 };
@@ -97,10 +97,10 @@ std::vector<Vec<3, float>> mean(const Halves& halves) {
 template <int D>
 Halves smooth(const FineMesh<D>& mesh, Halves halves, int passes, Progress& progress) {
   const std::size_t n = mesh.vertices.size(), nodes = halves[0].size() / n;
-  const MeshNeighbours neighbours(n, mesh.facets);
+  const MeshNeighbors neighbors(n, mesh.facets);
   for (int i = 0; i < passes; ++i) {
     const Halves before = halves;
-    const Pass pass(before, neighbours, n, progress);
+    const Pass pass(before, neighbors, n, progress);
     parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = begin; node < end; ++node) {
         for (int half = 0; half < 2; ++half) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bake/walls/subdivided_mesh.h"
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight {
 

@@ -28,7 +28,7 @@ Place<D> place_of(const Vec<D>& position) {
 }
 
 template <int D>
-bool of_one_surface(const Vec<D>& a, const Vec<D>& b) {
+bool on_one_surface(const Vec<D>& a, const Vec<D>& b) {
   return a.dot(b) > cosine_of_one_surface;
 }
 
@@ -43,12 +43,12 @@ class CornerNormals {
     }
   }
 
-  std::array<Vec<D>, static_cast<std::size_t>(D)> of(int facet) const {
+  std::array<Vec<D>, static_cast<std::size_t>(D)> at_corners(int facet) const {
     std::array<Vec<D>, static_cast<std::size_t>(D)> normals;
     for (int k = 0; k < D; ++k) {
       normals[k] = Vec<D>(0.0);
       for (const std::size_t f : at_.at(place(mesh_.facets[facet][k]))) {
-        if (of_one_surface<D>(facets_[f], facets_[facet])) normals[k] += facets_[f];
+        if (on_one_surface<D>(facets_[f], facets_[facet])) normals[k] += facets_[f];
       }
       normals[k].normalize();
     }
@@ -111,9 +111,9 @@ class MeshCutter {
   explicit MeshCutter(const Mesh<D>& mesh) : mesh_(mesh), normals_(mesh) {
     for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
       enter(static_cast<int>(f));
-      Piece<D> whole{facet_, {original(0, 0), original(1, 0)}};
-      if constexpr (D == 3) whole.corners[2] = original(0, 1);
-      cut_.pieces.push_back(whole);
+      Piece<D> piece{facet_, {original(0, 0), original(1, 0)}};
+      if constexpr (D == 3) piece.corners[2] = original(0, 1);
+      cut_.pieces.push_back(piece);
     }
   }
 
@@ -148,7 +148,7 @@ class MeshCutter {
     if (facet == facet_) return;
     facet_ = facet;
     positions_ = corners_of(mesh_, facet);
-    corner_normals_ = normals_.of(facet);
+    corner_normals_ = normals_.at_corners(facet);
   }
   Vec<D> position(const Corner& corner) const { return between<D>(positions_, corner.u, corner.v); }
 
@@ -162,7 +162,7 @@ class MeshCutter {
     const Vec<D> normal = between<D>(corner_normals_, u, v).normalized();
     auto& here = at_[place_of<D>(between<D>(positions_, u, v))];
     for (const auto& [vertex, its_normal] : here) {
-      if (of_one_surface<D>(its_normal, normal)) return {u, v, vertex};
+      if (on_one_surface<D>(its_normal, normal)) return {u, v, vertex};
     }
     const auto number = static_cast<std::uint32_t>(cut_.vertices.size());
     here.emplace_back(number, normal);
@@ -261,7 +261,7 @@ FineMesh<D> fine_mesh(const CutMesh<D>& cut, const Mesh<D>& mesh, const CornerNo
   for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
     const auto& [facet, u, v, ends] = cut.vertices[i];
     fine.vertices.emplace_back(between<D>(corners_of(mesh, facet), u, v));
-    fine.normals.push_back(between<D>(normals.of(facet), u, v).normalized());
+    fine.normals.push_back(between<D>(normals.at_corners(facet), u, v).normalized());
     // Pull towards the middle of the facet; interior vertices hardly move.
     const double pull = std::min(1.0, inset * D * extent[i]);
     fine.places.push_back(

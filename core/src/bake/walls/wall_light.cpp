@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "math/parallel.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 namespace {
@@ -15,7 +15,7 @@ constexpr int smoothing_passes = 9;
 
 // Stride of the vertices that are tested before a side of the walls is lit.
 constexpr std::size_t probe_stride = 16;
-// Work of a sample in points of lines.
+// Work of a sample, in the unit of the progress: points of lines.
 constexpr double points_of_lines_per_sample = 7;
 // Returns the work of `samples` samples per entry, which is a vertex at a node.
 double work_of(int samples, double entries) {
@@ -106,8 +106,8 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
   // 2020).
   const SampleKeys keys = sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
                                       static_cast<std::uint32_t>(added_));
-  const FineMesh<D>& lit = meshes_[mesh].coarse;
-  const std::size_t n = (lit.places.size() + stride - 1) / stride;
+  const FineMesh<D>& fine = meshes_[mesh].coarse;
+  const std::size_t n = (fine.places.size() + stride - 1) / stride;
   std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
   parallel_range(means.size(), samples_per_piece, points_of_lines_per_sample * samples.count,
                  progress, [&](std::size_t begin, std::size_t end) {
@@ -115,7 +115,7 @@ std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std:
                    for (std::size_t e = begin; e < end && !progress.cancelled(); ++e) {
                      const std::size_t vertex = e % n * stride;
                      const double c = nodes_.node(static_cast<int>(e / n));
-                     const SurfacePoint<D> point = vertex_point(tracer_, lit, vertex, !back, c);
+                     const SurfacePoint<D> point = vertex_point(tracer_, fine, vertex, !back, c);
                      const int first = samples.count * static_cast<int>(rank_at_node<D>(
                                                            ranks_[mesh][vertex], e / n));
                      Imath::V3d sum(0);

@@ -24,7 +24,7 @@ class WallLight {
   // `meshes`: the scene's. Keeps references to both.
   WallLight(const SceneTracer<D>& tracer, const std::vector<SubdividedMesh<D>>& meshes);
 
-  // Adds samples to the halves in turns. `from`: samples all light except that of points. The
+  // Adds samples to the halves alternately. `from`: samples all light except that of points. The
   // estimator is null if there is no indirect light.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress);

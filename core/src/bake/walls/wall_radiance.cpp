@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 
@@ -32,10 +32,10 @@ namespace {
 template <int D>
 void scale(std::array<std::vector<Vec<3, float>>, 2>& sides, const Mesh<D>& mesh,
            const Vec<3, float>& factor) {
-  const Vec<3, float> own(mesh.emission);
+  const Vec<3, float> emission(mesh.emission);
   for (auto& side : sides) {
     for (Vec<3, float>& light : side) {
-      light = own + (light - own) * factor;
+      light = emission + (light - emission) * factor;
       for (int i = 0; i < 3; ++i) light[i] = std::max(0.0f, light[i]);
     }
   }
@@ -87,7 +87,7 @@ void attach(WallRadiance<D>& radiance, const Scene<D>& scene, Progress& progress
         "The radiance of the walls does not belong to the meshes of its scene; bake again.");
   }
   const SceneTracer<D> tracer(scene);
-  progress.expect_more(work_of_ways(tracer, radiance.meshes));
+  progress.expect_more(work_of_shadow_rays(tracer, radiance.meshes));
   radiance.direct = std::make_shared<const MeshDirectLight<D>>(tracer, radiance.meshes, progress);
 }
 

@@ -17,7 +17,8 @@ struct WallRadiance {
   // By mesh and side; the index is node * vertices + vertex. A side that is dark for all c is
   // empty.
   std::vector<std::array<std::vector<Vec<3, float>>, 2>> radiance;
-  std::shared_ptr<const MeshDirectLight<D>> direct;  // of points, for all c
+  // Direct light of light points, for all isovalues.
+  std::shared_ptr<const MeshDirectLight<D>> direct;
 
   bool empty() const { return radiance.empty(); }
 };

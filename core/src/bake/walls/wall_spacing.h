@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/box.h"
+#include "base/box.h"
 #include "scene/scene.h"
 
 namespace leaflight {

@@ -55,7 +55,7 @@ def _numbers(path: Path, given: Sequence[int], count: int) -> Sequence[int]:
 
 
 def _check_count(path: Path, count: int, shape: Sequence[int], axes: int) -> None:
-    """Raises LeaflightError unless the array can be split into so many files of `axes` axes."""
+    """Raises LeaflightError unless the array can be split into this many files of `axes` axes."""
     wanted = 1
     for size in shape[axes:]:
         wanted *= size

@@ -154,7 +154,7 @@ def _check_names(stored: StoredOptions) -> None:
     for name in stored:
         if name not in StoredOptions.__annotations__:
             raise TypeError(
-                f"A volume is not read by an option {name!r}; there are {', '.join(OPTIONS)}."
+                f"read_volume() has no option {name!r}; choose one of {', '.join(OPTIONS)}."
             )
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # Index along each axis, slowest first; a slice for all of them.
 Index = tuple[int | slice, ...]
-# Bytes that are skipped at once, and the most before values at the end of a file.
+# Bytes that are skipped at once, and upper bound on the bytes before values at the end of a file.
 _PIECE, _MOST_BEFORE = 1 << 20, 1 << 30
 
 

@@ -172,7 +172,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
     if stepped:
         along = _place_of_page(file, position, normal, gap or 1.0, page)
         position = _tuple(np.add(position or (0.0, 0.0, 0.0), along))
-        # A gamma camera may count against its normal.
+        # The pages of a gamma camera may be numbered against their normal.
         normal = -normal if gap < 0 else normal
     if spacing is None:
         remarks += ("The header has no pixel size; 1 mm is assumed.",)

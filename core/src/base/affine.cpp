@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "math/affine.h"
+#include "base/affine.h"
 
 namespace leaflight {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "math/platform.h"
+#include "base/platform.h"
 
 namespace leaflight {
 
@@ -31,9 +31,9 @@ class RankedSet {
   std::size_t bound() const { return bound_; }
   // Returns the rank of a number, or absent.
   std::int32_t operator[](std::size_t number) const {
-    const std::uint64_t word = words_[number / word_bits], own = bit(number);
-    if (!(word & own)) return absent;
-    return static_cast<std::int32_t>(before_[number / word_bits] + count(word & (own - 1)));
+    const std::uint64_t word = words_[number / word_bits], mask = bit(number);
+    if (!(word & mask)) return absent;
+    return static_cast<std::int32_t>(before_[number / word_bits] + count(word & (mask - 1)));
   }
   // Returns the ranks of a number and of the next one.
   std::array<std::int32_t, 2> two_from(std::size_t number) const {

@@ -10,17 +10,17 @@ namespace leaflight {
 
 // The shadows that isosurfaces of another volume cast on those of one volume, for equal common
 // isovalues. The sweep runs over nodes of the other volume. Each node of this volume looks up the
-// code where its way to the light enters the other volume.
+// code where the segment to the light enters the other volume.
 template <int D>
-class VisibilityThrough {
+class OtherVolumeShadows {
  public:
   // `nodes`: texels of `volume`; only active ones are computed. `code_range`: in common isovalues.
   // The other inputs must outlive it.
-  VisibilityThrough(const SceneTracer<D>& tracer, int other, int volume,
-                    const TexelLattice<D>& nodes, const IsovalueRange& code_range);
+  OtherVolumeShadows(const SceneTracer<D>& tracer, int other, int volume,
+                     const TexelLattice<D>& nodes, const IsovalueRange& code_range);
 
-  // Raises the code of each node to the greatest code of the other volume on the way to a light
-  // point, including the node itself.
+  // Raises the code of each node to the greatest code of the other volume between it and a light
+  // point.
   void run(const LightSource<D>& source, std::vector<std::uint8_t>& found,
            Progress& progress) const;
 
@@ -33,13 +33,14 @@ class VisibilityThrough {
   Affine<D> to_frame_, to_other_;  // from the indices of `volume`; from the frame
 };
 
-// The greatest code of all volumes of a scene on the way from a light point to each node of one.
+// The shadows that isosurfaces of all volumes cast on those of one volume: for each node, the
+// greatest code between it and a light point.
 template <int D>
-class VisibilityThroughAll {
+class AllShadows {
  public:
-  // The parameters are those of VisibilityThrough and VisibilitySweep.
-  VisibilityThroughAll(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
-                       const IsovalueRange& code_range, double spacing);
+  // The parameters are those of OtherVolumeShadows and VisibilitySweep.
+  AllShadows(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& nodes,
+             const IsovalueRange& code_range, double spacing);
 
   // Computes one code per node.
   void run(const LightSource<D>& source, const VisibilityCode& code,
@@ -47,7 +48,7 @@ class VisibilityThroughAll {
 
  private:
   VisibilitySweep<D> own_;
-  std::vector<std::unique_ptr<VisibilityThrough<D>>> others_;
+  std::vector<std::unique_ptr<OtherVolumeShadows<D>>> others_;
 };
 
 }  // namespace leaflight

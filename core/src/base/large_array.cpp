@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "math/large_array.h"
+#include "base/large_array.h"
 
 #include <mutex>
 #include <new>
 #include <unordered_set>
 
-#include "math/platform.h"
+#include "base/platform.h"
 
 namespace leaflight {
 namespace {

@@ -9,7 +9,7 @@
 
 namespace leaflight {
 
-struct WallHit {
+struct MeshHit {
   double t = 0;
   int mesh = 0;
   int facet = 0;
@@ -19,14 +19,14 @@ struct WallHit {
 // Ray intersections with the meshes by Embree in robust mode. In 2D, segments become rectangles
 // across the plane. Coordinates are the caller's, in single precision.
 template <int D>
-class Walls {
+class MeshBvh {
  public:
-  explicit Walls(const std::vector<Mesh<D>>& meshes);
-  ~Walls();
-  Walls(const Walls&) = delete;
-  Walls& operator=(const Walls&) = delete;
+  explicit MeshBvh(const std::vector<Mesh<D>>& meshes);
+  ~MeshBvh();
+  MeshBvh(const MeshBvh&) = delete;
+  MeshBvh& operator=(const MeshBvh&) = delete;
 
-  std::optional<WallHit> intersect(const Vec<D>& origin, const Vec<D>& direction,
+  std::optional<MeshHit> intersect(const Vec<D>& origin, const Vec<D>& direction,
                                    double t_max) const;
   bool occluded(const Vec<D>& origin, const Vec<D>& direction, double t_max) const;
 

@@ -4,7 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "math/progress.h"
+#include "base/progress.h"
 
 namespace leaflight {
 

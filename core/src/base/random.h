@@ -39,7 +39,7 @@ enum class Purpose : std::uint64_t {
   texel,
   surface_cache,
   reference,
-  exposure,
+  seen_from_outside,
   walls,
   sample_position,
   scattered,

@@ -13,7 +13,8 @@ namespace leaflight {
 // in world coordinates. Points outside the domain, in masked cells or without a gradient are not
 // visible.
 template <int D>
-std::vector<std::uint8_t> exposed(const Field<D>& field, const std::vector<Vec<D>>& points,
-                                  double isovalue, int directions, std::uint64_t seed);
+std::vector<std::uint8_t> seen_from_outside(const Field<D>& field,
+                                            const std::vector<Vec<D>>& points, double isovalue,
+                                            int directions, std::uint64_t seed);
 
 }  // namespace leaflight

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 

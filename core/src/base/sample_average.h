@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 
@@ -35,7 +35,7 @@ class Moments {
   Average average() const {
     Moments all = *this;
     if (count_ % block_ != 0) all.close();
-    return all.of_blocks();
+    return all.block_average();
   }
 
  private:
@@ -49,7 +49,7 @@ class Moments {
     block_sum2_ += open_.sum * open_.sum;
     open_ = {};
   }
-  Average of_blocks() const {
+  Average block_average() const {
     if (!(weight_ > 0)) return {};
     const Imath::V3d mean = sum_ / weight_;
     const double m = (mean.x + mean.y + mean.z) / 3, weight2 = weight_ * weight_;

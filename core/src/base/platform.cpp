@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "math/platform.h"
+#include "base/platform.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -21,7 +21,7 @@
 #include <fstream>
 #include <string>
 
-#include "math/error.h"
+#include "base/error.h"
 
 namespace leaflight {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "trace/walls.h"
+#include "trace/mesh_bvh.h"
 
 #include <cstring>
 
-#include "math/error.h"
+#include "base/error.h"
 #include "trace/embree_query.h"
 
 namespace leaflight {
@@ -89,7 +89,7 @@ constexpr const char* same_bits = "isa=sse2";
 }  // namespace
 
 template <int D>
-struct Walls<D>::Embree {
+struct MeshBvh<D>::Embree {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -100,7 +100,7 @@ struct Walls<D>::Embree {
 };
 
 template <int D>
-Walls<D>::Walls(const std::vector<Mesh<D>>& meshes) {
+MeshBvh<D>::MeshBvh(const std::vector<Mesh<D>>& meshes) {
   if (meshes.empty()) return;
   embree_ = std::make_unique<Embree>();
   embree_->device = rtcNewDevice(same_bits);
@@ -124,11 +124,11 @@ Walls<D>::Walls(const std::vector<Mesh<D>>& meshes) {
 }
 
 template <int D>
-Walls<D>::~Walls() = default;
+MeshBvh<D>::~MeshBvh() = default;
 
 template <int D>
-std::optional<WallHit> Walls<D>::intersect(const Vec<D>& origin, const Vec<D>& direction,
-                                           double t_max) const {
+std::optional<MeshHit> MeshBvh<D>::intersect(const Vec<D>& origin, const Vec<D>& direction,
+                                             double t_max) const {
   if (!embree_) return std::nullopt;
   RTCRayHit query{};
   query.ray = make_ray<D>(origin, direction, t_max);
@@ -136,19 +136,19 @@ std::optional<WallHit> Walls<D>::intersect(const Vec<D>& origin, const Vec<D>& d
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   intersect_one(embree_->scene, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return WallHit{query.ray.tfar, static_cast<int>(query.hit.geomID),
+  return MeshHit{query.ray.tfar, static_cast<int>(query.hit.geomID),
                  static_cast<int>(query.hit.primID), query.hit.u, D == 3 ? query.hit.v : 0};
 }
 
 template <int D>
-bool Walls<D>::occluded(const Vec<D>& origin, const Vec<D>& direction, double t_max) const {
+bool MeshBvh<D>::occluded(const Vec<D>& origin, const Vec<D>& direction, double t_max) const {
   if (!embree_) return false;
   RTCRay ray = make_ray<D>(origin, direction, t_max);
   occluded_one(embree_->scene, ray);
   return ray.tfar < 0;
 }
 
-template class Walls<2>;
-template class Walls<3>;
+template class MeshBvh<2>;
+template class MeshBvh<3>;
 
 }  // namespace leaflight

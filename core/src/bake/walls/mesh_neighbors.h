@@ -9,11 +9,11 @@
 namespace leaflight {
 
 // The vertices that share a facet with each vertex, which is itself the first of them.
-class MeshNeighbours {
+class MeshNeighbors {
  public:
-  MeshNeighbours() = default;
+  MeshNeighbors() = default;
   template <class Facet>
-  MeshNeighbours(std::size_t vertices, const std::vector<Facet>& facets) : begins_(vertices + 1) {
+  MeshNeighbors(std::size_t vertices, const std::vector<Facet>& facets) : begins_(vertices + 1) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const Facet& facet : facets) {
       for (const std::uint32_t a : facet) {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "math/vector.h"
+#include "base/vector.h"
 
 namespace leaflight {
 
