@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from volume_recipes import COLIN27
 
-
 # The number of pictures during a drag depends on the machine, too.
 pytestmark = [pytest.mark.slow, pytest.mark.machine]
 

@@ -18,7 +18,6 @@ from leaflight_command import parser, shared_options
 from PIL import Image
 from waiting import HANG, package_folder, run_python, started
 
-
 FLAT = ["--out", "OUT/x.exr", "--error", "50"]
 BAKE = ["--isovalues", "30", "70", "--error", "5", "--resolution", "20"]
 

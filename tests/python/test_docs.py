@@ -16,7 +16,6 @@ import pytest
 from PIL import Image
 from waiting import HANG
 
-
 ROOT = Path(__file__).resolve().parents[2]
 SITE_PYTHON = ROOT / "build" / "tools-venv" / "bin" / "python"
 

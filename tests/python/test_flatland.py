@@ -11,8 +11,8 @@ from cone import cone
 from leaflight import Cancelled, Checkpoint, Progress, _core, flatland
 from leaflight.flatland import bake_flatland, bump_box_2d, graph, picture, read_image
 from leaflight.flatland.flat_scene import fit_flat_scene, flat_box, load_flat_scene
-from PIL import Image
 from outcomes import refused, written
+from PIL import Image
 
 SMALL = {"error": 2.0, "resolution": 60, "isovalues": (20.0, 200.0)}
 

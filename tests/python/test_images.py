@@ -6,8 +6,8 @@ import pytest
 import tifffile
 from leaflight import LeaflightError, _core
 from leaflight.io.images import luminance, read_pixels, read_texture
-from PIL import Image
 from outcomes import refused
+from PIL import Image
 
 GRAY = np.arange(12, dtype=np.uint8).reshape(3, 4) * 20
 COLOR = np.stack([GRAY, GRAY // 2, 255 - GRAY], axis=2)

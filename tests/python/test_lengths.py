@@ -6,10 +6,10 @@ import struct
 from dataclasses import replace
 
 import leaflight
-from outcomes import refused
 import nibabel
 import numpy as np
 import pytest
+from outcomes import refused
 
 # Longest side of a head in millimeters, as in its scan.
 SIDE = 220.0

@@ -8,7 +8,6 @@ from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
 
-
 ISOVALUES = (30.0, 70.0)
 
 

@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import leaflight
-from outcomes import refused
 import numpy as np
 import pytest
 from cone import FINE, stopping
@@ -15,6 +14,7 @@ from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
 from leaflight.bake.statistics import Statistics
 from leaflight.volume.setting_error import SettingError
+from outcomes import refused
 from waiting import HANG
 
 ISOVALUES = (30.0, 70.0)

@@ -14,10 +14,10 @@ import threading
 from pathlib import Path
 
 import leaflight
-from outcomes import refused
 import pytest
 from leaflight import Progress
 from leaflight.progress_bar import with_progress
+from outcomes import refused
 from waiting import HANG
 
 

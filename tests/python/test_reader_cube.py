@@ -7,9 +7,9 @@ import io
 import numpy as np
 import pytest
 from leaflight import _core, read_volume
-from outcomes import reads, written, refused
 from leaflight.io.readers import probe
 from leaflight.io.readers.text_numbers import numbers_of, read_numbers
+from outcomes import reads, refused, written
 
 
 def cube(values, orbitals=1, sign=1):

@@ -10,8 +10,8 @@ import tifffile
 from dicom_files import write_series
 from leaflight import read_volume
 from leaflight.io.readers import format_of, probe
-from PIL import Image
 from outcomes import reads, refused
+from PIL import Image
 
 GRAY = np.random.default_rng(1).integers(0, 255, (4, 5, 6)).astype(np.uint8)
 

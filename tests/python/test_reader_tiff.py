@@ -6,8 +6,8 @@ import pytest
 import tifffile
 from leaflight import read_volume
 from leaflight.io.readers import probe
-from PIL import Image
 from outcomes import reads, refused, written
+from PIL import Image
 
 PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 4, 5, 6)).astype(np.uint16)
 

@@ -6,8 +6,8 @@ import locale
 import numpy as np
 import pytest
 from leaflight import read_volume
-from outcomes import reads, written, refused
 from leaflight.io.readers import probe
+from outcomes import reads, refused, written
 
 HEADER = """# vtk DataFile Version 3.0
 a title

@@ -11,8 +11,8 @@ from leaflight import read_volume
 from leaflight.io import reader_process
 from leaflight.io.images import read_pixels
 from leaflight.io.readers import probe
-from PIL import Image, ImageSequence
 from outcomes import reads, refused
+from PIL import Image, ImageSequence
 
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
 

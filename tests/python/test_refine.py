@@ -4,12 +4,12 @@
 import json
 
 import leaflight
-from outcomes import refused
 import numpy as np
 import pytest
 from cone import FINE, cone, stopping
 from leaflight import load_bake, refine
 from leaflight.volume.setting_error import SettingError
+from outcomes import refused
 from same_bytes import assert_same_light
 
 

@@ -17,7 +17,6 @@ from leaflight.bake.settings import BakeOptions, BakeSettings, CommonOptions, Co
 from leaflight.measure.sampling import Sampling, SamplingOptions
 from leaflight.thesis.settings import FixedSamples, SampleOptions
 
-
 ROOT = Path(__file__).resolve().parents[2]
 
 # Packages from the bottom up. Files in no package are below all, except FACES at the top.

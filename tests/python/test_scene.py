@@ -4,7 +4,6 @@
 from dataclasses import replace
 
 import leaflight
-from outcomes import refused
 import numpy as np
 import pytest
 from leaflight import Volume, fit_scene, load_scene
@@ -22,6 +21,7 @@ from leaflight.scene.scene import (
     core_scene,
     match_isosurfaces,
 )
+from outcomes import refused
 
 
 def brick(scale=1.0, offset=(0.0, 0.0, 0.0)):

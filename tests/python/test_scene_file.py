@@ -25,8 +25,8 @@ from leaflight.scene.scene import (
     SceneDescription,
     SunLight,
 )
-from PIL import Image
 from outcomes import refused, written
+from PIL import Image
 
 PIXELS = base64.b64encode(zlib.compress(bytes(24))).decode()
 GOOD = {

@@ -2,12 +2,12 @@
 """Tests smoothed normals, which do not move the isosurfaces."""
 
 import leaflight
-from outcomes import refused
 import leaflight._core as _core
 import numpy as np
 import pytest
 from leaflight.cluster.workers import Workers
 from leaflight.scene.scene import Isosurfaces, SceneDescription, SunLight
+from outcomes import refused
 from scipy.ndimage import gaussian_filter
 
 SIGMA = 1.3

@@ -2,10 +2,10 @@
 """Tests that units of the data, such as particles per cubic meter, do not change the light."""
 
 import leaflight
-from outcomes import refused
 import numpy as np
 import pytest
 from leaflight import Volume
+from outcomes import refused
 
 FIXED = {"samples": 4, "photons": 3000}
 WORK = {

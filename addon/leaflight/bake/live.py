@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import bpy
 import leaflight
-from ..props import BoolProperty
 from leaflight import LeaflightError
 from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
+from ..props import BoolProperty
 from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache

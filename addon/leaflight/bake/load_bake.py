@@ -7,7 +7,6 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
-from ..props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
@@ -15,6 +14,7 @@ from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
+from ..props import BoolProperty, StringProperty
 from ..show import display, isosurfaces, isovalues, lamps, surface_object
 from ..stage import scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, frame_bakes, source_files

@@ -5,13 +5,13 @@ import bpy
 import leaflight
 import leaflight._core as _core
 import numpy as np
-from ..props import EnumProperty, FloatProperty, IntProperty
 from leaflight import LeaflightError
 from leaflight.scene.scene import core_scene
 
 from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, IntProperty
 from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache

@@ -15,12 +15,12 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from ..props import FloatProperty, IntProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import FloatProperty, IntProperty, StringProperty
 from ..stage import scene_export
 from ..store import bake_files
 from . import files, stills

@@ -4,12 +4,12 @@
 import bpy
 import mathutils
 import numpy as np
-from ..props import EnumProperty, FloatProperty, StringProperty
 from leaflight import LeaflightError
 from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, StringProperty
 from ..show import display, distribution, isovalues, surface_object, whole_detail
 from ..store import cache
 from ..translations import iface_

@@ -6,12 +6,12 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from ..props import EnumProperty, IntProperty
 from leaflight import LeaflightError, blender
 
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty, IntProperty
 from ..show import display, isosurfaces, isovalues
 
 _PIVOT = "leaflight_turntable"

@@ -4,12 +4,12 @@
 from dataclasses import dataclass, field
 
 import bpy
-from ..props import EnumProperty
 from leaflight import LeaflightError
 from leaflight.looks import LOOKS as OF_ONE_COLOR
 
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import data_faces, isosurfaces, isovalues, surface_object
 from ..stage import stage
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
-from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
@@ -15,6 +14,7 @@ from leaflight.export.page_size import estimated_bytes
 from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from ..show import isovalues, lamps
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_

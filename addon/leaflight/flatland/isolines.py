@@ -6,6 +6,12 @@ import uuid
 
 import bpy
 import leaflight
+from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError, flatland
+from leaflight.flatland.flat_scene import load_flat_scene
+
+from .. import versions
+from ..operators import background, checks, jobs
 from ..props import (
     BoolProperty,
     EnumProperty,
@@ -14,12 +20,6 @@ from ..props import (
     PointerProperty,
     StringProperty,
 )
-from bpy_extras.io_utils import ImportHelper
-from leaflight import LeaflightError, flatland
-from leaflight.flatland.flat_scene import load_flat_scene
-
-from .. import versions
-from ..operators import background, checks, jobs
 from ..show import display
 from ..show.bake_properties import ERROR
 from . import graph_object

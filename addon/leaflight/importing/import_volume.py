@@ -3,7 +3,6 @@
 
 import bpy
 import leaflight
-from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
@@ -11,6 +10,7 @@ from leaflight.io import readers
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
+from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from ..show import display, isovalues, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files

@@ -2,10 +2,10 @@
 """Smooth: reads the volume again, with a Gaussian on its values or its normals."""
 
 import bpy
-from ..props import EnumProperty
 
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import display, isovalues
 from ..store import cache, source_files
 

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The parts of Object.leaflight about the next bake and the last one."""
 
-from ..props import EnumProperty
-
 from .. import versions
+from ..props import EnumProperty
 from .overridable import (
     BoolProperty,
     FloatProperty,

@@ -7,11 +7,11 @@ stage turns to the front of a patient.
 
 import bpy
 import numpy as np
-from ..props import EnumProperty
 from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import isosurfaces, isovalues
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 from ..store import cache, source_files

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
-from ..props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene import scene
+
+from ..props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 MY_SCENE = "MY_SCENE"
 

@@ -6,12 +6,12 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from ..props import BoolProperty, EnumProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import checks, failures
 from ..operators.checks import active_volume
+from ..props import BoolProperty, EnumProperty, StringProperty
 from ..show import display, isovalues, shader, surface_object, walls
 from ..store import frame_bakes
 from ..store.reading import StillReading

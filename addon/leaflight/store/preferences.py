@@ -5,8 +5,9 @@ import os
 from pathlib import Path
 
 import bpy
-from ..props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from leaflight import limit_memory
+
+from ..props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 # Name of the add-on's module in Blender.
 PACKAGE = __package__.rpartition(".")[0]

@@ -8,8 +8,8 @@ import sys
 import bpy
 import numpy as np
 import pytest
-from leaflight import _core
 from blends import open_blend, open_saved
+from leaflight import _core
 from leaflight_addon import versions
 from leaflight_addon.show import properties
 from leaflight_addon.store import cache

@@ -21,7 +21,6 @@ from leaflight.io.readers import watched
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.operators import jobs
 
-
 FOLDER = Path(sys.argv[-1])
 
 found = {}

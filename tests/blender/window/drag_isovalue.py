@@ -18,7 +18,6 @@ import stepwise
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 
-
 # Steps of the mouse per drag, pixels per step, steps per second, and turns back and forth per drag.
 STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
 

@@ -22,7 +22,6 @@ from leaflight_addon.operators import jobs
 from leaflight_addon.show import display, surface_object
 from leaflight_addon.store import cache
 
-
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Mouse steps in a drag, pixels per step, and steps per second.
 STEPS, PIXELS, PER_SECOND = 40, 10, 10

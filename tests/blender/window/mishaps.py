@@ -23,7 +23,6 @@ from leaflight_addon.stage import camera
 from leaflight_addon.store import cache
 from leaflight_addon.ui import clip_outline
 
-
 FOLDER = Path(sys.argv[-1])
 # Target error in percent that no bake reaches.
 UNREACHED = 0.01

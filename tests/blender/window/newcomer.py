@@ -20,7 +20,6 @@ from leaflight_addon.bake import bake, stopped
 from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import surface_object, whole_detail
 
-
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Pixels from the upper border of the window to the entry Import in the menu File.
 IMPORT = 295 if bpy.app.version < (5, 0, 0) else 311

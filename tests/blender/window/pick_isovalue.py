@@ -13,7 +13,6 @@ import numpy as np
 import stepwise
 from leaflight_addon.edit import data_picture, pick_isovalue
 
-
 found = {}
 
 

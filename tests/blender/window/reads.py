@@ -20,7 +20,6 @@ from leaflight_addon.bake import live
 from leaflight_addon.show import distribution, surface_object, walls
 from leaflight_addon.store import cache, reading, source_files
 
-
 FOLDER = Path(sys.argv[-1])
 NODES = 32
 # Isovalues in the saved file, and after a drag while the file is read.

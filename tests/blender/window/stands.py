@@ -25,7 +25,6 @@ from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object, walls
 from leaflight_addon.store import cache, reading
 
-
 FOLDER = Path(sys.argv[-1])
 NODES = 96
 # Isovalues of the blob, and of the noise around it.
