@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A real window: a volume is duplicated, a lamp is dragged with Live on, and so is the isovalue in
-the histogram over the viewport.
+"""Tests the mouse and keys in a window: Shift+D of a volume with an added isosurface, dragging a
+lamp with Live, and dragging the isovalue in the histogram over the viewport.
 """
 
 import pytest
@@ -53,7 +53,7 @@ def picked(blender, ball):
 
 def test_a_drag_moves_the_isovalue_and_enter_keeps_it(picked):
     assert picked["imported"] != picked["dragged, kept"] == picked["kept"]
-    # To the right of the middle of the range, 13.4 to 100, and within it.
+    # It must be right of the middle of the range, 13.4 to 100, and within it.
     assert 56.7 < picked["kept"] < 100
     assert picked["dragged, taken back"] < 56.7
 

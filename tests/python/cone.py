@@ -20,7 +20,7 @@ def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Vo
 
 
 def stopping(passes):
-    """Returns (arguments of a bake that is stopped after so many passes, the bakes of these)."""
+    """Returns (arguments of a bake that stops after this many passes, a list of its passes)."""
     progress, seen = leaflight.Progress(), []
 
     def look(baked):

@@ -102,7 +102,7 @@ def box_file(box_bake, tmp_path_factory):
 
 @pytest.fixture
 def box(bump_scene):
-    """bake(**settings) of a small cone."""
+    """Returns bake(**settings) of a small cone."""
 
     def bake(**settings):
         volume = cone(16, is_open=settings.get("both_sides", False))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What becomes of a file: the values that it holds, or a sentence for the user."""
+"""Helpers that write a file and check how it is read: its values, or an error."""
 
 import numpy as np
 import pytest
@@ -7,13 +7,13 @@ from leaflight import LeaflightError, read_volume
 
 
 def written(path, content):
-    """Writes bytes, or a text, and returns the path."""
+    """Writes bytes or text, and returns the path."""
     path.write_bytes(content.encode() if isinstance(content, str) else content)
     return path
 
 
 def reads(values, path, **options):
-    """Reads a volume, which has these values, and returns it."""
+    """Checks that a file has these values, and returns its volume."""
     __tracebackhide__ = True
     volume = read_volume(path, **options)
     np.testing.assert_array_equal(volume.values, values)
@@ -21,7 +21,10 @@ def reads(values, path, **options):
 
 
 def refused(sentence, function, *arguments, **options):
-    """The call raises a LeaflightError of this sentence, a regular expression; returns its text."""
+    """Checks that a call raises LeaflightError, and returns its message.
+
+    sentence: regular expression that the message contains.
+    """
     __tracebackhide__ = True
     with pytest.raises(LeaflightError, match=sentence) as caught:
         function(*arguments, **options)

@@ -43,7 +43,7 @@ def assert_same_bake(path, other):
 
 
 def assert_same_light(one, other):
-    """Compares two bakes bit by bit: what they are made of, their grids and their walls."""
+    """Compares provenance, grids and walls of two bakes bit by bit."""
     assert one.id == other.id and one.provenance == other.provenance
     for mine, theirs in zip(one.grids, other.grids, strict=True):
         assert mine.has_back == theirs.has_back

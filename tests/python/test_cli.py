@@ -299,7 +299,7 @@ def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-# User and system time of a call of main() beside that of an interpreter that does nothing.
+# Program that compares the processor time of main() with that of an empty interpreter.
 MEASURE = """
 import sys, time
 sys.path.insert(0, sys.argv.pop(1))
@@ -331,15 +331,15 @@ def test_help_loads_nothing_that_only_the_work_needs(arguments):
 @pytest.mark.machine
 @HELP
 def test_help_is_soon_there(arguments):
-    # The least of three: other work on the machine only ever adds.
+    # Use the fastest of three runs, because other work on the machine only adds time.
     runs = [measured(*arguments) for _ in range(3)]
     empty, whole = min(empty for empty, _, _ in runs), min(whole for _, whole, _ in runs)
-    # NumPy and the compiled module alone take ten times an empty interpreter.
+    # Importing NumPy and the compiled module takes ten times as long as an empty interpreter.
     assert whole < 6 * empty
 
 
 def test_commands_load_what_they_need():
-    """Or the test above would not notice what it looks for."""
+    """Checks that other commands do import these modules, so that the test above can fail."""
     assert measured("info", "bump_box", "--dims", "4")[2]
 
 

@@ -171,7 +171,7 @@ def test_bad_arguments(box_bake, arguments):
 
 @pytest.fixture
 def picture():
-    """Returns a smooth linear picture between dark and white."""
+    """Returns a smooth linear picture from dark to white."""
     y, x = np.mgrid[0:48, 0:64] / 64.0
     return np.stack([x, y, 0.5 * (x + y)], axis=-1).astype(np.float32)
 

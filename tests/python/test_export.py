@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from leaflight import Surface
 from leaflight.export.point_grid import point_grid
-from leaflight.io.ply import display_colours, write_ply
+from leaflight.io.ply import display_colors, write_ply
 from outcomes import refused
 
 ISOVALUES = (40.0, 47.0, 60.0)
@@ -375,17 +375,17 @@ def test_round_trip(tmp_path, tetrahedron):
     radiance = np.stack([data[f"radiance_{c}"] for c in "rgb"], axis=1)
     np.testing.assert_array_equal(radiance, tetrahedron.radiance)
     assert radiance.dtype == np.float32
-    colours = np.stack([data[c] for c in ("red", "green", "blue")], axis=1)
-    assert colours.dtype == np.uint8
-    np.testing.assert_array_equal(colours, display_colours(tetrahedron.radiance, 0.5))
+    colors = np.stack([data[c] for c in ("red", "green", "blue")], axis=1)
+    assert colors.dtype == np.uint8
+    np.testing.assert_array_equal(colors, display_colors(tetrahedron.radiance, 0.5))
     np.testing.assert_array_equal(data["nz"], tetrahedron.normals[:, 2])
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_display_colours():
+def test_display_colors():
     # 0.5 is sRGB 188, 0.001 on the linear part is 12.92 * 0.255 = 3.
     radiance = np.array([[0, 0.25, 0.5], [7.0, 0.0005, -1]])
-    np.testing.assert_array_equal(display_colours(radiance, 2.0), [[0, 188, 255], [255, 3, 0]])
+    np.testing.assert_array_equal(display_colors(radiance, 2.0), [[0, 188, 255], [255, 3, 0]])
 
 
 def test_errors_leave_nothing(tmp_path, tetrahedron):

@@ -230,7 +230,7 @@ def test_light_that_it_does_not_hold_is_refused(name):
 
 @pytest.fixture(scope="module")
 def direct_bake():
-    """Returns the 2D bump box with black walls and hardly any inter-reflection."""
+    """Returns the 2D bump box with black walls and hardly any interreflection."""
     scene = flatland.flat_box()
     dark = replace(
         scene,
@@ -241,7 +241,7 @@ def direct_bake():
 
 
 def _flattened(bake):
-    """Returns the corrected texture at the middles of the cells, and where it is known."""
+    """Returns the corrected texture at the centers of cells, and a mask of known texels."""
     texture = bake.texture() * flatland.BRIGHTNESS_CORRECTION
     known = bake.grid.mask() > 0
     corners = [(slice(a, a - 1 or None), slice(b, b - 1 or None)) for a in (0, 1) for b in (0, 1)]
@@ -259,8 +259,8 @@ def test_the_mesh_is_the_graph():
 
 
 def test_a_steep_graph_is_lit_as_by_flattened_light(direct_bake):
-    # Infinitely high walls and lamps repeat along z, and ordinary light becomes that of the plane:
-    # with the correction of 2/pi (thesis 3.4.3) both agree. A flat graph sees its lamp askew.
+    # Walls of infinite height and lamps repeat along z. Light in space then equals light in the
+    # plane with the factor 2/pi (thesis 3.4.3). The graph is flat, so it sees the lamp at an angle.
     flattened, known = _flattened(direct_bake)
     ratios = []
     for height in (1.0, 4.0, 32.0):
@@ -268,5 +268,5 @@ def test_a_steep_graph_is_lit_as_by_flattened_light(direct_bake):
         ratios.append(flattened[known].mean() / ordinary[known].mean())
     assert ratios[0] > ratios[1] > ratios[2]
     assert ratios[2] == pytest.approx(1, abs=0.06)
-    # Point by point, too, save for the facets of the mesh and noise.
+    # Single points agree, too, except for the mesh's facets and noise.
     assert np.corrcoef(flattened[known].ravel(), ordinary[known].ravel())[0, 1] > 0.95

@@ -44,7 +44,9 @@ def test_isosurfaces_at_the_ends_of_the_range_are_lit_like_others(box, isovalue)
 
 @pytest.mark.slow
 def test_corners_are_smooth():
-    """Half of the rays from there hit a wall next to them, and must not all show its one patch."""
+    """Checks that corners have no noise. Half of the rays there hit the adjacent wall, and must not
+    all use one of its patches.
+    """
     box = leaflight.bump_box(24)
     bake = leaflight.bake(
         box, packaged_scene("open_floor.json"), isovalues=(30, 70), error=3.0, walls=True
@@ -54,7 +56,8 @@ def test_corners_are_smooth():
     corner = vertices[:, 2] < vertices[:, 2].min() + 1e-4
     along = radiance[corner][np.argsort(vertices[corner, 0])]
     assert len(along) > 30
-    # Light changes slowly along the corner, so what a line through the neighbors leaves is noise.
+    # Light changes slowly along a corner, so deviations from a line through the neighbors are
+    # noise.
     steps = along[1:-1] - 0.5 * (along[:-2] + along[2:])
     share = np.abs(steps) / along[1:-1]
     assert np.sqrt(np.mean(share**2)) < 0.02 and share.max() < 0.06

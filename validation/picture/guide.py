@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- VOLUME FOLDER IMAGES. The pictures of docs/guide.md.
+"""Inside Blender: ... -- VOLUME FOLDER IMAGES. Makes the pictures of docs/guide.md.
 
-lit_walls: one bake with lit walls at three isovalues. Eevee renders it, so that every color on the
-walls comes from the bake. comparison: what Render Comparison writes. several_isosurfaces: gray
-matter over white matter, seen through and cut by a box, of Colin27 in Debian's mricron-data.
+lit_walls: one bake with lit walls at three isovalues. Eevee renders it, so that all colors on the
+walls come from the bake. comparison: the picture of Render Comparison. several_isosurfaces:
+translucent gray matter over white matter, cut by a box. The volume is Colin27 of Debian's
+mricron-data.
 """
 
 import shutil
@@ -18,7 +19,7 @@ BRAIN = "/usr/share/mricron/templates/ch2bet.nii.gz"
 GRAY, WHITE = 55.0, 115.0
 GRAY_COLOR, WHITE_COLOR = (0.75, 0.45, 0.38), (0.85, 0.82, 0.75)
 GAP = 6
-SHARES = (0.25, 0.5, 0.75)  # of the baked isovalue range
+SHARES = (0.25, 0.5, 0.75)  # shares of the baked isovalue range
 
 VOLUME, FOLDER, IMAGES = sys.argv[-3], *map(Path, sys.argv[-2:])
 
@@ -77,7 +78,7 @@ def several_isosurfaces():
     for isovalue, color in ((GRAY, GRAY_COLOR), (WHITE, WHITE_COLOR)):
         stop = brain.leaflight.isosurface_stops.add()
         stop.isovalue, stop.color = isovalue, color
-    # Cycles itself lights the floor, with less grain than a bake of some minutes.
+    # Let Cycles light the floor, with less noise than a bake of some minutes.
     settings = {"light_walls": False, "error": 3.0, "bake_folder": str(FOLDER)}
     blender.bake(brain, isovalues=(GRAY - 5, WHITE + 5), **settings)
     blender.show(brain, WHITE)

@@ -24,15 +24,18 @@ QUANTILE = 1.959963984540054
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """z: of each seed and texel that light reaches, float64 (seeds, texels); true_rms and
-    reported_rms: of the errors, over the mean radiance."""
+    """The result. z: of each seed and lit texel, float64 (seeds, texels); true_rms and
+    reported_rms: of the errors, over the mean radiance.
+    """
 
     z: np.ndarray
     true_rms: float
     reported_rms: float
 
     def within(self, quantile=QUANTILE):
-        """Returns the share of the intervals of +- quantile errors with the other seeds' mean."""
+        """Returns the share of intervals of +- quantile errors that contain the other seeds'
+        mean.
+        """
         return float((np.abs(self.z) <= quantile).mean())
 
 
@@ -45,11 +48,11 @@ def coverage(volume, scene=None, *, seeds=6, **settings):
         values.append(grid.dense("radiance")[active].mean(axis=-1, dtype=np.float64))
         errors.append(np.float64(grid.dense("radiance_error")[active]))
     values, errors = np.array(values), np.array(errors)
-    # Texels that no seed ever lit have no error and no interval.
+    # Texels that are dark with all seeds have no error and no interval.
     lit = values.any(axis=0)
     values, errors = values[:, lit], errors[:, lit]
-    # The distance from the mean of the others, which itself has the error of a bake over
-    # sqrt(seeds - 1), scaled to the error of the bake alone.
+    # The mean of the others has the error of a bake over sqrt(seeds - 1). Scale the deviation from
+    # it to the error of one bake.
     deviations = (values - values.mean(axis=0)) * np.sqrt(seeds / (seeds - 1))
     z = np.divide(deviations, errors, out=np.full_like(errors, np.inf), where=errors > 0)
     z[deviations == 0] = 0

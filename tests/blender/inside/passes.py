@@ -86,9 +86,9 @@ def assert_shows_pass(obj, shown):
 
 
 class Window:
-    """Drives a job as Blender's events do in a window.
+    """A driver of jobs, like Blender's events in a window.
 
-    work: that of the job, if it was begun already.
+    work: the work of the job, if it was started already.
     said: the reports, as (kind, text). statuses: the texts of the status bar.
     """
 
@@ -119,7 +119,7 @@ class Window:
         return self.operator.modal(self.context, event)
 
     def wait(self, result=frozenset({"PASS_THROUGH"}), cancels=False):
-        """Lets the timer run until the work has ended."""
+        """Runs the timer until the work has ended."""
         events = cycle(["ESC", "TIMER"] if cancels else ["TIMER"])
         while result & {"RUNNING_MODAL", "PASS_THROUGH"}:
             result = self.happens(next(events))

@@ -62,19 +62,19 @@ def lamp():
 
 
 def press(operator):
-    """Calls an operator as a button in the viewport does."""
+    """Calls an operator like a button in the viewport."""
     with in_view():
         operator("INVOKE_DEFAULT")
 
 
 def draw_quickly():
-    """Leaves out what takes seconds of each picture without a graphics card."""
+    """Switches off effects that take seconds per picture without a graphics card."""
     bpy.context.preferences.system.viewport_aa = "OFF"
     viewport._show_materials = lambda _shading: None
 
 
 def stage_file(path, low, high, isovalue):
-    """Imports a file and stages it; its bake has few texels and walls that are lit coarsely."""
+    """Imports and stages a file, for a bake with few texels and coarsely lit walls."""
     with in_view():
         bpy.ops.leaflight.import_volume(filepath=str(path))
         settings = volume().leaflight
@@ -85,7 +85,7 @@ def stage_file(path, low, high, isovalue):
 
 
 def select_volume():
-    """Selects the volume alone, which the key DELETE then deletes."""
+    """Selects only the volume, and binds the key DELETE to deletion."""
     bind(DELETE, "object.delete", {"confirm": False})
     with in_view():
         bpy.ops.object.select_all(action="DESELECT")
@@ -94,7 +94,7 @@ def select_volume():
 
 
 def render():
-    """Presses Render Image, for a small picture of Cycles."""
+    """Presses Render Image, for a small picture by Cycles."""
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", 1
     scene.render.resolution_x = scene.render.resolution_y = 16

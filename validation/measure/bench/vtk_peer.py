@@ -64,7 +64,7 @@ def image(array, spacing, components):
     data.SetSpacing(*spacing)
     values = numpy_to_vtk(array.reshape(-1, components) if components > 1 else array.ravel())
     data.GetPointData().SetScalars(values)
-    # VTK does not keep the memory alive.
+    # Keep the array, because VTK does not keep its memory alive.
     data.array = array
     return data
 
