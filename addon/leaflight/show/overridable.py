@@ -23,5 +23,5 @@ StringProperty = partial(props.StringProperty, override=_OVERRIDABLE)
 # Properties of a surface: a share of 0 to 1, and a color with channels of 0 to 1.
 ShareProperty = partial(FloatProperty, subtype="FACTOR", min=0.0, max=1.0)
 ColorProperty = partial(
-    FloatVectorProperty, size=3, subtype="COLOR", default=(0.8, 0.8, 0.8), min=0.0, max=1.0
+    FloatVectorProperty, subtype="COLOR", default=(0.8, 0.8, 0.8), min=0.0, max=1.0
 )
