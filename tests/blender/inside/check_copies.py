@@ -17,7 +17,7 @@ from tools import duplicate, error_of, mesh_arrays
 
 
 def _link(blend, name, **how):
-    """Takes a volume from another .blend into this one."""
+    """Links or appends a volume of another .blend."""
     with bpy.data.libraries.load(str(blend), **how) as (_, wanted):
         wanted.objects = [name]
     (obj,) = (o for o in bpy.data.objects if o.leaflight.is_volume)
