@@ -119,13 +119,14 @@ class Blender:
     def show(self, script, *arguments, size=(1024, 640)):
         """Runs a script that drives Blender in a window; returns its exit status and its output.
 
-        xvfb-run provides a screen. Ends the program and its screen when it hangs. size: the window
-        and the screen, in pixels.
+        script: a file of window/, or a path. xvfb-run provides a screen. Ends the program and its
+        screen when it hangs. size: the window and the screen, in pixels.
         """
         width, height = size
         screen = ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24"]
         program = ["blender", "-noaudio", "--window-geometry", "0", "0", width, height]
         program += ["--enable-event-simulate", "--python-exit-code", "1"]
+        script = HERE / "window" / script
         process = subprocess.Popen(
             list(map(str, [*screen, *program, *NAMED, "--python", script, "--", *arguments])),
             env={**self.environment, "LIBGL_ALWAYS_SOFTWARE": "1"},

@@ -1,18 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests the isovalue slider in a window: it is dragged with the mouse, and pictures are counted.
-
-Needs a Blender with a window and xvfb-run, which provides a screen.
-"""
+"""Tests the isovalue slider in a window: it is dragged with the mouse, and pictures are counted."""
 
 import json
-from pathlib import Path
 
 import leaflight
 import numpy as np
 import pytest
 from volume_recipes import COLIN27
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "drag_isovalue.py"
 
 # The number of pictures during a drag depends on the machine, too.
 pytestmark = [pytest.mark.slow, pytest.mark.machine]
@@ -32,7 +26,7 @@ def volume(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def drags(blender, volume):
-    found = blender.in_window(SCRIPT, *volume)
+    found = blender.in_window("drag_isovalue.py", *volume)
     assert "baking" in found, found
     print(json.dumps(found))
     return found

@@ -1,19 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests a comparison in a window, and Esc during a comparison and an import."""
 
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "compare.py"
-
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("window"))
+    return blender.in_window("compare.py", tmp_path_factory.mktemp("window"))
 
 
 @pytest.mark.machine

@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests former bugs in a window, with the same clicks and keys.
-
-Needs a Blender with a window and xvfb-run, which provides a screen.
-"""
+"""Tests former bugs in a window, with the same clicks and keys."""
 
 import json
-from pathlib import Path
 
 import pytest
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "mishaps.py"
 
 pytestmark = pytest.mark.slow
 
@@ -17,7 +11,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def shown(blender, tmp_path_factory):
     """Returns (results, output of Blender)."""
-    status, said = blender.show(SCRIPT, tmp_path_factory.mktemp("mishaps"), size=(960, 600))
+    status, said = blender.show("mishaps.py", tmp_path_factory.mktemp("mishaps"), size=(960, 600))
     line = next((line for line in said.splitlines() if line.startswith("WINDOW ")), "")
     assert status == 0 and line, said
     return json.loads(line.removeprefix("WINDOW ")), said

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests a newcomer's steps in a window: from the factory scene to a lit isosurface in four clicks,
 and beyond.
-
-Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
 from pathlib import Path
@@ -14,9 +12,8 @@ import pytest
 from leaflight.volume.particles import neuron
 from PIL import Image
 
-SCRIPT = Path(__file__).resolve().parent / "window" / "newcomer.py"
 # The expected viewport after the bake of the brain in Blender 3.4, reduced to a tenth.
-REFERENCE = SCRIPT.with_suffix(".png")
+REFERENCE = Path(__file__).resolve().parent / "window" / "newcomer.png"
 BRAIN = Path("/usr/share/mricron/templates/ch2bet.nii.gz")
 
 # 8-bit levels: white, and too dark to look lit.
@@ -46,7 +43,7 @@ def pictures(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(blender, volume, pictures):
-    return blender.in_window(SCRIPT, volume, pictures, size=(1600, 900))
+    return blender.in_window("newcomer.py", volume, pictures, size=(1600, 900))
 
 
 def test_four_clicks_and_one_file(found):

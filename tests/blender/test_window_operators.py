@@ -18,7 +18,6 @@ import pytest
 from PIL import Image
 from rows import BESIDE, HAPPY, ROWS, UNPRESSED, WAYS
 
-SCRIPT = Path(__file__).resolve().parent / "window" / "press_operators.py"
 BLOCKED = Path(__file__).resolve().parents[2] / "build" / "test" / "window.md"
 
 EVERY = [(number, way) for number, row in enumerate(ROWS) for way in row.ways]
@@ -62,7 +61,7 @@ def press(blender, folder, presses):
     """
     results, operators, left = {}, [], list(presses)
     while left:
-        _, said = blender.show(SCRIPT, folder, json.dumps(left), size=(900, 640))
+        _, said = blender.show("press_operators.py", folder, json.dumps(left), size=(900, 640))
         before = len(results)
         for part in said.split("\nROW ")[1:]:
             number, way = part.splitlines()[0].split(" ", 1)

@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests a .blend in a window, whose bake or volume takes long to read.
 
-The window keeps working, and shows everything once the file is read. Needs a Blender with a window
-and xvfb-run, which provides a screen.
+The window keeps working, and shows everything once the file is read.
 """
 
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "reads.py"
 
 pytestmark = pytest.mark.slow
 
@@ -20,7 +15,7 @@ LIT = {"isovalue": DRAGGED, "lit": True, "problems": []}
 
 @pytest.fixture(scope="module")
 def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("reads"), size=(900, 640))
+    return blender.in_window("reads.py", tmp_path_factory.mktemp("reads"), size=(900, 640))
 
 
 def _part(row, keys):

@@ -1,15 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests that the window does not freeze when the isovalue moves into noise, which has many more
 triangles, and while walls get their light after a bake is read.
-
-Needs a Blender with a window and xvfb-run, which provides a screen.
 """
 
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parent / "window" / "stands.py"
 
 pytestmark = pytest.mark.slow
 
@@ -19,7 +13,7 @@ MOVING_TRIANGLES = 150_000
 
 @pytest.fixture(scope="module")
 def found(blender, tmp_path_factory):
-    return blender.in_window(SCRIPT, tmp_path_factory.mktemp("stands"), size=(900, 640))
+    return blender.in_window("stands.py", tmp_path_factory.mktemp("stands"), size=(900, 640))
 
 
 def test_the_window_does_not_wait_for_the_light_of_walls(found):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small volume in a cone of light, whose bakes err mainly by noise."""
+"""A small volume in a cone of light, whose bakes err mainly by noise, and bakes that stop early."""
 
 import leaflight
 import numpy as np
@@ -17,3 +17,15 @@ def cone(nodes: int, is_open: bool = False, dimensions: int = 3) -> leaflight.Vo
     return leaflight.Volume(
         values.astype(np.float32), np.diag([1 / (nodes - 1)] * dimensions + [1.0]), "cone"
     )
+
+
+def stopping(passes):
+    """Returns (arguments of a bake that stops after this many passes, a list of its passes)."""
+    progress, seen = leaflight.Progress(), []
+
+    def look(baked):
+        seen.append(baked)
+        if len(seen) == passes:
+            progress.stop()
+
+    return {"on_pass": look, "progress": progress}, seen

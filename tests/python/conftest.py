@@ -11,6 +11,7 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
+from cone import cone
 from hypothesis import HealthCheck, settings
 from leaflight import progress_bar
 from leaflight.cluster.workers import Workers
@@ -97,6 +98,17 @@ def box_file(box_bake, tmp_path_factory):
     path = tmp_path_factory.mktemp("bake") / "box.vdb"
     box_bake.save(path)
     return path
+
+
+@pytest.fixture
+def box(bump_scene):
+    """Returns bake(**settings) of a small cone."""
+
+    def bake(**settings):
+        volume = cone(16, is_open=settings.get("both_sides", False))
+        return leaflight.bake(volume, bump_scene, isovalues=(30.0, 70.0), **settings)
+
+    return bake
 
 
 @pytest.fixture(params=SHIPPED)

@@ -10,14 +10,12 @@ numpy.empty() is filled here.
 import hashlib
 import json
 import os
-import subprocess
 import sys
-from pathlib import Path
 
 import leaflight
 import numpy as np
 from leaflight.volume.voxels import new_voxels
-from waiting import HANG
+from waiting import run_python
 
 # Two bytes that differ in each bit.
 PATTERNS = (0x55, 0xAA)
@@ -34,21 +32,10 @@ def answers(files):
 
 
 def _answers(pattern, files):
-    package = Path(leaflight.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, __file__],
-        # Python's own allocator does not write the pattern.
-        env={
-            **os.environ,
-            "PYTHONPATH": str(package),
-            "PYTHONMALLOC": "malloc",
-            "MALLOC_PERTURB_": str(pattern ^ 0xFF),
-        },
-        input=json.dumps([[str(path), options] for path, options in files]),
-        capture_output=True,
-        text=True,
-        timeout=HANG,
-    )
+    # Python's own allocator does not write the pattern.
+    variables = {"PYTHONMALLOC": "malloc", "MALLOC_PERTURB_": str(pattern ^ 0xFF)}
+    wanted = json.dumps([[str(path), options] for path, options in files])
+    done = run_python(__file__, variables=variables, input=wanted)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

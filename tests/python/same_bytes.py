@@ -4,6 +4,7 @@
 from dataclasses import replace
 from uuid import UUID
 
+import numpy as np
 from leaflight import _core
 
 GRIDS = ("radiance", "radiance_indirect", "radiance_error")
@@ -39,3 +40,18 @@ def assert_same_bake(path, other):
     # Ignore the statistics, which contain times.
     metadata.pop("statistics"), other_metadata.pop("statistics")
     assert metadata == other_metadata
+
+
+def assert_same_light(one, other):
+    """Compares provenance, grids and walls of two bakes bit by bit."""
+    assert one.id == other.id and one.provenance == other.provenance
+    for mine, theirs in zip(one.grids, other.grids, strict=True):
+        assert mine.has_back == theirs.has_back
+        back = ("radiance_back", "radiance_back_indirect") if mine.has_back else ()
+        for name in (*GRIDS, *back):
+            np.testing.assert_array_equal(mine.dense(name), theirs.dense(name), err_msg=name)
+    assert (one.walls is None) == (other.walls is None)
+    for mesh in range(one.walls.count if one.walls else 0):
+        for back in (False, True):
+            mine, theirs = (bake.walls.radiance(mesh, 50.0, back) for bake in (one, other))
+            np.testing.assert_array_equal(mine, theirs)

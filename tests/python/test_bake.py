@@ -3,6 +3,8 @@
 cancelled.
 """
 
+import ast
+import inspect
 import json
 import threading
 import time
@@ -12,12 +14,12 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import pytest
-from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
-from leaflight.bake.settings import UnusedSetting
+from leaflight import Cancelled, Progress, _core, load_bake
 from leaflight.bake.provenance import provenance_from_json, read_bake_id, values_sha256
+from leaflight.bake.settings import UnusedSetting
+from outcomes import refused, written
 from same_bytes import assert_same_bake
 from waiting import HANG, wait_for
-
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
@@ -111,8 +113,7 @@ def test_ids_of_bakes_differ_and_is_read_from_the_first_bytes(small, bump_scene,
     assert read_bake_id(path) == load_bake(path).id == first.id
     path.write_bytes(path.read_bytes()[:2000])
     assert read_bake_id(path) == first.id
-    with pytest.raises(LeaflightError, match="any name.vdb"):
-        load_bake(path)
+    refused("any name.vdb", load_bake, path)
 
 
 def test_the_hash_of_values_is_that_of_the_file(small, bump_scene, tmp_path):
@@ -137,16 +138,14 @@ def test_a_file_whose_id_is_not_that_of_its_contents_is_refused(box_file, box_ba
     # Leave out the seal at the end, which would not match.
     path.write_bytes(data[:-24].replace(box_bake.id.encode(), b"0" * 32))
     assert read_bake_id(path) == "0" * 32
-    with pytest.raises(LeaflightError, match="metadata were edited"):
-        load_bake(path)
+    refused("metadata were edited", load_bake, path)
 
 
 def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
     path = tmp_path / "damaged.vdb"
     data = box_file.read_bytes()
     path.write_bytes(data[:-24].replace(b"texels", b"te\xffels"))
-    with pytest.raises(LeaflightError, match="damaged.vdb: .*damaged"):
-        load_bake(path)
+    refused("damaged.vdb: .*damaged", load_bake, path)
 
 
 def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path):
@@ -155,11 +154,9 @@ def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path)
     fields = [volume.field() for volume in box_bake.volumes]
     metadata = {"statistics": json.dumps(box_bake.statistics.record())}
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
-    with pytest.raises(LeaflightError, match="an earlier version of Leaflight; bake"):
-        load_bake(path)
+    refused("an earlier version of Leaflight; bake", load_bake, path)
     path.write_text("This is no bake.")
-    with pytest.raises(LeaflightError, match="not an OpenVDB file"):
-        read_bake_id(path)
+    refused("not an OpenVDB file", read_bake_id, path)
 
 
 @pytest.mark.parametrize(
@@ -189,10 +186,8 @@ def test_surface(box_bake):
 
 @pytest.mark.parametrize("isovalue", [29.0, 71.0, float("nan"), float("inf")])
 def test_isovalue_outside_the_range(box_bake, isovalue):
-    with pytest.raises(LeaflightError, match=r"30\.\.70"):
-        box_bake.surface(isovalue)
-    with pytest.raises(LeaflightError, match=r"30\.\.70"):
-        box_bake.reference(np.zeros((1, 3)), isovalue)
+    refused(r"30\.\.70", box_bake.surface, isovalue)
+    refused(r"30\.\.70", box_bake.reference, np.zeros((1, 3)), isovalue)
 
 
 @pytest.mark.parametrize(
@@ -212,13 +207,11 @@ def test_isovalue_outside_the_range(box_bake, isovalue):
     ],
 )
 def test_bad_settings(bump_scene, small, arguments, sentence):
-    with pytest.raises(LeaflightError, match=sentence):
-        leaflight.bake(leaflight.bump_box(8), bump_scene, **{**small, **arguments})
+    refused(sentence, leaflight.bake, leaflight.bump_box(8), bump_scene, **{**small, **arguments})
 
 
 def test_too_many_texels_are_refused(bump_scene):
-    with pytest.raises(LeaflightError):
-        leaflight.bake(leaflight.bump_box(8), bump_scene, resolution=40_000)
+    refused(".", leaflight.bake, leaflight.bump_box(8), bump_scene, resolution=40_000)
 
 
 @pytest.fixture
@@ -272,25 +265,44 @@ def test_a_cancelled_bake_ends_soon(endless):
 
 
 def test_load_refuses_what_is_no_bake(tmp_path):
-    with pytest.raises(LeaflightError, match="no such file"):
-        load_bake(tmp_path / "nowhere.vdb")
-    path = tmp_path / "text.vdb"
-    path.write_text("This is no bake. " * 100)
-    with pytest.raises(LeaflightError, match="text.vdb"):
-        load_bake(path)
+    refused("no such file", load_bake, tmp_path / "nowhere.vdb")
+    path = written(tmp_path / "text.vdb", "This is no bake. " * 100)
+    refused("text.vdb", load_bake, path)
 
 
 def test_load_refuses_truncated_files(tmp_path, box_file):
     data = box_file.read_bytes()
     for share in (0.01, 0.3, 0.7, 0.99):
-        path = tmp_path / "cut.vdb"
-        path.write_bytes(data[: int(share * len(data))])
-        with pytest.raises(LeaflightError, match="cut.vdb"):
-            load_bake(path)
+        path = written(tmp_path / "cut.vdb", data[: int(share * len(data))])
+        refused("cut.vdb", load_bake, path)
 
 
 def test_save_leaves_no_file_when_it_cannot(tmp_path, box_bake):
     for path in (tmp_path / "nowhere" / "x.vdb", tmp_path / "x.txt", tmp_path):
-        with pytest.raises(LeaflightError):
-            box_bake.save(path)
+        refused(".", box_bake.save, path)
     assert list(tmp_path.iterdir()) == []
+
+
+(_CLASS,) = (
+    node
+    for node in ast.parse(inspect.getsource(leaflight.Bake)).body
+    if isinstance(node, ast.ClassDef)
+)
+(_BLOCK,) = (node for node in _CLASS.body if isinstance(node, ast.If))
+DECLARED = {node.name: node.args for node in _BLOCK.body if isinstance(node, ast.FunctionDef)}
+
+
+def test_all_are_declared():
+    assert set(DECLARED) == {"moved", "export_page", "show", "still"}
+
+
+@pytest.mark.parametrize("name", DECLARED)
+def test_declarations_are_those_of_the_functions(name):
+    declared, real = DECLARED[name], inspect.signature(getattr(leaflight.Bake, name)).parameters
+    names = [one.arg for one in (*declared.args, *declared.kwonlyargs)]
+    names += [declared.kwarg.arg] if declared.kwarg else []
+    assert names[1:] == list(real)[1:]
+    defaults = [*declared.defaults, *filter(None, declared.kw_defaults)]
+    assert [ast.literal_eval(one) for one in defaults] == [
+        one.default for one in real.values() if one.default is not one.empty
+    ]

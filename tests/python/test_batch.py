@@ -12,6 +12,7 @@ import nibabel
 import numpy as np
 import pytest
 from leaflight import load_bake
+from outcomes import written
 from waiting import HANG, started, wait_for
 
 pytest.importorskip("distributed")
@@ -28,8 +29,7 @@ def scan(tmp_path):
 
 
 def listed(tmp_path, *lines):
-    path = tmp_path / "bakes.txt"
-    path.write_text("# what to bake\n\n" + "\n".join(lines) + "\n")
+    path = written(tmp_path / "bakes.txt", "# what to bake\n\n" + "\n".join(lines) + "\n")
     return path
 
 
@@ -95,8 +95,7 @@ def test_a_batch_that_was_interrupted_goes_on(cli, tmp_path):
 
 
 def test_what_fails_is_reported(cli, tmp_path):
-    bad = tmp_path / "bad.nii"
-    bad.write_bytes(b"no volume")
+    bad = written(tmp_path / "bad.nii", b"no volume")
     path = listed(
         tmp_path,
         f"{bad} --out {tmp_path}/bad.vdb",

@@ -7,12 +7,16 @@ import select
 import signal
 import subprocess
 
+import leaflight
 import meshio
 import numpy as np
 import pytest
 from leaflight import _core
+from leaflight.io.readers import raw
+from leaflight.io.sources import GENERATED
+from leaflight_command import parser, shared_options
 from PIL import Image
-from waiting import HANG, started
+from waiting import HANG, package_folder, run_python, started
 
 FLAT = ["--out", "OUT/x.exr", "--error", "50"]
 BAKE = ["--isovalues", "30", "70", "--error", "5", "--resolution", "20"]
@@ -293,3 +297,56 @@ def test_estimate_writes_nothing(cli, tmp_path, monkeypatch):
     assert cost["seconds"] > 0 and cost["memory_bytes"] > 2**20 and cost["error"] <= 3
     assert f"about {cost['seconds']:.0f} s and " in outcome.out
     assert list(tmp_path.iterdir()) == []
+
+
+# Program that compares the processor time of main() with that of an empty interpreter.
+MEASURE = """
+import sys, time
+sys.path.insert(0, sys.argv.pop(1))
+empty = time.process_time()
+import leaflight_command
+try:
+    leaflight_command.main()
+except SystemExit:
+    pass
+print(empty, time.process_time(), "leaflight" in sys.modules, "numpy" in sys.modules)
+"""
+
+
+def measured(*arguments):
+    """Returns (seconds of an empty interpreter, of the program, True if it loaded modules)."""
+    done = run_python("-c", MEASURE, package_folder(), *arguments, check=True)
+    empty, whole, *loaded = done.stdout.splitlines()[-1].split()
+    return float(empty), float(whole), "True" in loaded
+
+
+HELP = pytest.mark.parametrize("arguments", [["--help"], ["bake", "--help"], ["bake", "--no-such"]])
+
+
+@HELP
+def test_help_loads_nothing_that_only_the_work_needs(arguments):
+    assert not measured(*arguments)[2]
+
+
+@pytest.mark.machine
+@HELP
+def test_help_is_soon_there(arguments):
+    # Use the fastest of three runs, because other work on the machine only adds time.
+    runs = [measured(*arguments) for _ in range(3)]
+    empty, whole = min(empty for empty, _, _ in runs), min(whole for _, whole, _ in runs)
+    # Importing NumPy and the compiled module takes ten times as long as an empty interpreter.
+    assert whole < 6 * empty
+
+
+def test_commands_load_what_they_need():
+    """Checks that other commands do import these modules, so that the test above can fail."""
+    assert measured("info", "bump_box", "--dims", "4")[2]
+
+
+def test_the_parser_knows_what_the_package_knows():
+    assert shared_options.TYPES == raw.TYPES and shared_options.ENDIANS == tuple(raw.ENDIANS)
+    assert parser.GENERATED == GENERATED
+
+
+def test_version(script):
+    assert script("--version").out == f"leaflight {leaflight.__version__}\n"

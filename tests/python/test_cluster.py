@@ -7,9 +7,8 @@ import socket
 import threading
 
 import leaflight
-import numpy as np
 import pytest
-from leaflight import Cancelled, LeaflightError, Progress, load_bake
+from leaflight import Cancelled, Progress, load_bake
 from leaflight.bake.bake import task_of, worker_memory
 
 pytest.importorskip("distributed")
@@ -18,6 +17,8 @@ from cone import cone  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
 from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
+from outcomes import refused
+from same_bytes import assert_same_light  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
 
 # These settings need several passes.
@@ -40,22 +41,11 @@ def workers():
         yield started
 
 
-def check_same(bake, other):
-    assert bake.id == other.id
-    for name in ("radiance", "radiance_indirect", "radiance_error", "radiance_back"):
-        ours, theirs = (one.grid.dense(name) for one in (bake, other))
-        np.testing.assert_array_equal(ours, theirs, err_msg=name)
-    for mesh in range(bake.walls.count):
-        for back in (False, True):
-            ours, theirs = (one.walls.radiance(mesh, 47.0, back) for one in (bake, other))
-            np.testing.assert_array_equal(ours, theirs)
-
-
 @pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_any_number_of_workers(volume, alone, count):
     with Workers(count) as workers:
         assert workers.processes() == count
-        check_same(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
+        assert_same_light(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
         assert workers.traced >= 4 and workers.lost == 0
 
 
@@ -73,7 +63,7 @@ def test_workers_that_die(volume, alone, workers):
         killed.append(alive[0])
         os.kill(killed[-1], signal.SIGKILL)
 
-    check_same(leaflight.bake(volume, workers=workers, on_pass=kill, **SETTINGS), alone)
+    assert_same_light(leaflight.bake(volume, workers=workers, on_pass=kill, **SETTINGS), alone)
     assert killed and workers.traced > 0
 
 
@@ -85,7 +75,7 @@ def test_nobody_is_left(volume, alone):
     def close(_bake):
         workers.close()
 
-    check_same(leaflight.bake(volume, workers=workers, on_pass=close, **SETTINGS), alone)
+    assert_same_light(leaflight.bake(volume, workers=workers, on_pass=close, **SETTINGS), alone)
     assert workers.traced > 0 and workers.lost > 0
 
 
@@ -96,7 +86,7 @@ def test_going_on_with_a_bake(volume, workers):
         volume, progress=progress, on_pass=lambda _: progress.stop(), **{**SETTINGS, "error": 1.0}
     )
     alone = leaflight.refine(part, error=0.2)
-    check_same(leaflight.refine(part, error=0.2, workers=workers), alone)
+    assert_same_light(leaflight.refine(part, error=0.2, workers=workers), alone)
     assert workers.traced > 0
 
 
@@ -137,8 +127,7 @@ def test_cancel_goes_through(volume, workers):
 
 def test_workers_of_another_leaflight(volume, workers, monkeypatch):
     monkeypatch.setattr(block_tracer.Recipe, "__init__", _of_another(block_tracer.Recipe.__init__))
-    with pytest.raises(LeaflightError, match="install the same"):
-        leaflight.bake(volume, workers=workers, **SETTINGS)
+    refused("install the same", leaflight.bake, volume, workers=workers, **SETTINGS)
 
 
 def _of_another(init):
@@ -146,18 +135,14 @@ def _of_another(init):
 
 
 def test_what_cannot_be_shared(volume, workers):
-    with pytest.raises(LeaflightError, match="one volume"):
-        leaflight.bake(leaflight.lapr(12), workers=workers)
-    with pytest.raises(LeaflightError, match="number of workers"):
-        Workers(0)
-    with pytest.raises(LeaflightError, match="either"):
-        Workers()
+    refused("one volume", leaflight.bake, leaflight.lapr(12), workers=workers)
+    refused("number of workers", Workers, 0)
+    refused("either", Workers)
     with socket.socket() as silent:
         # Reserve a port on which nothing answers.
         silent.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
-        with pytest.raises(LeaflightError, match=address):
-            Workers(scheduler=address, patience_seconds=1)
+        refused(address, Workers, scheduler=address, patience_seconds=1)
 
 
 @pytest.mark.slow
@@ -174,9 +159,7 @@ def test_the_command_line(cli, tmp_path):
         assert len(cluster.workers) == 2, "they are not ours to end"
     bakes = [load_bake(out) for out in outs]
     for bake in bakes[1:]:
-        assert bake.id == bakes[0].id
-        ours, theirs = (one.grid.dense("radiance") for one in (bake, bakes[0]))
-        np.testing.assert_array_equal(ours, theirs)
+        assert_same_light(bake, bakes[0])
 
 
 @pytest.mark.slow

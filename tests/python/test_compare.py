@@ -6,9 +6,10 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError
+from leaflight.measure.flip import flip
 from leaflight.measure.truth import Truth, parts_of
 from leaflight.scene.on_mesh import random_points
+from outcomes import refused, written
 
 
 def test_random_points_are_uniform_over_the_area():
@@ -121,10 +122,16 @@ def test_compare_on_a_wall(lapr_bake):
 
 
 def test_compare_on_walls_needs_them(box_bake, lapr_bake):
-    with pytest.raises(LeaflightError, match="bake again with walls"):
-        leaflight.compare(box_bake, 47.0, points=10, spp=4, mesh="far wall")
-    with pytest.raises(LeaflightError, match="floor, ceiling"):
-        leaflight.compare(lapr_bake, 0.5, points=10, spp=4, mesh="moon")
+    refused(
+        "bake again with walls",
+        leaflight.compare,
+        box_bake,
+        47.0,
+        points=10,
+        spp=4,
+        mesh="far wall",
+    )
+    refused("floor, ceiling", leaflight.compare, lapr_bake, 0.5, points=10, spp=4, mesh="moon")
 
 
 def test_a_mirror_has_no_radiance_of_its_own(box_bake):
@@ -132,26 +139,63 @@ def test_a_mirror_has_no_radiance_of_its_own(box_bake):
         replace(isosurfaces, scattering="mirror") for isosurfaces in box_bake.scene.isosurfaces
     ]
     bake = replace(box_bake, scene=replace(box_bake.scene, isosurfaces=mirrors))
-    with pytest.raises(LeaflightError, match="depends on the view"):
-        leaflight.compare(bake, 47.0, points=10, spp=4)
+    refused("depends on the view", leaflight.compare, bake, 47.0, points=10, spp=4)
 
 
 def test_cycles_needs_blender(box_bake, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(LeaflightError, match="package blender"):
-        leaflight.compare(box_bake, 47.0, points=10, spp=4, reference="cycles")
+    refused(
+        "package blender", leaflight.compare, box_bake, 47.0, points=10, spp=4, reference="cycles"
+    )
 
 
 def test_what_blender_says_when_it_fails(box_bake, tmp_path, monkeypatch):
-    blender = tmp_path / "blender"
-    blender.write_text("#!/bin/sh\necho no display\nexit 3\n")
+    blender = written(tmp_path / "blender", "#!/bin/sh\necho no display\nexit 3\n")
     blender.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(LeaflightError, match="Blender failed: no display"):
-        leaflight.compare(box_bake, 47.0, points=10, spp=4, reference="cycles")
+    refused(
+        "Blender failed: no display",
+        leaflight.compare,
+        box_bake,
+        47.0,
+        points=10,
+        spp=4,
+        reference="cycles",
+    )
 
 
 @pytest.mark.parametrize("arguments", [{"points": 0}, {"spp": 0}, {"isovalue": 10.0}])
 def test_bad_arguments(box_bake, arguments):
-    with pytest.raises(LeaflightError):
-        leaflight.compare(box_bake, **{"isovalue": 47.0, **arguments})
+    refused(".", leaflight.compare, box_bake, **{"isovalue": 47.0, **arguments})
+
+
+@pytest.fixture
+def picture():
+    """Returns a smooth linear picture from dark to white."""
+    y, x = np.mgrid[0:48, 0:64] / 64.0
+    return np.stack([x, y, 0.5 * (x + y)], axis=-1).astype(np.float32)
+
+
+def test_equal_pictures_do_not_differ(picture):
+    found = flip(picture, picture)
+    assert found.map.shape == (48, 64) and found.mean == 0.0 == found.percentile_95
+
+
+def test_black_and_white_differ_most(picture):
+    found = flip(np.zeros_like(picture), np.ones_like(picture))
+    assert found.mean > 0.9
+
+
+def test_only_what_is_displayed_counts(picture):
+    brighter = np.where(picture > 0.5, 4.0, picture)
+    assert flip(2.0 * brighter, 2.0 * picture).mean == 0.0
+    assert flip(brighter, picture, exposure=2.0).mean == 0.0
+    assert 0.0 < flip(brighter, picture).mean < 1.0
+
+
+def test_a_patch_is_found_where_it_is(picture):
+    other = picture.copy()
+    other[20:28, 30:40] += 0.2
+    found = flip(other, picture)
+    assert found.map[22:26, 32:38].min() > 5 * found.map[:8].max() > -1
+    assert found.mean < found.percentile_95

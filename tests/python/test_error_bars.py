@@ -5,7 +5,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.volume.particles import neuron, nucleons
-from thesis.coverage import QUANTILE, coverage
+from thesis.error_bars import QUANTILE, coverage
 
 SEEDS = 3
 # Allowed deviation of a count of independent texels, in standard errors.

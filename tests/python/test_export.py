@@ -11,8 +11,10 @@ import leaflight
 import meshio
 import numpy as np
 import pytest
-from leaflight import LeaflightError
+from leaflight import Surface
 from leaflight.export.point_grid import point_grid
+from leaflight.io.ply import display_colors, write_ply
+from outcomes import refused
 
 ISOVALUES = (40.0, 47.0, 60.0)
 
@@ -114,8 +116,7 @@ def test_a_sheared_volume_is_refused_as_vti_and_placed_by_amira(box_bake, tmp_pa
     matrix = box_bake.volume.index_to_world.copy()
     matrix[0, 1] = 0.01
     sheared = replace(box_bake, volumes=[replace(box_bake.volume, index_to_world=matrix)])
-    with pytest.raises(LeaflightError, match="is sheared"):
-        leaflight.export(sheared, tmp_path / "box.vti")
+    refused("is sheared", leaflight.export, sheared, tmp_path / "box.vti")
     leaflight.export(sheared, tmp_path / "box.am")
     text = (tmp_path / "box.am").read_bytes()[:600].decode("latin1")
     numbers = re.search(r"TransformationMatrix (.+),", text)[1].split()
@@ -324,8 +325,7 @@ def test_sentences(box_bake, tmp_path):
         ("x.ply", (400.0,), "outside the baked range"),
         ("nowhere/x.ply", (47.0,), "cannot write"),
     ):
-        with pytest.raises(LeaflightError, match=re.escape(words)):
-            leaflight.export(box_bake, tmp_path / name, isovalues)
+        refused(re.escape(words), leaflight.export, box_bake, tmp_path / name, isovalues)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -341,9 +341,9 @@ def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypa
             monkeypatch.delitem(sys.modules, f"leaflight.export.{own}", raising=False)
         monkeypatch.setitem(sys.modules, module, None)
         monkeypatch.setattr(leaflight.Bake, "surface", lambda *_: pytest.fail("worked in vain"))
-        with pytest.raises(LeaflightError, match=re.escape(word)) as caught:
-            leaflight.export(box_bake, tmp_path / f"x{suffix}", [47.0])
-        assert str(caught.value).count(".") < 8 and "\n" not in str(caught.value)
+        path = tmp_path / f"x{suffix}"
+        said = refused(re.escape(word), leaflight.export, box_bake, path, [47.0])
+        assert said.count(".") < 8 and "\n" not in said
 
 
 def test_the_command(cli, box_file, tmp_path):
@@ -354,3 +354,41 @@ def test_the_command(cli, box_file, tmp_path):
     refused = cli("export", box_file, "--isovalue", 40, 47, "--out", tmp_path / "two.ply")
     assert refused.status == 2 and refused.err.count("\n") == 1 and "(--isovalue)" in refused.err
     assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.fixture
+def tetrahedron():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=np.float32)
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], dtype=np.int32)
+    normals = np.tile(np.float32([0, 0, 1]), (4, 1))
+    radiance = np.array([[0, 0, 0], [0.25, 0.5, 1], [1, 2, 4], [9, 0, 1e-6]], dtype=np.float32)
+    return Surface(vertices, normals, triangles, radiance, 0.1)
+
+
+def test_round_trip(tmp_path, tetrahedron):
+    path = tmp_path / "mesh.ply"
+    write_ply(path, tetrahedron, exposure=0.5)
+    mesh = meshio.read(path)
+    np.testing.assert_array_equal(mesh.points, tetrahedron.vertices)
+    np.testing.assert_array_equal(mesh.cells_dict["triangle"], tetrahedron.triangles)
+    data = mesh.point_data
+    radiance = np.stack([data[f"radiance_{c}"] for c in "rgb"], axis=1)
+    np.testing.assert_array_equal(radiance, tetrahedron.radiance)
+    assert radiance.dtype == np.float32
+    colors = np.stack([data[c] for c in ("red", "green", "blue")], axis=1)
+    assert colors.dtype == np.uint8
+    np.testing.assert_array_equal(colors, display_colors(tetrahedron.radiance, 0.5))
+    np.testing.assert_array_equal(data["nz"], tetrahedron.normals[:, 2])
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_display_colors():
+    # 0.5 is sRGB 188, 0.001 on the linear part is 12.92 * 0.255 = 3.
+    radiance = np.array([[0, 0.25, 0.5], [7.0, 0.0005, -1]])
+    np.testing.assert_array_equal(display_colors(radiance, 2.0), [[0, 188, 255], [255, 3, 0]])
+
+
+def test_errors_leave_nothing(tmp_path, tetrahedron):
+    for path in (tmp_path / "mesh.obj", tmp_path / "nowhere" / "mesh.ply", tmp_path):
+        refused(".", write_ply, path, tetrahedron, exposure=1)
+    assert list(tmp_path.iterdir()) == []

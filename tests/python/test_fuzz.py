@@ -4,14 +4,11 @@ more.
 """
 
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
-import leaflight
 import pytest
-from waiting import HANG
+from waiting import package_folder, run_python
 
 FUZZ = Path(__file__).resolve().parents[1] / "fuzz"
 sys.path.append(str(FUZZ))
@@ -59,14 +56,8 @@ def try_files(folder, target, count, *worker):
     why = missing_library(target)
     if why:
         pytest.skip(why)
-    package = Path(leaflight.__file__).parents[1]
-    done = subprocess.run(
-        [sys.executable, *worker, target.name, folder, "1", "inf", str(count)],
-        env={**os.environ, "PYTHONPATH": f"{package}:{FUZZ}"},
-        capture_output=True,
-        text=True,
-        timeout=HANG,
-    )
+    arguments = (*worker, target.name, folder, "1", "inf", count)
+    done = run_python(*arguments, paths=(package_folder(), FUZZ))
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     assert found["tried"] == count and found["accepted"] < count

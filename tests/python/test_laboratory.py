@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests that each program of validation/ runs, with little work. Parts of scripts/test run those
-that take longer: every_scene, faults, fuzz, mutations, races, tables, against_cycles.
+that take longer: every_scene, faults, fuzz, mutations, races, tables, report, against_cycles.
 """
 
 import importlib

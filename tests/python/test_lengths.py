@@ -9,7 +9,7 @@ import leaflight
 import nibabel
 import numpy as np
 import pytest
-from leaflight import LeaflightError
+from outcomes import refused
 
 # Longest side of a head in millimeters, as in its scan.
 SIDE = 220.0
@@ -116,5 +116,4 @@ def test_volumes_of_two_units_share_a_world():
 def test_a_bake_of_no_unit_is_refused(head, tmp_path):
     path = tmp_path / "odd.vdb"
     replace(head, provenance=head.provenance.with_volumes(unit="parsec")).save(path)
-    with pytest.raises(LeaflightError, match="lacks the metadata of a bake"):
-        leaflight.load_bake(path)
+    refused("lacks the metadata of a bake", leaflight.load_bake, path)

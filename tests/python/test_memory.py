@@ -3,18 +3,18 @@
 
 import gc
 import json
-import os
-import subprocess
 import sys
 from pathlib import Path
 
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError, Volume, _core, bump_box
+from leaflight import Volume, _core, bump_box
 from leaflight.bake.bake import task_of
 from leaflight.volume.memory import LEAST_LIMIT, limit_memory
 from leaflight.volume.voxels import new_voxels
+from outcomes import refused
+from waiting import run_python
 
 MEBIBYTE = 1 << 20
 
@@ -63,12 +63,7 @@ def unlimited():
 
 def bake_in_subprocess(path, out, limit=0, **settings):
     arguments = json.dumps([str(path), str(out), limit, settings])
-    ended = subprocess.run(
-        [sys.executable, "-c", _BAKE, arguments],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
+    ended = run_python("-c", _BAKE, arguments)
     assert ended.returncode == 0, ended.stderr
     return json.loads(ended.stdout)
 
@@ -161,16 +156,16 @@ def test_small_machine_gets_coarser_texels(monkeypatch):
 
 def test_light_that_does_not_fit_is_refused_before_it_is_computed():
     limit_memory(LEAST_LIMIT)
-    with pytest.raises(
-        LeaflightError,
-        match=r"300 x 300 x 300 texels takes (about|over) .*without one it is [3-7][0-9]\)",
-    ):
-        leaflight.bake(bump_box(100), resolution=300)
+    refused(
+        r"300 x 300 x 300 texels takes (about|over) .*without one it is [3-7][0-9]\)",
+        leaflight.bake,
+        bump_box(100),
+        resolution=300,
+    )
 
 
 def test_limits_that_no_process_can_keep():
-    with pytest.raises(LeaflightError, match="192 MiB"):
-        limit_memory(MEBIBYTE)
+    refused("192 MiB", limit_memory, MEBIBYTE)
 
 
 def test_arrays_beyond_the_limit_lie_in_files(tmp_path):
@@ -198,8 +193,7 @@ def test_full_disk_is_a_sentence(tmp_path):
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (MEBIBYTE, before[1]))
     try:
-        with pytest.raises(LeaflightError, match=f"{tmp_path.name}.*no room for .*100 MiB"):
-            new_voxels((100, 1024, 1024), np.uint8)
+        refused(f"{tmp_path.name}.*no room for .*100 MiB", new_voxels, (100, 1024, 1024), np.uint8)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list(tmp_path.iterdir()) == []

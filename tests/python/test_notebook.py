@@ -2,9 +2,6 @@
 """Tests the display of volumes and bakes in a shell and in a notebook."""
 
 import importlib.util
-import os
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,7 +11,7 @@ import pytest
 from leaflight import Volume
 from leaflight.export.page_template import TEMPLATE
 from leaflight.stills.photograph import metered_stops, tone_mapped
-from waiting import HANG
+from waiting import run_python
 
 
 class Elements(HTMLParser):
@@ -81,21 +78,8 @@ def test_a_bake_is_shown_as_its_page(box_file, tmp_path):
     browser, address, cell = (tmp_path / name for name in ("browser", "address", "cell.html"))
     browser.write_text(BROWSER)
     browser.chmod(0o755)
-    environment = {
-        **os.environ,
-        "PYTHONPATH": str(Path(leaflight.__file__).parents[1]),
-        "BROWSER": str(browser),
-        "ADDRESS": str(address),
-        "TMPDIR": str(tmp_path),
-    }
-    done = subprocess.run(
-        [sys.executable, "-c", SHOW, box_file, cell],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=HANG,
-        check=True,
-    )
+    variables = {"BROWSER": str(browser), "ADDRESS": str(address), "TMPDIR": str(tmp_path)}
+    done = run_python("-c", SHOW, box_file, cell, variables=variables, check=True)
     page = Path(done.stdout.strip())
     assert address.read_text().strip() == page.as_uri()
     frame = Elements(cell.read_text()).attributes["iframe"]

@@ -5,9 +5,9 @@ from math import factorial
 
 import numpy as np
 import pytest
-from leaflight import LeaflightError
 from leaflight.io.sources import GENERATED, is_generated, open_volume
 from leaflight.volume.particles import HYDROGEN_REACH, hydrogen, lapr, neuron, nucleons
+from outcomes import refused
 
 
 @pytest.mark.parametrize("generate, thesis", [(nucleons, 101), (lapr, 120)])
@@ -87,9 +87,6 @@ def test_names():
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_bad_options(name):
-    with pytest.raises(LeaflightError, match=f"{name[:4]}.*: .* nodes per side"):
-        open_volume(name, dims=[1])
-    with pytest.raises(LeaflightError, match=f"{name}: the size is not one number"):
-        open_volume(name, dims=[8, 8, 8])
-    with pytest.raises(LeaflightError, match=f"{name}: the option frame does not apply"):
-        open_volume(name, frame=1)
+    refused(f"{name[:4]}.*: .* nodes per side", open_volume, name, dims=[1])
+    refused(f"{name}: the size is not one number", open_volume, name, dims=[8, 8, 8])
+    refused(f"{name}: the option frame does not apply", open_volume, name, frame=1)

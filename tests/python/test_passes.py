@@ -8,12 +8,13 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from cone import FINE, cone
-from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
+from cone import FINE, stopping
+from leaflight import Cancelled, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.outcome import outcome
 from leaflight.bake.statistics import Statistics
 from leaflight.volume.setting_error import SettingError
+from outcomes import refused
 from waiting import HANG
 
 ISOVALUES = (30.0, 70.0)
@@ -21,26 +22,10 @@ ISOVALUES = (30.0, 70.0)
 UNREACHED = 1e-3
 
 
-@pytest.fixture
-def box(bump_scene):
-    """Returns bake(**settings) of a small cone."""
-
-    def bake(**settings):
-        return leaflight.bake(cone(16), bump_scene, isovalues=ISOVALUES, **settings)
-
-    return bake
-
-
 def stopped_after(passes, box, **settings):
     """Returns (the bake that was stopped, the bakes of its passes)."""
-    progress, seen = Progress(), []
-
-    def look(baked):
-        seen.append(baked)
-        if len(seen) == passes:
-            progress.stop()
-
-    return box(error=UNREACHED, on_pass=look, progress=progress, **settings), seen
+    how, seen = stopping(passes)
+    return box(error=UNREACHED, **how, **settings), seen
 
 
 def test_each_pass_leaves_a_better_bake(box, tmp_path):
@@ -160,8 +145,7 @@ def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path
     metadata = {"id": box_bake.id, "statistics": json.dumps(box_bake.statistics.record())}
     fields = [volume.field() for volume in box_bake.volumes]
     _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
-    with pytest.raises(LeaflightError, match="old.vdb: .*earlier"):
-        load_bake(path)
+    refused("old.vdb: .*earlier", load_bake, path)
 
 
 @pytest.fixture

@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests single precision against a build with radiance in double precision (preset double)."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
-from waiting import HANG
+from waiting import run_python
 
 ESTIMATORS = ("gather", "volumetric", "path", "thesis")
 EPSILON = np.finfo(np.float32).eps
@@ -41,12 +37,8 @@ def bakes(root, preset, folder):
     if not list((package / "leaflight").glob("_core*.so")):
         pytest.skip(f"the preset {preset} is not built")
     path = folder / f"{preset}.npz"
-    subprocess.run(
-        [sys.executable, "-c", BAKES, root / "scenes" / "bump_box.json", path, *ESTIMATORS],
-        check=True,
-        timeout=HANG,
-        env=os.environ | {"PYTHONPATH": str(package)},
-    )
+    arguments = ("-c", BAKES, root / "scenes" / "bump_box.json", path, *ESTIMATORS)
+    run_python(*arguments, paths=[package], check=True)
     return np.load(path)
 
 

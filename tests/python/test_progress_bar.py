@@ -15,8 +15,9 @@ from pathlib import Path
 
 import leaflight
 import pytest
-from leaflight import LeaflightError, Progress
+from leaflight import Progress
 from leaflight.progress_bar import with_progress
+from outcomes import refused
 from waiting import HANG
 
 
@@ -54,8 +55,7 @@ def test_a_progress_is_used_as_it_is():
 
 
 def test_errors_are_raised_in_the_thread_of_the_caller():
-    with pytest.raises(LeaflightError, match="there is no such file"):
-        leaflight.read_volume("nowhere.nii")
+    refused("there is no such file", leaflight.read_volume, "nowhere.nii")
 
 
 ENDLESS = """

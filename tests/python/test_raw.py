@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
-from leaflight import LeaflightError, read_volume
+from leaflight import read_volume
 from leaflight.io.readers import format_of
 from leaflight.io.readers.raw import ENDIANS, TYPES
+from outcomes import refused, written
 
 
 @st.composite
@@ -35,8 +36,7 @@ def test_round_trip(layout):
         values.tofile(path)
         arguments = {"dims": values.shape[::-1], "type": type, "endian": endian}
         if values.min() == values.max():
-            with pytest.raises(LeaflightError, match="field.raw"):
-                read_volume(path, **arguments)
+            refused("field.raw", read_volume, path, **arguments)
         else:
             volume = read_volume(path, spacing=0.5, **arguments)
             exact = values.astype(np.float64)
@@ -58,10 +58,8 @@ def test_round_trip(layout):
 )
 def test_no_claim_allocates_or_crashes(dims, type, size):
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "field.raw"
-        path.write_bytes(bytes(size))
-        with pytest.raises(LeaflightError, match="field.raw"):
-            read_volume(path, dims=dims, type=type)
+        path = written(Path(folder) / "field.raw", bytes(size))
+        refused("field.raw", read_volume, path, dims=dims, type=type)
 
 
 @pytest.mark.parametrize(
@@ -71,8 +69,7 @@ def test_no_claim_allocates_or_crashes(dims, type, size):
 def test_headers_of_any_file(tmp_path, cli, values, name, skip):
     """Checks that the suffix does not count if the dimensions and the type are given."""
     values = values.astype(">i2")
-    path = tmp_path / name
-    path.write_bytes(bytes(range(13 if skip else 0)) + values.tobytes())
+    path = written(tmp_path / name, bytes(range(13 if skip else 0)) + values.tobytes())
     options = {"dims": (6, 5, 4), "type": "int16", "endian": "big", "skip": skip}
     volume = read_volume(path, **options)
     np.testing.assert_array_equal(volume.values, values)
@@ -98,8 +95,7 @@ def test_headers_of_any_file(tmp_path, cli, values, name, skip):
     ],
 )
 def test_headers_that_do_not_fit(tmp_path, cli, skip, size, sentence):
-    path = tmp_path / "x.dat"
-    path.write_bytes(bytes(size))
+    path = written(tmp_path / "x.dat", bytes(size))
     outcome = cli("info", path, "--dims", 6, 5, 4, "--type", "uint8", "--skip", skip)
     assert outcome.status == 2 and re.search(sentence, outcome.err), outcome.err
 
@@ -108,6 +104,4 @@ def test_dicom_of_any_suffix_is_no_raw_file(tmp_path):
     for name in ("x.dat", "x.xyz"):
         (tmp_path / name).write_bytes(bytes(128) + b"DICM" + bytes(99))
         assert format_of(tmp_path / name).module == "dicom"
-    with pytest.raises(LeaflightError, match=".vol .* no header"):
-        (tmp_path / "x.vol").write_bytes(bytes(9))
-        read_volume(tmp_path / "x.vol")
+    refused(".vol .* no header", read_volume, written(tmp_path / "x.vol", bytes(9)))

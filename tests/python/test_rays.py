@@ -11,6 +11,7 @@ import pytest
 from leaflight import Cancelled, Progress, lapr, load_bake, refine
 from leaflight.bake.checkpoint import Checkpoint
 from leaflight.bake.outcome import outcome
+from same_bytes import assert_same_light
 
 UNREACHED = 1e-3
 
@@ -46,13 +47,6 @@ def glass(root):
         return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
 
     return bake
-
-
-def assert_same_light(one, other):
-    assert one.id == other.id
-    for a, b in zip(one.grids, other.grids):
-        for name in ("radiance", "radiance_indirect", "radiance_error"):
-            assert a.dense(name).tobytes() == b.dense(name).tobytes()
 
 
 def test_an_error_is_reached_in_passes(two, mirror):

@@ -5,8 +5,9 @@ import gzip
 
 import numpy as np
 import pytest
-from leaflight import LeaflightError, read_volume
+from leaflight import read_volume
 from leaflight.io.readers import probe
+from outcomes import refused, written
 
 # Edges of a cell without right angles, as rows.
 LATTICE = np.array([[3.0, 0, 0], [1, 4, 0], [0, 0.5, 5]])
@@ -88,8 +89,7 @@ def test_damaged_maps(tmp_path, values):
         (whole.partition("object 2")[0], "readable OpenDX map"),
         ("", "readable OpenDX map"),
     ):
-        with pytest.raises(LeaflightError, match=f"x.dx: .*{sentence}"):
-            read_back(path, broken)
+        refused(f"x.dx: .*{sentence}", read_back, path, broken)
 
 
 def vasp(*grids, title="some crystal", scale="1.0", selective=False, augmented=True):
@@ -115,8 +115,7 @@ VOLUME = np.linalg.det(LATTICE)
 )
 def test_densities_of_vasp(tmp_path, values, name):
     text = vasp(values * VOLUME, -values * VOLUME).encode()
-    path = tmp_path / name
-    path.write_bytes(gzip.compress(text) if name.endswith("gz") else text)
+    path = written(tmp_path / name, gzip.compress(text) if name.endswith("gz") else text)
     stored = probe(path)
     assert (stored.dims, stored.channels, stored.unit) == ((6, 5, 4), 2, "Å")
     assert "1 is spin up less spin down" in stored.notes[0]
@@ -162,8 +161,7 @@ def test_damaged_files_of_vasp(tmp_path, values):
         (head, "no values"),
         ("", "readable VASP file"),
     ):
-        with pytest.raises(LeaflightError, match=f"CHGCAR: .*({sentence})"):
-            read_back(path, broken)
+        refused(f"CHGCAR: .*({sentence})", read_back, path, broken)
 
 
 def test_a_density_of_ase(tmp_path, values):
@@ -212,8 +210,7 @@ def test_grids_of_xcrysden(tmp_path, values):
         (whole.replace("_3D", "_2D"), "three-dimensional"),
         ("", "three-dimensional"),
     ):
-        with pytest.raises(LeaflightError, match=f"x.xsf: .*{sentence}"):
-            read_back(path, broken)
+        refused(f"x.xsf: .*{sentence}", read_back, path, broken)
 
 
 def test_a_grid_of_ase(tmp_path, values):

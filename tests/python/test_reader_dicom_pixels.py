@@ -5,8 +5,9 @@ import zlib
 
 import numpy as np
 import pytest
-from leaflight import LeaflightError, read_volume
+from leaflight import read_volume
 from leaflight.io.readers import MissingPackage, probe
+from outcomes import reads, refused, written
 
 pydicom = pytest.importorskip("pydicom")
 from dicom_files import bare, edit, jpeg_2000, write_series, write_slice  # noqa: E402
@@ -28,15 +29,14 @@ def test_signs_of_twelve_bits(tmp_path, signed):
     folder = series_of(
         tmp_path / "scan", signed & 0xFFF, BitsStored=12, HighBit=11, PixelRepresentation=1
     )
-    volume = read_volume(folder)
-    np.testing.assert_array_equal(volume.values, signed)
+    volume = reads(signed, folder)
     assert volume.values.dtype == np.int16
 
 
 def test_overlays_above_the_bits_that_count(tmp_path, signed):
     overlay = (signed % 3 == 0) * 0x5000
     folder = series_of(tmp_path / "scan", (signed + 2048) | overlay, BitsStored=12, HighBit=11)
-    np.testing.assert_array_equal(read_volume(folder).values, signed + 2048)
+    reads(signed + 2048, folder)
 
 
 @pytest.mark.parametrize("representation", [0, 1])
@@ -44,13 +44,9 @@ def test_bits_that_end_at_the_highest(tmp_path, signed, representation):
     expected = signed if representation else signed + 2048
     words = (expected << 4 | (signed & 3)) & 0xFFFF
     tags = {"BitsStored": 12, "HighBit": 15, "PixelRepresentation": representation}
-    np.testing.assert_array_equal(
-        read_volume(series_of(tmp_path / "scan", words, **tags)).values, expected
-    )
+    reads(expected, series_of(tmp_path / "scan", words, **tags))
     # Some writers keep High Bit but store the numbers as usual.
-    np.testing.assert_array_equal(
-        read_volume(series_of(tmp_path / "other", expected & 0xFFFF, **tags)).values, expected
-    )
+    reads(expected, series_of(tmp_path / "other", expected & 0xFFFF, **tags))
 
 
 def test_pixels_without_data(tmp_path, values):
@@ -91,8 +87,8 @@ def test_files_without_a_preamble(tmp_path, values, syntax):
     for path in folder.iterdir():
         edit(path, syntax=syntax)
         path.write_bytes(bare(path.read_bytes()))
-    np.testing.assert_array_equal(read_volume(folder).values, values)
-    np.testing.assert_array_equal(read_volume(folder / "IM0002").values, values)
+    reads(values, folder)
+    reads(values, folder / "IM0002")
 
 
 def test_files_that_only_look_so(tmp_path):
@@ -103,16 +99,14 @@ def test_files_that_only_look_so(tmp_path):
         b"\x08\x00\x05\x00CS\x0a\0ISO_IR 100",
         b"#!/bin/sh\n" * 9,
     ):
-        path.write_bytes(text)
-        with pytest.raises(LeaflightError, match="x.dcm"):
-            read_volume(path)
+        refused("x.dcm", read_volume, written(path, text))
 
 
 def test_a_deflated_series(tmp_path, values):
     folder = series_of(tmp_path / "scan", values)
     for path in folder.iterdir():
         edit(path, syntax=uid.DeflatedExplicitVRLittleEndian)
-    np.testing.assert_array_equal(read_volume(folder).values, values)
+    reads(values, folder)
 
 
 def test_deflated_data_that_never_end(tmp_path, values, monkeypatch):
@@ -126,9 +120,7 @@ def test_deflated_data_that_never_end(tmp_path, values, monkeypatch):
     start = 144 + int.from_bytes(data[140:144], "little")
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
     bomb = packer.compress(bytes(1 << 23)) + packer.flush()
-    path.write_bytes(data[:start] + bomb)
-    with pytest.raises(LeaflightError, match="1048576 bytes"):
-        read_volume(path)
+    refused("1048576 bytes", read_volume, written(path, data[:start] + bomb))
 
 
 def test_jpeg_2000_with_blank_slices(tmp_path):
@@ -138,7 +130,7 @@ def test_jpeg_2000_with_blank_slices(tmp_path):
     for path, plane in zip(sorted(folder.iterdir()), values):
         edit(path, PixelData=encapsulate([jpeg_2000(plane)]), syntax=uid.JPEG2000Lossless)
     assert (folder / "IM0000").stat().st_size < 2 * 256**2 / 100
-    np.testing.assert_array_equal(read_volume(folder).values, values)
+    reads(values, folder)
 
 
 def test_pages_of_one_file_in_jpeg_2000(tmp_path):
@@ -148,7 +140,7 @@ def test_pages_of_one_file_in_jpeg_2000(tmp_path):
     write_slice(path, values, 0, NumberOfFrames=5, RescaleSlope=1, RescaleIntercept=-1024)
     pages = encapsulate([jpeg_2000(plane) for plane in values])
     edit(path, PixelData=pages, syntax=uid.JPEG2000Lossless)
-    np.testing.assert_array_equal(read_volume(path).values, values - 1024)
+    reads(values - 1024, path)
 
 
 def test_a_compressed_picture_of_another_size(tmp_path, values):
@@ -158,8 +150,7 @@ def test_a_compressed_picture_of_another_size(tmp_path, values):
     folder = series_of(tmp_path / "scan", values)
     large = encapsulate([jpeg_2000(np.zeros((500, 600)))])
     edit(folder / "IM0001", PixelData=large, syntax=uid.JPEG2000Lossless)
-    with pytest.raises(LeaflightError, match="600 x 500.* 6 x 5"):
-        read_volume(folder)
+    refused("600 x 500.* 6 x 5", read_volume, folder)
 
 
 def test_what_a_compressed_file_may_claim(tmp_path, values):
@@ -168,14 +159,11 @@ def test_what_a_compressed_file_may_claim(tmp_path, values):
     pages = encapsulate([jpeg_2000(plane) for plane in values])
     edit(path, PixelData=pages, syntax=uid.JPEG2000Lossless)
     edit(path, Rows=60000, Columns=60000)
-    with pytest.raises(LeaflightError, match="4 x 60000 x 60000"):
-        probe(path)
+    refused("4 x 60000 x 60000", probe, path)
     edit(path, Rows=5, Columns=6, NumberOfFrames=10**8)
-    with pytest.raises(LeaflightError, match="header claims 100000000 values"):
-        probe(path)
+    refused("header claims 100000000 values", probe, path)
     edit(path, NumberOfFrames=6)
-    with pytest.raises(LeaflightError, match="6 pages, but there are 4|cannot be decoded"):
-        read_volume(path)
+    refused("6 pages, but there are 4|cannot be decoded", read_volume, path)
 
 
 def test_runs_of_bytes(tmp_path, values):
@@ -185,7 +173,7 @@ def test_runs_of_bytes(tmp_path, values):
         data = pydicom.dcmread(path)
         data.compress(uid.RLELossless)
         data.save_as(path)
-    np.testing.assert_array_equal(read_volume(folder).values, values)
+    reads(values, folder)
 
 
 @pytest.mark.parametrize(
@@ -214,8 +202,7 @@ def test_real_compressed_files(tmp_path, name):
 def test_a_compression_without_a_decoder(tmp_path, values):
     folder = series_of(tmp_path / "scan", values)
     edit(folder / "IM0001", PixelData=encapsulate([b"\0\0\1\xb3" * 9]), syntax=uid.MPEG2MPML)
-    with pytest.raises(LeaflightError, match="IM0001: its compression .*MPEG2.* is not supported"):
-        read_volume(folder)
+    refused("IM0001: its compression .*MPEG2.* is not supported", read_volume, folder)
 
 
 def test_pixels_that_are_damaged(tmp_path, values):
@@ -223,9 +210,7 @@ def test_pixels_that_are_damaged(tmp_path, values):
     path = folder / "IM0001"
     whole = path.read_bytes()
     path.write_bytes(whole[:-20])
-    with pytest.raises(LeaflightError, match="IM0001: the header claims .* truncated"):
-        probe(folder)
+    refused("IM0001: the header claims .* truncated", probe, folder)
     path.write_bytes(whole)
     edit(path, BitsAllocated=12, BitsStored=12)
-    with pytest.raises(LeaflightError, match="IM0001: 12 bits per pixel"):
-        read_volume(folder)
+    refused("IM0001: 12 bits per pixel", read_volume, folder)

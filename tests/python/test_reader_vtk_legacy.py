@@ -5,8 +5,9 @@ import locale
 
 import numpy as np
 import pytest
-from leaflight import LeaflightError, read_volume
+from leaflight import read_volume
 from leaflight.io.readers import probe
+from outcomes import reads, refused, written
 
 HEADER = """# vtk DataFile Version 3.0
 a title
@@ -82,14 +83,12 @@ def test_all_that_vtk_writes(tmp_path, values, dtype, ascii, version):
 
     path = tmp_path / "x.vtk"
     assert probe(path).datasets == ("label", "density", "velocity", "2 theta")
-    np.testing.assert_array_equal(read_volume(path, dataset="density").values, values)
-    np.testing.assert_array_equal(read_volume(path, dataset="2 theta").values, 119 - values)
-    volume = read_volume(path, dataset="velocity", channel=1)
-    np.testing.assert_array_equal(volume.values, 119 - values)
+    reads(values, path, dataset="density")
+    reads(119 - values, path, dataset="2 theta")
+    volume = reads(119 - values, path, dataset="velocity", channel=1)
     matrix = [[0.5, 0, 0, 1], [0, 1, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]]
     np.testing.assert_array_equal(volume.index_to_world, matrix)
-    volume = read_volume(path, dataset="label")
-    np.testing.assert_array_equal(volume.values, cells)
+    volume = reads(cells, path, dataset="label")
     np.testing.assert_array_equal(volume.index_to_world[:3, 3], [1.25, 2.5, 4])
 
 
@@ -126,14 +125,13 @@ def test_colors_and_their_table(tmp_path, values):
     path = tmp_path / "x.vtk"
     volume = read_back(path, content, dataset="c", channel=1)
     np.testing.assert_array_equal(volume.values, 119 - bytes_of)
-    np.testing.assert_array_equal(read_volume(path, dataset="h").values, bytes_of)
+    reads(bytes_of, path, dataset="h")
 
 
 def test_missing_numbers_are_numbers(tmp_path, values):
     content = by_hand(values).replace(b"\n58.0 ", b"\n nan ").replace(b"\n61.0 ", b"\n-Inf ")
     content += b"\nSCALARS g float\nLOOKUP_TABLE default\n" + b"1 2 3 4 5 6\n" * 20
-    path = tmp_path / "x.vtk"
-    path.write_bytes(content)
+    path = written(tmp_path / "x.vtk", content)
     assert probe(path).datasets == ("h", "g")
     assert read_volume(path, dataset="g").values.max() == 6
 
@@ -155,5 +153,4 @@ def test_damaged(tmp_path, values):
         (whole[:44], "holds no data"),
         (b"", "empty"),
     ):
-        with pytest.raises(LeaflightError, match=f"x.vtk: .*({sentence})"):
-            read_back(path, broken)
+        refused(f"x.vtk: .*({sentence})", read_back, path, broken)

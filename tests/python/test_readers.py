@@ -7,10 +7,11 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
-from leaflight import LeaflightError, read_volume
+from leaflight import read_volume
 from leaflight.io import reader_process
 from leaflight.io.images import read_pixels
 from leaflight.io.readers import probe
+from outcomes import reads, refused
 from PIL import Image, ImageSequence
 
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
@@ -25,8 +26,7 @@ def diagonal(volume):
 def test_nifti(tmp_path, values, suffix, dtype):
     path = tmp_path / f"scan{suffix}"
     nibabel.save(nibabel.Nifti1Image(values.T.astype(dtype), AFFINE), path)
-    volume = read_volume(path)
-    np.testing.assert_array_equal(volume.values, values)
+    volume = reads(values, path)
     np.testing.assert_allclose(volume.index_to_world, AFFINE)
     assert volume.values.dtype == (np.float32 if dtype is np.float64 else dtype)
     assert volume.values.flags.c_contiguous
@@ -38,22 +38,14 @@ def test_nifti_2_and_scaled_values(tmp_path, values):
     image = nibabel.Nifti2Image(values.T.astype(np.int16), AFFINE)
     image.header.set_slope_inter(0.5, -10)
     nibabel.save(image, path)
-    volume = read_volume(path)
-    np.testing.assert_array_equal(volume.values, 0.5 * values - 10)
+    volume = reads(0.5 * values - 10, path)
     assert volume.values.dtype == np.float32
-
-
-def test_nifti_frame(tmp_path, values):
-    path = tmp_path / "series.nii.gz"
-    frames = np.stack([values.T, values.T + 1, values.T + 2], axis=-1)
-    nibabel.save(nibabel.Nifti1Image(frames, AFFINE), path)
-    np.testing.assert_array_equal(read_volume(path, frame=2).values, values + 2)
 
 
 def test_nifti_single_frame_is_3d(tmp_path, values):
     path = tmp_path / "series.nii"
     nibabel.save(nibabel.Nifti1Image(values.T[..., None], AFFINE), path)
-    np.testing.assert_array_equal(read_volume(path).values, values)
+    reads(values, path)
 
 
 def test_colin27(colin27):
@@ -102,49 +94,15 @@ def test_a_compression_that_cannot_be_decoded(tmp_path, values, monkeypatch):
     pages = [Image.fromarray(page) for page in values.astype(np.uint8)]
     pages[0].save(path, save_all=True, append_images=pages[1:], compression="tiff_lzw")
     assert probe(path).dims == (6, 5, 4)
-    with pytest.raises(LeaflightError, match="stack.tif: .*imagecodecs"):
-        read_volume(path)
-    with pytest.raises(LeaflightError, match="stack.tif: .* package imagecodecs, .*; save the"):
-        read_pixels(path)
-
-
-def test_tiff_voxel_size_of_imagej(tmp_path, values):
-    path = tmp_path / "stack.tif"
-    metadata = {"axes": "ZYX", "spacing": 3.0, "unit": "um"}
-    tifffile.imwrite(path, values, imagej=True, resolution=(2.0, 4.0), metadata=metadata)
-    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 3.0])
-
-
-def test_tiff_voxel_size_of_ome(tmp_path, values):
-    path = tmp_path / "stack.ome.tif"
-    metadata = {
-        "axes": "ZYX",
-        "PhysicalSizeX": 0.5,
-        "PhysicalSizeY": 250.0,
-        "PhysicalSizeYUnit": "nm",
-        "PhysicalSizeZ": 2.0,
-    }
-    tifffile.imwrite(path, values, ome=True, metadata=metadata)
-    np.testing.assert_allclose(diagonal(read_volume(path)), [0.5, 0.25, 2.0])
+    refused("stack.tif: .*imagecodecs", read_volume, path)
+    refused("stack.tif: .* package imagecodecs, .*; save the", read_pixels, path)
 
 
 def test_tiff_channel_is_a_frame(tmp_path, values):
     path = tmp_path / "stack.tif"
     channels = np.stack([values, values + 1], axis=1)
     tifffile.imwrite(path, channels, imagej=True, metadata={"axes": "ZCYX"})
-    np.testing.assert_array_equal(read_volume(path, frame=1).values, values + 1)
-
-
-def test_folder_of_slices_in_natural_order(tmp_path, values):
-    folder = tmp_path / "slices"
-    folder.mkdir()
-    for k, plane in enumerate(values):
-        tifffile.imwrite(folder / f"slice{7 + 2 * k}.tiff", plane.astype(np.uint8))
-    (folder / "notes.txt").write_text("not a slice")
-    volume = read_volume(folder, spacing=2)
-    assert volume.values.dtype == np.uint8
-    np.testing.assert_array_equal(volume.values, values)
-    np.testing.assert_array_equal(diagonal(volume), [2, 2, 2])
+    reads(values + 1, path, frame=1)
 
 
 NRRD_HEADER = """NRRD0004
@@ -181,8 +139,7 @@ def test_nrrd(tmp_path, values, encoding, suffix):
 
 
 def test_vdb(box_bake, box_file):
-    volume = read_volume(box_file)
-    np.testing.assert_array_equal(volume.values, box_bake.volume.values)
+    volume = reads(box_bake.volume.values, box_file)
     np.testing.assert_allclose(volume.index_to_world, box_bake.volume.index_to_world)
 
 

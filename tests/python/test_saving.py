@@ -10,19 +10,19 @@ import subprocess
 import sys
 import threading
 from contextlib import contextmanager
-from pathlib import Path
 
 import leaflight
 import numpy as np
 import pytest
 from leaflight import Cancelled, LeaflightError, Progress, _core, load_bake
 from leaflight.bake.load_bake import open_bake, with_walls
-from leaflight.progress_bar import run_with_progress
 from leaflight.export.export import SUFFIXES, export
 from leaflight.io.images import write_png
 from leaflight.io.output import replaced, replaced_together
 from leaflight.io.ply import write_ply
-from waiting import HANG
+from leaflight.progress_bar import run_with_progress
+from outcomes import refused, written
+from waiting import HANG, package_folder, run_python
 
 NOISE = np.random.default_rng(3).random((64, 64, 3), np.float32)
 BEFORE = b"what was there before"
@@ -84,20 +84,17 @@ def test_a_full_disk_leaves_the_file_before(box_bake, tmp_path, name):
     path.write_bytes(BEFORE)
     # Half a file is never mistaken for a complete one, even if only its last bytes are missing.
     for share in (0.1, 0.6, 0.999):
-        with files_of_at_most(int(share * whole)), pytest.raises(LeaflightError) as refusal:
-            write(path)
-        assert str(path) in str(refusal.value) and "\n" not in str(refusal.value)
+        with files_of_at_most(int(share * whole)):
+            said = refused(".", write, path)
+        assert str(path) in said and "\n" not in said
         assert path.read_bytes() == BEFORE
         assert os.listdir(tmp_path) == [name]
 
 
 def test_a_disk_that_is_full(box_bake, small_disk):
-    path = small_disk / "x.vdb"
-    path.write_bytes(BEFORE)
-    with pytest.raises(LeaflightError, match="No space left"):
-        box_bake.save(path)
-    with pytest.raises(LeaflightError, match="No space left"):
-        _core.write_exr(small_disk / "x.exr", np.tile(NOISE, (4, 4, 1)))
+    path = written(small_disk / "x.vdb", BEFORE)
+    refused("No space left", box_bake.save, path)
+    refused("No space left", _core.write_exr, small_disk / "x.exr", np.tile(NOISE, (4, 4, 1)))
     assert path.read_bytes() == BEFORE
     assert os.listdir(small_disk) == ["x.vdb"]
 
@@ -155,7 +152,7 @@ def test_what_a_killed_process_left_is_removed(tmp_path):
     script += " sys.stdin.read()"
     child = subprocess.Popen(
         [sys.executable, "-c", script, str(tmp_path / "a.txt")],
-        env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
+        env={**os.environ, "PYTHONPATH": str(package_folder())},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
     )
@@ -244,12 +241,8 @@ program()
 def test_ctrl_c_beside_saving(tmp_path, when):
     path = tmp_path / "x.vdb"
     arguments = ["bake", "bump_box", "--dims", "8", "--error", "50"]
-    done = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, *arguments, "--out", path, when],
-        env={**os.environ, "PYTHONPATH": str(Path(leaflight.__file__).parents[1])},
-        capture_output=True,
-        text=True,
-        timeout=HANG,
+    done = run_python(
+        *("-c", INTERRUPTED, *arguments, "--out", path, when),
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     assert done.returncode == (130 if when == "before" else 0)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError, Volume, fit_scene, load_scene
+from leaflight import Volume, fit_scene, load_scene
 from leaflight.io.scene_file import scene_to_json
 from leaflight.io.sources import open_volume
 from leaflight.scene.scene import (
@@ -21,6 +21,7 @@ from leaflight.scene.scene import (
     core_scene,
     match_isosurfaces,
 )
+from outcomes import refused
 
 
 def brick(scale=1.0, offset=(0.0, 0.0, 0.0)):
@@ -113,8 +114,8 @@ def test_one_look_serves_all_volumes():
 
 
 def test_as_many_volumes_as_the_scene_describes(root):
-    with pytest.raises(LeaflightError, match="2 volumes, but 3"):
-        match_isosurfaces(load_scene(root / "scenes" / "nucleons.json"), [brick()] * 3)
+    scene = load_scene(root / "scenes" / "nucleons.json")
+    refused("2 volumes, but 3", match_isosurfaces, scene, [brick()] * 3)
 
 
 def test_shipped_scenes_are_accepted_by_the_core(shipped):
@@ -200,7 +201,5 @@ def test_every_kind_of_object_is_accepted_by_the_core():
     ],
 )
 def test_the_core_names_what_is_wrong(objects, sentence):
-    with pytest.raises(LeaflightError, match=sentence) as caught:
-        build(**objects)
-    message = str(caught.value)
+    message = refused(sentence, build, **objects)
     assert message.endswith(".") and "\n" not in message

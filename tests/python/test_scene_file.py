@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from leaflight import LeaflightError, _core, load_scene
+from leaflight import _core, load_scene
 from leaflight.io.scene_file import scene_from_json, scene_to_json
 from leaflight.scene.scene import (
     AreaLight,
@@ -25,6 +25,7 @@ from leaflight.scene.scene import (
     SceneDescription,
     SunLight,
 )
+from outcomes import refused, written
 from PIL import Image
 
 PIXELS = base64.b64encode(zlib.compress(bytes(24))).decode()
@@ -191,9 +192,7 @@ def test_bad_volume_is_named(good, volumes, sentence):
 
 
 def assert_refused(data, sentence):
-    with pytest.raises(LeaflightError, match=sentence) as caught:
-        scene_from_json(json.dumps(data), "room.json")
-    message = str(caught.value)
+    message = refused(sentence, scene_from_json, json.dumps(data), "room.json")
     assert message.startswith("room.json: ") and message.endswith(".") and "\n" not in message
 
 
@@ -202,19 +201,18 @@ def assert_refused(data, sentence):
 )
 def test_missing_key(good, key):
     del good[key]
-    with pytest.raises(LeaflightError, match=f'room.json: the key "{key}" is missing'):
-        scene_from_json(json.dumps(good), "room.json")
+    refused(
+        f'room.json: the key "{key}" is missing', scene_from_json, json.dumps(good), "room.json"
+    )
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "[" * 100_000])
 def test_text_that_is_no_scene(text):
-    with pytest.raises(LeaflightError, match="room.json"):
-        scene_from_json(text, "room.json")
+    refused("room.json", scene_from_json, text, "room.json")
 
 
 def test_missing_scene_file(tmp_path):
-    with pytest.raises(LeaflightError, match="cannot read"):
-        load_scene(tmp_path / "nowhere.json")
+    refused("cannot read", load_scene, tmp_path / "nowhere.json")
 
 
 def test_what_a_scene_holds(good):
@@ -244,8 +242,7 @@ def test_volumes_of_a_scene(good, tmp_path):
         {"name": "bone", "albedo": stops, "source": "head.nii", "isovalues": [1, 2]},
         {"name": "skin", "albedo": [1, 0, 0], "source": "lapr:1", "capped": True},
     ]
-    path = tmp_path / "scene.json"
-    path.write_text(json.dumps(good))
+    path = written(tmp_path / "scene.json", json.dumps(good))
     bone, skin = load_scene(path).isosurfaces
     assert bone.albedo == [(10, (0, 0, 0)), (20, (1, 1, 1))] and bone.isovalues == (1, 2)
     assert bone.source == str(tmp_path / "head.nii") and not bone.capped
@@ -261,8 +258,7 @@ def test_images_are_relative_to_the_file(good, tmp_path):
     _core.write_exr(str(tmp_path / "sky.exr"), sky)
     good["meshes"][1]["texture"] = "wood.png"
     good["environment"]["image"] = "sky.exr"
-    path = tmp_path / "scene.json"
-    path.write_text(json.dumps(good))
+    path = written(tmp_path / "scene.json", json.dumps(good))
     scene = load_scene(path)
     texture = scene.meshes[1].texture
     # The texture is linear, with the bottom row first.
@@ -397,8 +393,7 @@ def test_how_to_read_a_source(tmp_path, cli, root):
     ]
     scene = json.loads((root / "scenes" / "cornell.json").read_text())
     scene = {key: value for key, value in scene.items() if not key.startswith("isosurface_")}
-    path = tmp_path / "two.json"
-    path.write_text(json.dumps({**scene, "volumes": volumes}))
+    path = written(tmp_path / "two.json", json.dumps({**scene, "volumes": volumes}))
     again = scene_from_json(scene_to_json(load_scene(path)))
     assert [one.reading for one in again.isosurfaces] == [one["reading"] for one in volumes]
     out = tmp_path / "two.vdb"

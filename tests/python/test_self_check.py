@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the errors of `import leaflight`, each one sentence."""
 
-import os
 import platform
 import shutil
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,7 +11,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import _core, self_check
-from waiting import HANG
+from waiting import run_python
 
 PACKAGE = Path(leaflight.__file__).parent
 NUMPYS_FOLDER = str(Path(np.__file__).parents[1])
@@ -151,17 +149,6 @@ def copy(tmp_path):
     return target
 
 
-def run(folder, *arguments):
-    return subprocess.run(
-        [sys.executable, *arguments],
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(folder), NUMPYS_FOLDER))},
-        timeout=HANG,
-    )
-
-
 def _without_module(package):
     return f"no compiled module for Python {sys.version_info[0]}.{sys.version_info[1]}"
 
@@ -185,9 +172,10 @@ def _no_numpy(package):
 @pytest.mark.parametrize("spoil", [_without_module, _damaged_module, _old_numpy, _no_numpy])
 def test_the_command_says_it_in_one_line(copy, spoil):
     expected = spoil(copy)
-    done = run(copy.parent, "-m", "leaflight_command", "info", "bump_box")
+    where = {"paths": (copy.parent, NUMPYS_FOLDER), "cwd": copy.parent}
+    done = run_python("-m", "leaflight_command", "info", "bump_box", **where)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.startswith("leaflight: ") and done.stderr.count("\n") == 1
     assert expected in done.stderr
-    imported = run(copy.parent, "-c", "import leaflight")
+    imported = run_python("-c", "import leaflight", **where)
     assert imported.returncode == 1 and expected in imported.stderr.splitlines()[-1]

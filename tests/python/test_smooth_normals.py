@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from leaflight.cluster.workers import Workers
 from leaflight.scene.scene import Isosurfaces, SceneDescription, SunLight
+from outcomes import refused
 from scipy.ndimage import gaussian_filter
 
 SIGMA = 1.3
@@ -126,5 +127,4 @@ def test_flatland():
 
 
 def test_refused():
-    with pytest.raises(leaflight.LeaflightError, match="smooth_normals"):
-        leaflight.Volume(np.zeros((2, 2, 2)), smooth_normals=11.0)
+    refused("smooth_normals", leaflight.Volume, np.zeros((2, 2, 2)), smooth_normals=11.0)

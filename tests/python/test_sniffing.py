@@ -6,11 +6,11 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 import pytest
-from leaflight import LeaflightError, read_volume
-from leaflight.io.readers import SUFFIXES, format_of, name_patterns
-from leaflight.io.readers import sniffing
+from leaflight import read_volume
+from leaflight.io.readers import SUFFIXES, format_of, name_patterns, sniffing
 from leaflight.io.readers.formats import FORMATS
 from leaflight.io.readers.sniffing import module_of
+from outcomes import refused, written
 from test_damaged_files import FORMATS as FILES
 from test_reader_crystals import mtz
 
@@ -48,8 +48,7 @@ def good(path):
 
 @pytest.mark.parametrize("name", MODULES)
 def test_the_reader_of_contents(tmp_path, name):
-    path = tmp_path / "no_suffix_that_is_known.foo"
-    path.write_bytes(good(tmp_path / name))
+    path = written(tmp_path / "no_suffix_that_is_known.foo", good(tmp_path / name))
     assert module_of(path) == format_of(path).module == MODULES[name]
 
 
@@ -63,10 +62,8 @@ def test_packed_contents(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["x.vti", "x.nrrd", "x.h5", "x.vtk", "plain.tif", "x.npy"])
 def test_packed_contents_that_must_be_unpacked(tmp_path, name):
-    path = tmp_path / f"{name}.gz"
-    path.write_bytes(gzip.compress(good(tmp_path / name)))
-    with pytest.raises(LeaflightError, match="decompress it first"):
-        read_volume(path)
+    path = written(tmp_path / f"{name}.gz", gzip.compress(good(tmp_path / name)))
+    refused("decompress it first", read_volume, path)
 
 
 @pytest.mark.parametrize("name", sorted(MODULES.keys() - {"LOCPOT", "x.nii", "x.nii.gz"}))
@@ -90,8 +87,7 @@ def test_names_without_a_suffix(tmp_path):
         assert format_of(tmp_path / name).module == module
     for name in ("chgcar notes.txt", "x", "x.gz"):
         (tmp_path / name).write_bytes(b"")
-        with pytest.raises(LeaflightError, match="suffix .*content are unknown"):
-            format_of(tmp_path / name)
+        refused("suffix .*content are unknown", format_of, tmp_path / name)
 
 
 @pytest.mark.parametrize(
@@ -113,11 +109,9 @@ def test_names_without_a_suffix(tmp_path):
     ids=lambda content: repr(content[:8]),
 )
 def test_contents_that_are_not_known(tmp_path, content):
-    path = tmp_path / "x.foo"
-    path.write_bytes(content)
+    path = written(tmp_path / "x.foo", content)
     assert module_of(path) is None
-    with pytest.raises(LeaflightError, match="x.foo: .*suffix .foo .*content are unknown"):
-        read_volume(path)
+    refused("x.foo: .*suffix .foo .*content are unknown", read_volume, path)
 
 
 def test_every_reader_that_contents_name_is_there():

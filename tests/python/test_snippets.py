@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the snippets of docs/*.md on small files with the names that they use."""
 
-import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,7 +12,7 @@ import nibabel
 import numpy as np
 import pytest
 from PIL import Image
-from waiting import HANG
+from waiting import run_python
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ("scripting", "export", "clusters", "validation")
@@ -93,14 +91,7 @@ def folder(tmp_path):
 
 
 def run(folder, *command):
-    done = subprocess.run(
-        [sys.executable, *command],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-        capture_output=True,
-        text=True,
-        timeout=HANG,
-    )
+    done = run_python(*command, paths=filter(None, sys.path), cwd=folder)
     assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
 
 

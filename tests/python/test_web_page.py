@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from leaflight import LeaflightError
 from leaflight.export import page, page_size, page_template, page_volume
 from leaflight.export.light_bricks import light_bricks
 from leaflight.export.shared_exponent import LEAST, packed
 from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
+from outcomes import refused
 
 
 @pytest.fixture(autouse=True)
@@ -270,26 +270,22 @@ def test_a_folder_to_embed(cli, box_file, tmp_path):
 def test_sentences(box_bake, tmp_path, template, monkeypatch):
     out = tmp_path / "x.html"
 
-    def refused(words, bake=box_bake, **options):
-        with pytest.raises(LeaflightError, match=re.escape(words)):
-            leaflight.export(bake, out, **options)
+    def fails(words, bake=box_bake, **options):
+        refused(re.escape(words), leaflight.export, bake, out, **options)
 
-    refused("outside the baked range", isovalues=[400.0])
-    refused("all isosurfaces", back=True)
-    refused("choose 0 to 3", coarser=4)
+    fails("outside the baked range", isovalues=[400.0])
+    fails("all isosurfaces", back=True)
+    fails("choose 0 to 3", coarser=4)
     mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")
-    refused(
-        "mirror or glass", replace(box_bake, scene=replace(box_bake.scene, isosurfaces=[mirror]))
-    )
+    fails("mirror or glass", replace(box_bake, scene=replace(box_bake.scene, isosurfaces=[mirror])))
     monkeypatch.setattr(page, "LARGEST_BYTES", 1.1 * page_size.estimated_bytes(box_bake, 1))
-    refused("with coarser=1, every 2nd voxel")
+    fails("with coarser=1, every 2nd voxel")
     monkeypatch.setattr(page, "LARGEST_BYTES", 10)
-    refused("crop the volume or downsample it")
+    fails("crop the volume or downsample it")
     monkeypatch.undo()
     monkeypatch.setattr(page_template, "TEMPLATE", tmp_path / "absent.html")
-    refused("built without Node")
-    with pytest.raises(LeaflightError, match="only to a web page"):
-        leaflight.export(box_bake, tmp_path / "x.ply", coarser=1)
+    fails("built without Node")
+    refused("only to a web page", leaflight.export, box_bake, tmp_path / "x.ply", coarser=1)
     assert not out.exists()
 
 

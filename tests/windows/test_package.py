@@ -8,9 +8,8 @@ NOT_HERE = {
     ),
     **dict.fromkeys(
         (
-            *("test_docs.py", "test_docstrings.py", "test_figures.py", "test_fits.py"),
-            *("test_laboratory.py", "test_rooms.py", "test_snippets.py", "test_translations.py"),
-            "test_web_page.py",
+            *("test_docs.py", "test_laboratory.py", "test_rooms.py", "test_snippets.py"),
+            *("test_translations.py", "test_web_page.py"),
         ),
         "programs and sources of this repository, which are the same everywhere",
     ),

@@ -3,26 +3,16 @@
 
 import os
 import sys
-from pathlib import Path
 
 import bpy
+import hand
+import stepwise
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "blender" / "window"))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
 
 FOLDER = sys.argv[sys.argv.index("--") + 1]
 # Position of the tab Leaflight, from the right edge of the viewport and from its top.
 TAB = 10, 175
-
-
-def run(drive):
-    """Runs a script in a window, which yields the seconds to wait before its next step."""
-    bpy.context.preferences.view.show_splash = False
-    bpy.context.preferences.view.ui_scale = 1.0
-    stepwise.run(drive(), {})
 
 
 def drive():
@@ -58,7 +48,7 @@ def bake():
 
 
 def call(operator, how="INVOKE_DEFAULT", **options):
-    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+    with hand.in_view():
         assert operator(how, **options) & {"FINISHED", "RUNNING_MODAL"}
 
 
@@ -66,7 +56,7 @@ def open_tab():
     """Opens the tab; before 4.2, only mouse events can choose one."""
     hand.view().spaces.active.show_region_ui = True
     yield 1.0
-    region = next(region for region in hand.view().regions if region.type == "UI")
+    region = hand.region("UI")
     x, y = region.x + region.width - TAB[0], region.y + region.height - TAB[1]
     hand.window().event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
     yield 0.2
@@ -82,4 +72,4 @@ def picture(name):
 
 
 if __name__ == "__main__":
-    run(drive)
+    stepwise.run(drive(), {})

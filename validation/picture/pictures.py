@@ -76,9 +76,7 @@ def guide(blender, _):
     volume = WORK / "volume.nii"
     values = nucleons(64)[0]
     nibabel.save(nibabel.Nifti1Image(values.values.T, values.index_to_world), volume)
-    inside(blender, "lit_walls.py", volume, WORK / "bakes", IMAGES / "lit_walls.png")
-    inside(blender, "comparison.py", volume, WORK / "compared", IMAGES / "comparison.png")
-    inside(blender, "isosurfaces.py", WORK / "bakes", IMAGES / "several_isosurfaces.png")
+    inside(blender, "guide.py", volume, WORK / "bakes", IMAGES)
 
 
 def first_brain(blender, _):

@@ -10,11 +10,13 @@ import os
 import sys
 
 import bpy
+import hand
 import numpy as np
+import stepwise
 from leaflight import blender
 
 sys.path.insert(0, os.path.dirname(__file__))
-from first_brain import FOLDER, bake, call, hand, open_tab, picture, run  # noqa: E402
+from first_brain import FOLDER, bake, call, open_tab, picture  # noqa: E402
 
 FILE, NAME, LOOK, SMOOTH = sys.argv[-4:]
 # Size of the compared stills in percent of 1920 x 1080, and samples of Cycles.
@@ -75,4 +77,4 @@ def extremes(path):
 
 
 if __name__ == "__main__":
-    run(drive)
+    stepwise.run(drive(), {})

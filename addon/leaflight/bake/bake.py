@@ -216,7 +216,6 @@ class BakeJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.bake"
     bl_label = "Bake Flattened Illumination"
     bl_description = (
         "Compute the light on all isosurfaces of the isovalue range, until its error "

@@ -56,7 +56,6 @@ _BAKE = (jobs.is_free, stopped.is_decided, *checks.BAKE)
 
 
 class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.continue_bake"
     bl_label = "Continue"
     bl_description = (
         "Refine this bake to the target error or the time limit. Esc stops it, and you "
@@ -80,7 +79,6 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
 
 
 class LEAFLIGHT_OT_finer_texels(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.finer_texels"
     bl_label = "Finer Texels"
     bl_description = (
         "Bake again with twice as many texels along each axis, with up to eight times the "
@@ -104,7 +102,6 @@ def suited(obj):
 
 
 class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.resume_bake"
     bl_label = "Resume"
     bl_description = (
         "Resume the bake that was interrupted when Blender or the computer stopped. The "
@@ -137,7 +134,6 @@ def is_interrupted(obj):
 
 
 class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.bake_frames"
     bl_label = "Bake All Frames"
     bl_description = (
         "Bake each frame of the volume in the scene at its time. Esc stops, and finished "

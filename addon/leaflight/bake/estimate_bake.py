@@ -95,7 +95,6 @@ class EstimateJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.estimate_bake"
     bl_label = "Estimate"
     bl_description = (
         "Estimate time and memory of Draft, Good and Final from the first passes of a "

@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import bpy
 import leaflight
-from bpy.props import BoolProperty
 from leaflight import LeaflightError
 from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
+from ..props import BoolProperty
 from ..show import isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
@@ -302,7 +302,6 @@ def _go_on():
 
 
 class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.stop_live"
     bl_label = "Stop"
     bl_description = "Keep the shown light until an object moves again. Esc does the same"
     bl_options = set()
@@ -331,12 +330,10 @@ PROPERTIES = (
         bpy.types.Scene,
         "leaflight_live",
         BoolProperty(
-            name="Live",
-            description=(
-                "Update the light while lamps, walls and volumes move: direct light at "
-                "once, indirect light by the passes of a new bake. The last pass is saved "
-                "to a new file"
-            ),
+            "Live",
+            "Update the light while lamps, walls and volumes move: direct light at "
+            "once, indirect light by the passes of a new bake. The last pass is saved "
+            "to a new file",
             update=_switched,
         ),
     ),

@@ -7,7 +7,6 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
-from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
@@ -15,6 +14,7 @@ from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
+from ..props import BoolProperty, StringProperty
 from ..show import display, isosurfaces, isovalues, lamps, surface_object
 from ..stage import scene_export, scene_objects, staleness
 from ..store import atlases, bake_files, cache, frame_bakes, source_files
@@ -24,7 +24,6 @@ from . import lighting
 
 
 class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
-    bl_idname = "leaflight.load_bake"
     bl_label = "Load Bake"
     bl_description = (
         "Light the selected volume by a bake of it, from Blender or the command line. "
@@ -33,11 +32,7 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
     conditions = (jobs.is_free, checks.in_object_mode)
 
     filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
-    walls: BoolProperty(
-        name="Scene",
-        description="Import the objects and lights of the baked scene, too",
-        default=True,
-    )
+    walls: BoolProperty("Scene", "Import the objects and lights of the baked scene, too", True)
 
     def run(self, context):
         path = Path(os.path.normpath(bpy.path.abspath(self.filepath)))
@@ -76,7 +71,6 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
 
 
 class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
-    bl_idname = "leaflight.relocate_bake"
     bl_label = "Relocate Bake"
     bl_description = "Choose the new location of the file of this volume's bake"
     conditions = (
@@ -207,7 +201,6 @@ _MOST_ROWS = 12
 
 
 class LEAFLIGHT_OT_remove_unused_bakes(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.remove_unused_bakes"
     bl_label = "Remove Unused Bakes"
     bl_description = (
         "Delete the bake files of this .blend that light none of its volumes. Undo steps "

@@ -5,13 +5,13 @@ import bpy
 import leaflight
 import leaflight._core as _core
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, IntProperty
 from leaflight import LeaflightError
 from leaflight.scene.scene import core_scene
 
 from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, IntProperty
 from ..show import display, fill, isovalues, shader
 from ..stage import scene_export
 from ..store import cache
@@ -23,7 +23,6 @@ _KIND, _PHOTONS = "photons", "leaflight_photons"
 
 
 class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
-    bl_idname = "leaflight.photon_cloud"
     bl_label = "Show Photon Map"
     bl_description = (
         "Trace photons and show their hits on isosurfaces as colored points, which are "
@@ -32,14 +31,14 @@ class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
     conditions = (jobs.is_free, *checks.VOLUME)
 
     count: IntProperty(
-        name="Photons",
-        description="Number of emitted photons; each may hit several isosurfaces, or none",
-        default=500_000,
+        "Photons",
+        "Number of emitted photons; each may hit several isosurfaces, or none",
+        500_000,
         min=1,
         soft_max=10_000_000,
     )
     kind: EnumProperty(
-        name="Kind",
+        "Kind",
         items=[
             ("ALL", "All", "Direct and indirect photons"),
             ("DIRECT", "Direct", "Photons straight from a light"),
@@ -47,21 +46,17 @@ class LEAFLIGHT_OT_photon_cloud(background.AskingOperator, bpy.types.Operator):
         ],
     )
     band: FloatProperty(
-        name="Band",
-        description="Share of the isovalue range, around the shown isovalue, with photons",
-        default=1.0,
+        "Band",
+        "Share of the isovalue range, around the shown isovalue, with photons",
+        1.0,
         min=1e-4,
         max=1.0,
         subtype="FACTOR",
     )
     radius: FloatProperty(
-        name="Radius",
-        description="Radius of a point in Blender units",
-        default=0.004,
-        min=1e-6,
-        soft_max=0.1,
+        "Radius", "Radius of a point in Blender units", 0.004, min=1e-6, soft_max=0.1
     )
-    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
+    seed: IntProperty("Seed", "Seed of the random numbers", min=0)
 
     def start(self, context):
         return PhotonJob(context, active_volume(context), self)

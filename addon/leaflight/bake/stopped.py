@@ -42,7 +42,6 @@ def save_offered():
 
 
 class LEAFLIGHT_OT_stop_bake(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.stop_bake"
     bl_label = "Stop"
     bl_description = (
         "Stop the work in progress, as Esc does. You can keep the finished light of a bake"
@@ -77,7 +76,6 @@ class KeepJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.keep_bake"
     bl_label = "Keep Bake"
     bl_description = "Save the light of the stopped bake, and show it"
     conditions = (jobs.is_free, _waits)
@@ -87,7 +85,6 @@ class LEAFLIGHT_OT_keep_bake(background.BackgroundOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_throw_bake_away(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.throw_bake_away"
     bl_label = "Throw Away"
     bl_description = "Discard the stopped bake, and restore the previous light"
     conditions = (jobs.is_free, _waits)

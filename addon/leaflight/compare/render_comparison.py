@@ -15,12 +15,12 @@ from pathlib import Path
 
 import bpy
 import leaflight
-from bpy.props import FloatProperty, IntProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import FloatProperty, IntProperty, StringProperty
 from ..stage import scene_export
 from ..store import bake_files
 from . import files, stills
@@ -158,7 +158,6 @@ class ComparisonJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operator):
-    bl_idname = "leaflight.render_comparison"
     bl_label = "Render Comparison"
     bl_description = (
         "Render the isosurface as baked, path-traced by Cycles and with local shading, "
@@ -173,31 +172,30 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     )
 
     samples: IntProperty(
-        name="Cycles Samples",
-        description="Samples per pixel of the path-traced still. More samples take longer and "
-        "reduce noise",
-        default=256,
+        "Cycles Samples",
+        "Samples per pixel of the path-traced still. More samples take longer and reduce noise",
+        256,
         min=2,
         soft_max=4096,
     )
     baked_samples: IntProperty(
-        name="Baked Samples",
-        description="Samples per pixel of the baked still; only its walls need many",
-        default=64,
+        "Baked Samples",
+        "Samples per pixel of the baked still; only its walls need many",
+        64,
         min=2,
         soft_max=4096,
     )
     share: FloatProperty(
-        name="Resolution",
-        description="Resolution of the stills, as a share of the scene's",
-        default=100.0,
+        "Resolution",
+        "Resolution of the stills, as a share of the scene's",
+        100.0,
         min=1.0,
         max=100.0,
         subtype="PERCENTAGE",
     )
     folder: StringProperty(
-        name="Folder",
-        description="Folder of the pictures and figures; empty is beside the bake",
+        "Folder",
+        "Folder of the pictures and figures; empty is beside the bake",
         subtype="DIR_PATH",
         options=versions.RELATIVE_PATH,
     )

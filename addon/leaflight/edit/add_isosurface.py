@@ -4,12 +4,12 @@
 import bpy
 import mathutils
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, StringProperty
 from leaflight import LeaflightError
 from leaflight.volume.first_isovalue import inner_isovalue
 
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, StringProperty
 from ..show import display, distribution, isovalues, surface_object, whole_detail
 from ..store import cache
 from ..translations import iface_
@@ -74,7 +74,6 @@ def _has_room(operator, context):
 
 
 class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_isosurface"
     bl_label = "Add Isosurface"
     bl_description = (
         "Show another isosurface of this volume, inside the shown one, which becomes "
@@ -90,20 +89,12 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
         _has_room,
     )
 
-    isovalue: FloatProperty(name="Isovalue", options={"HIDDEN", "SKIP_SAVE"})
+    isovalue: FloatProperty("Isovalue", options={"HIDDEN", "SKIP_SAVE"})
     tissue: EnumProperty(
-        name="Tissue",
-        description="Tissue of the CT scan to show",
-        items=TISSUE_ITEMS,
-        options={"SKIP_SAVE"},
+        "Tissue", "Tissue of the CT scan to show", TISSUE_ITEMS, options={"SKIP_SAVE"}
     )
     opacity: FloatProperty(
-        name="Opacity",
-        description="Opacity of the outer isosurface",
-        subtype="FACTOR",
-        default=_OPACITY,
-        min=0.0,
-        max=1.0,
+        "Opacity", "Opacity of the outer isosurface", _OPACITY, subtype="FACTOR", min=0.0, max=1.0
     )
 
     def run(self, context):
@@ -125,7 +116,6 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.remove_isosurface"
     bl_label = "Remove Isosurface"
     bl_description = "Remove this isosurface"
 
@@ -140,7 +130,6 @@ class LEAFLIGHT_OT_remove_isosurface(checks.LeaflightOperator, bpy.types.Operato
 
 
 class LEAFLIGHT_OT_add_clip_box(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_clip_box"
     bl_label = "Add Clip Box"
     bl_description = (
         "Add an Empty whose box cuts the isosurfaces; move, rotate and scale it. It "

@@ -6,12 +6,12 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from bpy.props import EnumProperty, IntProperty
 from leaflight import LeaflightError, blender
 
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty, IntProperty
 from ..show import display, isosurfaces, isovalues
 
 _PIVOT = "leaflight_turntable"
@@ -20,12 +20,11 @@ _STEP, _BESIDE = 5, 28
 
 
 class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.animate"
     bl_label = "Animate"
     bl_description = "Keyframe an animation of the volume"
 
     kind: EnumProperty(
-        name="Animation",
+        "Animation",
         items=[
             ("SWEEP", "Sweep", "Isovalue from the lowest to the highest of its range"),
             (
@@ -36,7 +35,7 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
             ("WIPE", "Wipe", "Clip box through the volume from one side to the other"),
         ],
     )
-    frames: IntProperty(name="Frames", description="Length of the animation", default=120, min=2)
+    frames: IntProperty("Frames", "Length of the animation", 120, min=2)
 
     def run(self, context):
         _ANIMATIONS[self.kind](context, active_volume(context), self.frames)

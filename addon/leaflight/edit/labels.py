@@ -219,7 +219,6 @@ def _cube_object(volume, name, data, grays):
 
 
 class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_scale_bar"
     bl_label = "Scale Bar"
     bl_description = (
         "Add a scale bar of a round length in front of the volume, in the unit of its file"
@@ -237,7 +236,6 @@ class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_letters"
     bl_label = "Orientation"
     bl_description = (
         "Add letters at the sides of a patient: R and L for right and left, A and P for "
@@ -249,7 +247,6 @@ class LEAFLIGHT_OT_add_letters(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_orientation_cube"
     bl_label = "Orientation Cube"
     bl_description = (
         "Add a cube to the lower left corner of the camera view. It turns with the volume "

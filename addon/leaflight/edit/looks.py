@@ -4,12 +4,12 @@
 from dataclasses import dataclass, field
 
 import bpy
-from bpy.props import EnumProperty
 from leaflight import LeaflightError
 from leaflight.looks import LOOKS as OF_ONE_COLOR
 
 from ..operators import checks
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import data_faces, isosurfaces, isovalues, surface_object
 from ..stage import stage
 
@@ -85,13 +85,12 @@ def _items(presets):
 
 
 class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.isosurface_preset"
     bl_label = "Look"
     bl_description = (
         "Set color or color map and gloss of the isosurfaces, and the color of the stage's backdrop"
     )
 
-    preset: EnumProperty(name="Look", items=_items(LOOKS) + _items(MAPS))
+    preset: EnumProperty("Look", items=_items(LOOKS) + _items(MAPS))
 
     def run(self, context):
         volume = active_volume(context)
@@ -109,7 +108,6 @@ class LEAFLIGHT_OT_isosurface_preset(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.add_stop"
     bl_label = "Add Color Stop"
     bl_description = (
         "Add a stop at the shown isovalue with its color. The first stop replaces the single albedo"
@@ -128,7 +126,6 @@ class LEAFLIGHT_OT_add_stop(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.remove_stop"
     bl_label = "Remove Color Stop"
     bl_description = "Remove the selected stop; without stops one albedo applies to all isovalues"
 

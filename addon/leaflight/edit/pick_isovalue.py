@@ -24,7 +24,6 @@ _drawn = {}
 
 
 class LEAFLIGHT_OT_pick_isovalue(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.pick_isovalue"
     bl_label = "Pick in Histogram"
     bl_description = (
         "Drag the isovalue in a histogram over the viewport. Enter, or a click beside the "

@@ -6,7 +6,6 @@ from pathlib import Path
 import bpy
 import leaflight
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
@@ -15,6 +14,7 @@ from leaflight.export.page_size import estimated_bytes
 from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from ..show import isovalues, lamps
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
@@ -148,7 +148,6 @@ class _ExportOperator(background.AskingOperator, ExportHelper):
 
 
 class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
-    bl_idname = "leaflight.export"
     bl_label = "Export Lit Isosurfaces"
     bl_description = (
         "Write one or several lit isosurfaces, or the light of all, for ParaView, Amira "
@@ -157,27 +156,22 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
 
     filename_ext = ".glb"
     filter_glob: StringProperty(
-        default=";".join(f"*{suffix}" for suffix in SUFFIXES if suffix != PAGE),
-        options={"HIDDEN"},
+        default=";".join(f"*{suffix}" for suffix in SUFFIXES if suffix != PAGE), options={"HIDDEN"}
     )
-    file_type: EnumProperty(
-        name="Format", description="Format of the file", items=_FORMATS, default=".glb"
-    )
+    file_type: EnumProperty("Format", "Format of the file", _FORMATS, default=".glb")
     isovalues: EnumProperty(
-        name="Isovalues",
-        description="Isosurfaces to write",
-        items=(
+        "Isovalues",
+        "Isosurfaces to write",
+        (
             ("CURRENT", "Current", "The shown isosurface"),
             ("RANGE", "Range", "Evenly spaced isovalues, as the frames of an animation"),
             ("LIST", "List", "A list of isovalues, as the frames of an animation"),
         ),
     )
-    first: FloatProperty(name="From", description="Isovalue of the first isosurface")
-    last: FloatProperty(name="To", description="Isovalue of the last isosurface")
-    count: IntProperty(
-        name="Count", description="Number of isosurfaces", default=24, min=2, soft_max=250
-    )
-    listed: StringProperty(name="List", description="Isovalues in order, separated by spaces")
+    first: FloatProperty("From", "Isovalue of the first isosurface")
+    last: FloatProperty("To", "Isovalue of the last isosurface")
+    count: IntProperty("Count", "Number of isosurfaces", 24, min=2, soft_max=250)
+    listed: StringProperty("List", "Isovalues in order, separated by spaces")
 
     def ask(self, context, event):
         self.first, self.last = isovalues.isovalue_range(active_volume(context).leaflight)
@@ -221,16 +215,14 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_export_page(_ExportOperator, bpy.types.Operator):
-    bl_idname = "leaflight.export_page"
     bl_label = "Export Web Page"
     bl_description = "Write a web page that shows all isosurfaces with their light in any browser"
 
     filename_ext = file_type = PAGE
     filter_glob: StringProperty(default=f"*{PAGE}", options={"HIDDEN"})
     coarser: IntProperty(
-        name="Coarser",
-        description="Number of times to halve the voxels and texels along each axis, for a "
-        "smaller file",
+        "Coarser",
+        "Number of times to halve the voxels and texels along each axis, for a smaller file",
         min=0,
         max=3,
     )

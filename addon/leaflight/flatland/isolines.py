@@ -6,7 +6,13 @@ import uuid
 
 import bpy
 import leaflight
-from bpy.props import (
+from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError, flatland
+from leaflight.flatland.flat_scene import load_flat_scene
+
+from .. import versions
+from ..operators import background, checks, jobs
+from ..props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
@@ -14,12 +20,6 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
-from bpy_extras.io_utils import ImportHelper
-from leaflight import LeaflightError, flatland
-from leaflight.flatland.flat_scene import load_flat_scene
-
-from .. import versions
-from ..operators import background, checks, jobs
 from ..show import display
 from ..show.bake_properties import ERROR
 from . import graph_object
@@ -34,97 +34,82 @@ class LeaflightFlatSettings(bpy.types.PropertyGroup):
     """A graph, its isolines and the settings of its bake: Object.leaflight_flat."""
 
     source: StringProperty(
-        name="Image",
-        description="File of the image; empty is the bump box",
+        "Image",
+        "File of the image; empty is the bump box",
         subtype="FILE_PATH",
         options=versions.RELATIVE_PATH,
     )
-    nodes: IntProperty(name="Nodes", default=200, min=4)
+    nodes: IntProperty("Nodes", default=200, min=4)
     height: FloatProperty(
-        name="Height",
-        description="Height of the graph, as a share of its longest side",
-        default=0.25,
+        "Height",
+        "Height of the graph, as a share of its longest side",
+        0.25,
         min=0.0,
         soft_max=1.0,
         update=_changed,
     )
-    low: FloatProperty(
-        name="Lowest Isovalue", description="Lowest isovalue that is lit", update=_changed
-    )
-    high: FloatProperty(
-        name="Highest Isovalue", description="Highest isovalue that is lit", update=_changed
-    )
+    low: FloatProperty("Lowest Isovalue", "Lowest isovalue that is lit", update=_changed)
+    high: FloatProperty("Highest Isovalue", "Highest isovalue that is lit", update=_changed)
     count: IntProperty(
-        name="Isolines",
-        description="Number of isolines, evenly spaced between lowest and highest isovalue",
-        default=12,
+        "Isolines",
+        "Number of isolines, evenly spaced between lowest and highest isovalue",
+        12,
         min=1,
         soft_max=100,
         update=_changed,
     )
     width: FloatProperty(
-        name="Line Width",
-        description="Width of the isolines, as a share of the longest side",
-        default=0.008,
+        "Line Width",
+        "Width of the isolines, as a share of the longest side",
+        0.008,
         min=1e-5,
         soft_max=0.1,
         update=_changed,
     )
     brightness_correction: BoolProperty(
-        name="Brightness Correction",
-        description="Multiply the light by 2 / pi, to match the same scene in space",
-        default=True,
+        "Brightness Correction",
+        "Multiply the light by 2 / pi, to match the same scene in space",
+        True,
         update=_changed,
     )
     scene_file: StringProperty(
-        name="Scene",
-        description="Scene file with walls and lamps; empty is the flatland box",
+        "Scene",
+        "Scene file with walls and lamps; empty is the flatland box",
         subtype="FILE_PATH",
         options=versions.RELATIVE_PATH,
     )
     resolution: IntProperty(
-        name="Resolution",
-        description="Texels along the longest side; 0 takes those that the image needs",
+        "Resolution",
+        "Texels along the longest side; 0 takes those that the image needs",
         min=0,
         soft_max=4096,
     )
     error: FloatProperty(**ERROR)
-    seed: IntProperty(name="Seed", description="Seed of the random numbers", min=0)
-    bake_id: StringProperty(name="Bake Identifier")
-    is_flatland: BoolProperty(name="Leaflight Flatland")
+    seed: IntProperty("Seed", "Seed of the random numbers", min=0)
+    bake_id: StringProperty("Bake Identifier")
+    is_flatland: BoolProperty("Leaflight Flatland")
 
 
 class LEAFLIGHT_OT_import_image(checks.LeaflightOperator, bpy.types.Operator, ImportHelper):
-    bl_idname = "leaflight.import_image"
     bl_label = "Import Image (Flatland)"
     bl_description = "Show the brightness of an image as a graph with isolines"
 
     filter_glob: StringProperty(default="*.png;*.jpg;*.jpeg;*.tif;*.tiff;*.exr", options={"HIDDEN"})
     source: EnumProperty(
-        name="Height Field",
+        "Height Field",
         items=[
             ("IMAGE", "Image", "Brightness of the selected image"),
             ("BUMP_BOX", "Bump Box", "Reference data of flatland, without a file"),
         ],
     )
     size: FloatProperty(
-        name="Size",
-        description="Length of the longest side in Blender units",
-        default=2.0,
-        min=1e-3,
-        soft_max=100.0,
+        "Size", "Length of the longest side in Blender units", 2.0, min=1e-3, soft_max=100.0
     )
     height: FloatProperty(
-        name="Height",
-        description="Height of the graph, as a share of its longest side",
-        default=0.25,
-        min=0.0,
-        soft_max=1.0,
+        "Height", "Height of the graph, as a share of its longest side", 0.25, min=0.0, soft_max=1.0
     )
-    count: IntProperty(name="Isolines", description="Number of isolines", default=12, min=1)
-    nodes: IntProperty(
-        name="Nodes", description="Nodes along each side of the bump box", default=200, min=4
-    )
+    count: IntProperty("Isolines", "Number of isolines", 12, min=1)
+    nodes: IntProperty("Nodes", "Nodes along each side of the bump box", 200, min=4)
 
     def draw(self, _context):
         layout = self.layout
@@ -216,7 +201,6 @@ class FlatBakeJob(jobs.Job):
 
 
 class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.bake_flatland"
     bl_label = "Bake Isolines"
     bl_description = "Compute the light on all isolines within the plane. Esc cancels"
     conditions = (
@@ -233,5 +217,5 @@ class LEAFLIGHT_OT_bake_flatland(background.BackgroundOperator, bpy.types.Operat
 
 
 CLASSES = (LeaflightFlatSettings, LEAFLIGHT_OT_import_image, LEAFLIGHT_OT_bake_flatland)
-PROPERTIES = ((bpy.types.Object, "leaflight_flat", PointerProperty(type=LeaflightFlatSettings)),)
+PROPERTIES = ((bpy.types.Object, "leaflight_flat", PointerProperty(LeaflightFlatSettings)),)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -3,7 +3,6 @@
 
 import bpy
 import leaflight
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
@@ -11,6 +10,7 @@ from leaflight.io import readers
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
+from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from ..show import display, isovalues, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
@@ -35,82 +35,70 @@ class LEAFLIGHT_OT_import_volume(
     bpy.types.Operator,
     ImportHelper,
 ):
-    bl_idname = "leaflight.import_volume"
     bl_label = "Import Volume"
     bl_description = "Read a scalar volume and show one of its isosurfaces"
 
     filter_glob: StringProperty(default=_BY_NAME, options={"HIDDEN"})
     all_files: BoolProperty(
-        name="All Files",
-        description="List files with any suffix, because DICOM slices often have none. You can "
+        "All Files",
+        "List files with any suffix, because DICOM slices often have none. You can "
         "also choose their folder",
         options={"SKIP_SAVE"},
         update=_list_files,
     )
-    size_from: EnumProperty(
-        name="Size From", description="Size of the volume in Blender", items=placing.SIZE_ITEMS
-    )
+    size_from: EnumProperty("Size From", "Size of the volume in Blender", placing.SIZE_ITEMS)
     size: FloatProperty(
-        name="Size",
-        description="Length of the volume's longest side in Blender units",
-        default=2.0,
+        "Size",
+        "Length of the volume's longest side in Blender units",
+        2.0,
         min=1e-3,
         soft_max=100.0,
     )
     partner: StringProperty(
-        name="Volume",
-        description="Volume whose scale and position the new one takes",
+        "Volume",
+        "Volume whose scale and position the new one takes",
         search=lambda _self, context, _text: placing.volume_names(context),
     )
-    up: EnumProperty(
-        name="Up",
-        description=orientation.UP_TEXT,
-        items=[_OF_THE_FILE, *orientation.ITEMS],
-    )
-    front: EnumProperty(
-        name="Front",
-        description=orientation.FRONT_TEXT,
-        items=[_OF_THE_FILE, *orientation.ITEMS],
-    )
+    up: EnumProperty("Up", orientation.UP_TEXT, [_OF_THE_FILE, *orientation.ITEMS])
+    front: EnumProperty("Front", orientation.FRONT_TEXT, [_OF_THE_FILE, *orientation.ITEMS])
     resolution: EnumProperty(
-        name="Resolution",
-        description="Share of the voxels to keep, for volumes that exceed the memory",
-        items=stored_facts.RESOLUTION_ITEMS,
+        "Resolution",
+        "Share of the voxels to keep, for volumes that exceed the memory",
+        stored_facts.RESOLUTION_ITEMS,
     )
     smooth: FloatProperty(
-        name="Smooth",
-        description="Standard deviation, in voxels, of a Gaussian on the values. Removes noise "
+        "Smooth",
+        "Standard deviation, in voxels, of a Gaussian on the values. Removes noise "
         "and the steps of 8-bit values",
-        default=0.0,
+        0.0,
         min=0.0,
         max=10.0,
     )
     smooth_normals: FloatProperty(
-        name="Smooth Normals",
-        description="Standard deviation, in voxels, of a Gaussian on the normals. Smooths the "
+        "Smooth Normals",
+        "Standard deviation, in voxels, of a Gaussian on the normals. Smooths the "
         "shading; isosurfaces stay where they are",
-        default=0.0,
+        0.0,
         min=0.0,
         max=10.0,
     )
     use_spacing: BoolProperty(
-        name="Own Voxel Size",
-        description="Set the voxel size, if the file has none or a wrong one",
+        "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
     )
     unit: EnumProperty(
-        name="Unit",
-        description="Unit of the voxel size, if the file has none",
-        items=volume_properties.UNIT_ITEMS,
+        "Unit",
+        "Unit of the voxel size, if the file has none",
+        volume_properties.UNIT_ITEMS,
         options={"SKIP_SAVE"},
     )
     animate: BoolProperty(
-        name="As Animation",
-        description="Show the next volume of the series at each frame, by keyframes from the "
+        "As Animation",
+        "Show the next volume of the series at each frame, by keyframes from the "
         "first frame of the scene on",
     )
     dataset: StringProperty(
-        name="Dataset",
-        description="Volume of the file, or series of the folder, to read if there are several",
+        "Dataset",
+        "Volume of the file, or series of the folder, to read if there are several",
         search=lambda self, _context, _text: self._datasets(),
     )
 

@@ -17,7 +17,6 @@ _NODES = 96
 
 
 class LEAFLIGHT_OT_open_example(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.open_example"
     bl_label = "Open Example"
     bl_description = (
         "Import an example: a brain scan if this computer has one (Debian's "

@@ -2,10 +2,10 @@
 """Smooth: reads the volume again, with a Gaussian on its values or its normals."""
 
 import bpy
-from bpy.props import EnumProperty
 
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import display, isovalues
 from ..store import cache, source_files
 
@@ -47,7 +47,6 @@ _has_file = checks.needs(
 
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
-    bl_idname = "leaflight.smooth"
     bl_label = "Smooth"
     bl_description = (
         "Smooth the values against noise and 8-bit steps, or only the normals, so that "
@@ -56,14 +55,14 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     conditions = (jobs.is_free, *checks.VOLUME, _has_file)
 
     what: EnumProperty(
-        name="Apply To",
+        "Apply To",
         items=[
             ("smooth", "Values", "Values, and with them isosurfaces and normals"),
             ("smooth_normals", "Normals", "Only normals; isosurfaces do not change"),
         ],
     )
     amount: EnumProperty(
-        name="Smooth",
+        "Smooth",
         items=[
             ("0", "Not Smoothed", "As in the file"),
             ("0.5", "By 0.5 Voxels", "Standard deviation of the Gaussian"),

@@ -228,7 +228,6 @@ class AskingOperator(BackgroundOperator):
 class LEAFLIGHT_OT_go_on(BackgroundOperator, bpy.types.Operator):
     """Attends to work whose window was closed, in another window."""
 
-    bl_idname = "leaflight.go_on"
     bl_label = "Leaflight"
     bl_options = {"INTERNAL", "UNDO"}
 

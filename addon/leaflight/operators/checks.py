@@ -66,11 +66,16 @@ class LeaflightOperator:
     """An operator whose run() does its work. A LeaflightError becomes a report.
 
     A script waits for files that are being read. A user gets a report.
+    The class LEAFLIGHT_OT_x is the operator leaflight.x.
     conditions: without which it cannot be called.
     """
 
     bl_options: Any = {"REGISTER", "UNDO"}
     conditions: tuple[Condition, ...] = ()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.bl_idname = cls.__name__.lower().replace("_ot_", ".")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -50,28 +50,28 @@ def _has_box(_look, obj):
 
 class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     opacity: ShareProperty(
-        name="Opacity",
-        description="Opacity of the isosurface. Its light is that of an opaque one: isosurfaces "
+        "Opacity",
+        "Opacity of the isosurface. Its light is that of an opaque one: isosurfaces "
         "that are shown together neither light nor shade each other",
-        default=1.0,
+        1.0,
         update=_changed,
     )
     use_color: BoolProperty(
-        name="Own Color",
-        description="Show this isosurface in another color than the albedo of the volume",
+        "Own Color",
+        "Show this isosurface in another color than the albedo of the volume",
         update=_changed,
     )
     color: ColorProperty(
-        name="Color",
-        description="Albedo of this isosurface. The light that falls on it stays that of the "
+        "Color",
+        "Albedo of this isosurface. The light that falls on it stays that of the "
         "bake. To bake the color, add a stop to the volume's color ramp",
         update=_color_chosen,
     )
     dust: FloatProperty(
-        name="Hide Dust",
-        description="Hide separate parts that are shorter than this many voxels; 0 shows all. "
+        "Hide Dust",
+        "Hide separate parts that are shorter than this many voxels; 0 shows all. "
         "Hidden parts still cast their shadows",
-        default=0.0,
+        0.0,
         min=0.0,
         soft_max=50.0,
         precision=1,
@@ -79,81 +79,73 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
         options=set(),
     )
     gloss: ShareProperty(
-        name="Gloss",
-        description="Weight of a clear coat that reflects the scene's lamps; 1 is glazed china. "
+        "Gloss",
+        "Weight of a clear coat that reflects the scene's lamps; 1 is glazed china. "
         "Comparisons leave it out",
         update=_changed,
         options=set(),
     )
     roughness: ShareProperty(
-        name="Roughness",
-        description="Roughness of the coat, which widens its highlights",
-        default=0.3,
+        "Roughness",
+        "Roughness of the coat, which widens its highlights",
+        0.3,
         min=0.02,
         update=_changed,
         options=set(),
     )
-    is_cut: BoolProperty(
-        name="Cut",
-        description="Cut this isosurface by the clip box",
-        default=True,
-        update=_changed,
-    )
+    is_cut: BoolProperty("Cut", "Cut this isosurface by the clip box", True, update=_changed)
     box: PointerProperty(
-        name="Clip Box",
-        description="Object whose bounding box, or Empty whose cube, cuts the isosurfaces. Their "
+        bpy.types.Object,
+        "Clip Box",
+        "Object whose bounding box, or Empty whose cube, cuts the isosurfaces. Their "
         "light does not change: parts that are cut away still cast their shadows",
-        type=bpy.types.Object,
         poll=_has_box,
         update=_all_changed,
     )
     keep: EnumProperty(
-        name="Keep",
-        description="Part of the isosurfaces to keep",
-        items=[
+        "Keep",
+        "Part of the isosurfaces to keep",
+        [
             ("OUTSIDE", "Outside", "Parts outside the box"),
             ("INSIDE", "Inside", "Parts inside the box"),
         ],
         update=_all_changed,
     )
     cut_colors: EnumProperty(
-        name="Cut",
-        description="Appearance of the faces where the clip box cuts",
-        items=data_faces.CUT_COLORS,
+        "Cut",
+        "Appearance of the faces where the clip box cuts",
+        data_faces.CUT_COLORS,
         default=data_faces.GRAY,
         update=_all_changed,
     )
     slice_axes: BoolVectorProperty(
-        name="Slices",
-        description="Show the data on a plane across this axis. Bakes ignore the plane",
-        size=3,
+        "Slices",
+        "Show the data on a plane across this axis. Bakes ignore the plane",
+        3,
         update=_slices_changed,
     )
     slice_places: FloatVectorProperty(
-        name="Place",
-        description="Position of the plane, from one end of the volume to the other",
-        size=3,
+        "Place",
+        "Position of the plane, from one end of the volume to the other",
+        3,
         default=(0.5, 0.5, 0.5),
         min=0.0,
         max=1.0,
         update=_slices_changed,
     )
     slice_colors: EnumProperty(
-        name="Colors",
-        description="Colors of the values on the planes, over the volume's isovalue range",
-        items=data_faces.COLORS,
+        "Colors",
+        "Colors of the values on the planes, over the volume's isovalue range",
+        data_faces.COLORS,
         default=data_faces.GRAY,
         update=_slices_changed,
     )
     slices_inside: BoolProperty(
-        name="Inside Only",
-        description="Show only data within the isosurface. Otherwise all values from Lowest on "
-        "are shown",
+        "Inside Only",
+        "Show only data within the isosurface. Otherwise all values from Lowest on are shown",
         update=_slices_changed,
     )
 
 
 CLASSES = (LeaflightIsosurfaceDisplay,)
-PROPERTIES = (
-    (bpy.types.Object, "leaflight_look", PointerProperty(type=LeaflightIsosurfaceDisplay)),
-)
+PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(LeaflightIsosurfaceDisplay)),)

@@ -32,78 +32,68 @@ class LeaflightColorStop(bpy.types.PropertyGroup):
     """The albedo at one isovalue. It is linear between two stops."""
 
     isovalue: FloatProperty(
-        name="Isovalue",
-        description="Isovalue whose isosurface has this color, in data units",
+        "Isovalue",
+        "Isovalue whose isosurface has this color, in data units",
         update=_shading_changed,
     )
     color: ColorProperty(
-        name="Color",
-        description="Share of the light that the isosurface reflects",
-        update=_shading_changed,
+        "Color", "Share of the light that the isosurface reflects", update=_shading_changed
     )
 
 
 class Isosurfaces:
     """The material of the isosurfaces, and their shading."""
 
-    isosurface_scattering: EnumProperty(
-        name="Material", items=SCATTERING_ITEMS, update=_shading_changed
-    )
+    isosurface_scattering: EnumProperty("Material", items=SCATTERING_ITEMS, update=_shading_changed)
     isosurface_albedo: ColorProperty(
-        name="Albedo",
-        description="Albedo of the isosurfaces, or color of mirror or glass",
-        update=_shading_changed,
+        "Albedo", "Albedo of the isosurfaces, or color of mirror or glass", update=_shading_changed
     )
     isosurface_stops: CollectionProperty(
-        type=LeaflightColorStop,
-        name="Color Ramp",
-        description="Albedo as a function of the isovalue",
+        LeaflightColorStop, "Color Ramp", "Albedo as a function of the isovalue"
     )
-    isosurface_stop: IntProperty(name="Active Stop")
+    isosurface_stop: IntProperty("Active Stop")
     isosurface_ior: FloatProperty(
-        name="IOR",
-        description="Index of refraction of the inside of the isosurfaces",
-        default=1.45,
+        "IOR",
+        "Index of refraction of the inside of the isosurfaces",
+        1.45,
         min=1.0,
         soft_max=3.0,
         update=_shading_changed,
     )
     isosurface_emission: ColorProperty(
-        name="Emission",
-        description="Color of the light that the isosurfaces emit",
+        "Emission",
+        "Color of the light that the isosurfaces emit",
         default=(1.0, 1.0, 1.0),
         update=_shading_changed,
     )
     isosurface_emission_strength: FloatProperty(
-        name="Strength",
-        description="Radiance that the isosurfaces emit; 0 is none",
-        default=0.0,
+        "Strength",
+        "Radiance that the isosurfaces emit; 0 is none",
+        0.0,
         min=0.0,
         soft_max=100.0,
         update=_shading_changed,
     )
     capped: BoolProperty(
-        name="Capped",
-        description="Close the isosurfaces at the border of the volume",
-        update=shape_changed,
+        "Capped", "Close the isosurfaces at the border of the volume", update=shape_changed
     )
     linked: BoolProperty(
-        name="Linked",
-        description="Move the isovalue together with those of the other volumes, so that all show "
+        "Linked",
+        "Move the isovalue together with those of the other volumes, so that all show "
         "the same common isovalue",
-        default=True,
+        True,
     )
     shading: EnumProperty(
-        name="Shading",
-        description="Method of coloring the surface by the baked radiance",
-        items=[
+        "Shading",
+        "Method of coloring the surface by the baked radiance",
+        [
             ("ATTRIBUTE", "Vertices", "Interpolate the radiance at the mesh's vertices"),
             ("ATLAS", "Volume Texture", "Look up the baked texels, whose shadows are blurred"),
         ],
         update=_shading_changed,
     )
-    isosurface_material: PointerProperty(type=bpy.types.Material)
-    baked_material: PointerProperty(type=bpy.types.Material)
+    isosurface_material: PointerProperty(bpy.types.Material)
+    baked_material: PointerProperty(bpy.types.Material)
 
 
 ISOVALUE_PATH = isovalues.ISOVALUE_PATH
@@ -122,7 +112,7 @@ class LeaflightSettings(
     read and write it as `isovalue`. ISOVALUE_PATH animates it.
     """
 
-    is_volume: BoolProperty(name="Leaflight Volume")
+    is_volume: BoolProperty("Leaflight Volume")
 
     @property
     def isovalue(self):
@@ -166,6 +156,6 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
 
 CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
-    (bpy.types.Object, "leaflight", PointerProperty(type=LeaflightSettings)),
+    (bpy.types.Object, "leaflight", PointerProperty(LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),
 )

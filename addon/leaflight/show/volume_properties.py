@@ -72,107 +72,83 @@ def _frame_changed(settings, _context):
 class ReadingChoices:
     """Choices by which a volume is read from its file, at import or since."""
 
-    dims: IntVectorProperty(
-        name="Dimensions", description="Voxels along x, y and z of a .raw file", size=3, min=0
-    )
-    value_type: EnumProperty(
-        name="Type",
-        description="Type of the values in a .raw file",
-        items=VALUE_TYPE_ITEMS,
-    )
-    endian: EnumProperty(
-        name="Byte Order",
-        description="Byte order of the values in a .raw file",
-        items=ENDIAN_ITEMS,
-    )
+    dims: IntVectorProperty("Dimensions", "Voxels along x, y and z of a .raw file", 3, min=0)
+    value_type: EnumProperty("Type", "Type of the values in a .raw file", VALUE_TYPE_ITEMS)
+    endian: EnumProperty("Byte Order", "Byte order of the values in a .raw file", ENDIAN_ITEMS)
     skip: IntProperty(
-        name="Skip",
-        description="Bytes before the values of a .raw file; -1 if the values are at its end",
-        default=0,
+        "Skip",
+        "Bytes before the values of a .raw file; -1 if the values are at its end",
+        0,
         min=-1,
     )
     spacing: FloatVectorProperty(
-        name="Voxel Size",
-        description="Distance of the voxels along x, y and z",
-        size=3,
+        "Voxel Size",
+        "Distance of the voxels along x, y and z",
+        3,
         default=(1.0, 1.0, 1.0),
         min=1e-9,
     )
     frame: IntProperty(
-        name="Frame",
-        description="Number of the volume in its series, counted from 0; -1 for a single volume",
-        default=-1,
+        "Frame",
+        "Number of the volume in its series, counted from 0; -1 for a single volume",
+        -1,
         min=-1,
     )
     channel: IntProperty(
-        name="Channel",
-        description="Number of the channel to read, from 0; -1 if there is only one",
-        default=-1,
-        min=-1,
+        "Channel", "Number of the channel to read, from 0; -1 if there is only one", -1, min=-1
     )
-    level: IntProperty(
-        name="Level", description="Number of the resolution to read; 0 is the finest", min=0
-    )
+    level: IntProperty("Level", "Number of the resolution to read; 0 is the finest", min=0)
 
 
 class VolumeSource(ReadingChoices):
     """The file of a volume, and how it is read."""
 
     source: StringProperty(
-        name="Volume",
-        description="File that the volume was read from",
+        "Volume",
+        "File that the volume was read from",
         subtype="FILE_PATH",
         options=versions.RELATIVE_PATH,
     )
     use_spacing: BoolProperty(
-        name="Own Voxel Size",
-        description="Use the given voxel size instead of the file's",
-        default=True,
+        "Own Voxel Size", "Use the given voxel size instead of the file's", True
     )
-    frames: IntProperty(
-        name="Frames",
-        description="Number of volumes over time in the file",
-        default=1,
-        min=1,
-    )
+    frames: IntProperty("Frames", "Number of volumes over time in the file", 1, min=1)
     shown_frame: IntProperty(
-        name="Frame",
-        description="Number of the shown volume in the series over time, from 0. Keyframes play "
+        "Frame",
+        "Number of the shown volume in the series over time, from 0. Keyframes play "
         "the series. Each frame has its own bake",
         min=0,
         update=_frame_changed,
     )
-    frame_bakes: StringProperty(name="Bakes of the Other Frames")
-    dataset: StringProperty(name="Dataset")
-    downsample: IntProperty(name="Downsample", default=1, min=1, max=8)
+    frame_bakes: StringProperty("Bakes of the Other Frames")
+    dataset: StringProperty("Dataset")
+    downsample: IntProperty("Downsample", default=1, min=1, max=8)
     smooth: FloatProperty(
-        name="Smooth",
-        description="Standard deviation, in voxels, of the Gaussian that smooths the values",
-        default=0.0,
+        "Smooth",
+        "Standard deviation, in voxels, of the Gaussian that smooths the values",
+        0.0,
         min=0.0,
         max=10.0,
         options=set(),
         update=shape_changed,
     )
     smooth_normals: FloatProperty(
-        name="Smooth Normals",
-        description="Standard deviation, in voxels, of the Gaussian on the normals",
-        default=0.0,
+        "Smooth Normals",
+        "Standard deviation, in voxels, of the Gaussian on the normals",
+        0.0,
         min=0.0,
         max=10.0,
         options=set(),
         update=shape_changed,
     )
     origin: FloatVectorProperty(
-        name="Origin",
-        description="Position of the object's origin in the coordinates of the file",
-        size=3,
+        "Origin", "Position of the object's origin in the coordinates of the file", 3
     )
-    unit: StringProperty(name="Unit", description="Unit of lengths in the file")
+    unit: StringProperty("Unit", "Unit of lengths in the file")
     unit_choice: EnumProperty(
-        name="Unit",
-        description="Unit of the coordinates in the file",
-        items=UNIT_ITEMS,
+        "Unit",
+        "Unit of the coordinates in the file",
+        UNIT_ITEMS,
         get=lambda settings: unit_number(settings.unit),
         set=lambda settings, number: setattr(settings, "unit", unit_at(number)),
     )

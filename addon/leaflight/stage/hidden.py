@@ -46,7 +46,6 @@ def names(objects):
 
 
 class LEAFLIGHT_OT_show_hidden(checks.LeaflightOperator, bpy.types.Operator):
-    bl_idname = "leaflight.show_hidden"
     bl_label = "Show Hidden"
     bl_description = "Show and render the objects that Stage has hidden. Bakes then include them"
     conditions = (

@@ -7,11 +7,11 @@ stage turns to the front of a patient.
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty
 from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import isosurfaces, isovalues
 from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 from ..store import cache, source_files
@@ -67,12 +67,10 @@ def _axes_of(group):
 
 
 class LeaflightOrientation(bpy.types.PropertyGroup):
-    up: EnumProperty(name="Up", description=UP_TEXT, items=ITEMS, get=_up, set=_set_up)
-    front: EnumProperty(
-        name="Front", description=FRONT_TEXT, items=ITEMS, get=_front, set=_set_front
-    )
-    front_axis: IntProperty(name="Number of the Front", default=NAMES.index(FRONT))
-    is_unknown: BoolProperty(name="No Orientation in the File or Chosen")
+    up: EnumProperty("Up", UP_TEXT, ITEMS, get=_up, set=_set_up)
+    front: EnumProperty("Front", FRONT_TEXT, ITEMS, get=_front, set=_set_front)
+    front_axis: IntProperty("Number of the Front", default=NAMES.index(FRONT))
+    is_unknown: BoolProperty("No Orientation in the File or Chosen")
 
 
 _WAYS = [
@@ -83,12 +81,11 @@ _WAYS = [
 
 
 class LEAFLIGHT_OT_turn_volume(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.turn_volume"
     bl_label = "Turn 90 Degrees"
     bl_description = "Turn the volume by 90 degrees as the viewer of a stage sees it"
     conditions = (jobs.is_free, *checks.VOLUME)
 
-    way: EnumProperty(name="Way", items=_WAYS)
+    way: EnumProperty("Way", items=_WAYS)
 
     @classmethod
     def description(cls, _context, properties):
@@ -178,6 +175,4 @@ def _is_same_space(*objects):
 
 
 CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
-PROPERTIES = (
-    (bpy.types.Object, "leaflight_orientation", PointerProperty(type=LeaflightOrientation)),
-)
+PROPERTIES = ((bpy.types.Object, "leaflight_orientation", PointerProperty(LeaflightOrientation)),)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene import scene
+
+from ..props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
 
 MY_SCENE = "MY_SCENE"
 
@@ -110,22 +111,18 @@ def moved(description, up):
 
 
 class LeaflightStage(bpy.types.PropertyGroup):
-    preset: EnumProperty(
-        name="Stage",
-        description="Objects that Stage adds around the volumes",
-        items=ITEMS,
-    )
+    preset: EnumProperty("Stage", "Objects that Stage adds around the volumes", ITEMS)
     collection: PointerProperty(
-        type=bpy.types.Collection,
-        name="Collection",
-        description="Collection of your objects and lights around the volumes",
+        bpy.types.Collection,
+        "Collection",
+        "Collection of your objects and lights around the volumes",
     )
-    albedo: FloatVectorProperty(name="Color of the Volumes Set by Stage", size=3)
-    warnings: StringProperty(name="Differences Between Bake and Cycles, One per Line")
+    albedo: FloatVectorProperty("Color of the Volumes Set by Stage", size=3)
+    warnings: StringProperty("Differences Between Bake and Cycles, One per Line")
     # World and camera of the scene before it was staged.
-    own_world: PointerProperty(type=bpy.types.World)
-    own_camera: PointerProperty(type=bpy.types.Object)
+    own_world: PointerProperty(bpy.types.World)
+    own_camera: PointerProperty(bpy.types.Object)
 
 
 CLASSES = (LeaflightStage,)
-PROPERTIES = ((bpy.types.Scene, "leaflight_stage", PointerProperty(type=LeaflightStage)),)
+PROPERTIES = ((bpy.types.Scene, "leaflight_stage", PointerProperty(LeaflightStage)),)

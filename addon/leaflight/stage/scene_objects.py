@@ -75,7 +75,6 @@ def _is_curved(mesh):
 def light_object(description):
     if isinstance(description, AreaLight):
         obj = _area_light(description)
-        obj.data.shape = "ELLIPSE" if description.ellipse else "RECTANGLE"
         wanted = description.radiance
     elif isinstance(description, SunLight):
         obj = _turned("SUN", description.name, description.direction)
@@ -97,11 +96,8 @@ def light_object(description):
 def _area_light(description):
     u, v = (np.array(edge, np.float64) for edge in (description.edge_u, description.edge_v))
     light = bpy.data.lights.new(description.name, "AREA")
-    light.shape = "RECTANGLE"
+    light.shape = "ELLIPSE" if description.ellipse else "RECTANGLE"
     light.size, light.size_y = np.linalg.norm(u), np.linalg.norm(v)
-    radiance = np.array(description.radiance, np.float64)
-    light.color = radiance / radiance.max()
-    light.energy = radiance.max() * light.size * light.size_y / versions.light_units().area
     obj = bpy.data.objects.new(description.name, light)
     # An area light shines along its local -Z, so its local axes are u, -v and -(u x v).
     axes = np.array([u / np.linalg.norm(u), -v / np.linalg.norm(v), -np.cross(u, v)])

@@ -6,12 +6,12 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, StringProperty
 from leaflight import LeaflightError
 
 from .. import versions
 from ..operators import checks, failures
 from ..operators.checks import active_volume
+from ..props import BoolProperty, EnumProperty, StringProperty
 from ..show import display, isovalues, shader, surface_object, walls
 from ..store import frame_bakes
 from ..store.reading import StillReading
@@ -24,25 +24,21 @@ _STAGED = "leaflight_stage"
 
 
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.stage"
     bl_label = "Stage"
     bl_description = (
         "Add walls, lights and a camera around the volumes, as objects that you can edit. "
         "Replaces the previous stage and hides other objects"
     )
 
-    preset: EnumProperty(
-        name="Stage", description="Objects to add around the volumes", items=presets.ITEMS
-    )
+    preset: EnumProperty("Stage", "Objects to add around the volumes", presets.ITEMS)
     collection: StringProperty(
-        name="Collection",
-        description="Collection of your objects and lights around the volumes",
+        "Collection", "Collection of your objects and lights around the volumes"
     )
     hide_others: BoolProperty(
-        name="Hide Others",
-        description="Hide all other objects in viewports and renders, so that they are not baked. "
+        "Hide Others",
+        "Hide all other objects in viewports and renders, so that they are not baked. "
         "Nothing is deleted, and Show Hidden shows them again",
-        default=True,
+        True,
     )
 
     def invoke(self, context, event):
@@ -109,7 +105,6 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
-    bl_idname = "leaflight.frame_isosurface"
     bl_label = "Frame Isosurface"
     bl_description = (
         "Move the camera so that the shown isosurfaces fill its frame. Before a bake, "

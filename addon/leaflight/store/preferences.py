@@ -5,8 +5,9 @@ import os
 from pathlib import Path
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from leaflight import limit_memory
+
+from ..props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 # Name of the add-on's module in Blender.
 PACKAGE = __package__.rpartition(".")[0]
@@ -16,36 +17,34 @@ class LeaflightPreferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
     own_cache_folder: BoolProperty(
-        name="Own Cache Folder",
-        description="Store bakes of unsaved files outside Blender's user folder, if that is on a "
+        "Own Cache Folder",
+        "Store bakes of unsaved files outside Blender's user folder, if that is on a "
         "small or slow disk",
     )
     cache_folder: StringProperty(
-        name="Cache Folder",
-        description="Folder of bakes of unsaved files",
-        subtype="DIR_PATH",
+        "Cache Folder", "Folder of bakes of unsaved files", subtype="DIR_PATH"
     )
     limit_threads: BoolProperty(
-        name="Limit Threads",
-        description="Limit the number of threads of a bake, to leave processors to other work",
+        "Limit Threads",
+        "Limit the number of threads of a bake, to leave processors to other work",
     )
     threads: IntProperty(
-        name="Threads",
-        description="Number of threads of a bake. The result does not depend on it",
-        default=max(1, (os.cpu_count() or 2) // 2),
+        "Threads",
+        "Number of threads of a bake. The result does not depend on it",
+        max(1, (os.cpu_count() or 2) // 2),
         min=1,
         soft_max=64,
     )
     limit_memory: BoolProperty(
-        name="Limit Memory",
-        description="Limit the memory of volumes and bakes. Larger volumes are kept in a file, "
+        "Limit Memory",
+        "Limit the memory of volumes and bakes. Larger volumes are kept in a file, "
         "and texels become coarser to fit",
         update=lambda self, _context: _limit_memory(self),
     )
     memory: FloatProperty(
-        name="Memory (GB)",
-        description="Memory limit of volumes and bakes in gigabytes",
-        default=8.0,
+        "Memory (GB)",
+        "Memory limit of volumes and bakes in gigabytes",
+        8.0,
         min=0.5,
         soft_max=512.0,
         precision=1,

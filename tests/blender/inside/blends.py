@@ -27,6 +27,11 @@ def open_blend(blend):
     return volume_object()
 
 
+def reopened(blend):
+    save(blend)
+    return open_blend(blend)
+
+
 def volume_object():
     (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
     bpy.context.view_layer.objects.active = obj

@@ -10,24 +10,12 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from blends import open_blend, save
 from leaflight_addon.bake import bake
 from leaflight_addon.show import surface_material, surface_object
 from leaflight_addon.store import atlases, bake_files, cache
-from tools import assert_shows, close, error_of, mesh_arrays, start, wait_while
-
-
-def _state():
-    """Returns the state that a cancelled or failed bake must not change."""
-    obj = bpy.context.object
-    return {
-        "objects": sorted(o.name for o in bpy.data.objects),
-        "materials": sorted(m.name for m in bpy.data.materials),
-        "images": sorted(i.name for i in bpy.data.images),
-        "material": obj.data.materials[0].name,
-        "bake": obj.leaflight.bake_path,
-        "vertices": mesh_arrays(obj)[0].tobytes(),
-        "isovalue": obj.leaflight.isovalue,
-    }
+from passes import state
+from tools import assert_shows, close, duplicate, error_of, mesh_arrays, start, to_world, wait_while
 
 
 def check_the_surface_shows_the_radiance_of_the_bake(baked):
@@ -62,18 +50,9 @@ def check_a_turned_and_scaled_volume_is_baked_where_it_stands(boxed, uncut):
     ours = cache.bake_of(boxed)
     isovalue = boxed.leaflight.isovalue
     vertices, _, radiance = mesh_arrays(boxed)
-    matrix = np.array(boxed.matrix_world, np.float64)
-    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
     surface = ours.surface(isovalue)
-    close(world, surface.vertices, 1e-5)
+    close(to_world(boxed, vertices), surface.vertices, 1e-5)
     close(radiance, surface.radiance, 1e-3 * radiance.max())
-
-
-def check_the_file_is_a_bake_of_the_python_package(baked):
-    loaded = leaflight.load_bake(bpy.path.abspath(baked.leaflight.bake_path))
-    points = cache.bake_of(baked).surface(baked.leaflight.isovalue).vertices
-    ours = cache.bake_of(baked).radiance(points)
-    close(loaded.radiance(points), ours, 2e-3 * ours.max())
 
 
 def check_outside_its_window_the_surface_is_plain(baked):
@@ -121,9 +100,9 @@ def _cancel(obj):
 
 
 def check_a_cancelled_bake_leaves_scene_and_disk_alone(endless):
-    before = _state()
+    before = state()
     _cancel(endless)
-    assert _state() == before
+    assert state() == before
     assert not os.listdir(endless.leaflight.bake_folder)
 
 
@@ -154,19 +133,15 @@ _LINUX = pytest.mark.skipif(sys.platform == "win32", reason="a folder of Linux")
 )
 def check_bad_settings_give_one_sentence_and_change_nothing(boxed, setting, value, expected):
     setattr(boxed.leaflight, setting, value)
-    before = _state()
+    before = state()
     sentence = error_of(bpy.ops.leaflight.bake)
     assert expected in sentence and "\n" not in sentence
-    assert _state() == before
+    assert state() == before
 
 
 def check_a_duplicate_is_lit_by_its_own_bake(baked):
     before = mesh_arrays(baked)[2].mean()
-    bpy.ops.object.select_all(action="DESELECT")
-    baked.select_set(True)
-    bpy.context.view_layer.objects.active = baked
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicate(baked)
     baked.hide_render = True
     assert copy != baked
     bpy.data.objects["lamp"].data.energy *= 2.0
@@ -178,10 +153,9 @@ def check_a_duplicate_is_lit_by_its_own_bake(baked):
 
 
 def check_a_lost_bake_is_explained_and_the_surface_stays_plain(baked, tmp_path):
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    save(tmp_path / "scene.blend")
     bake_files.locate(baked).unlink()
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
-    (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
+    obj = open_blend(tmp_path / "scene.blend")
     obj.leaflight.isovalue = 77.0
     assert Path(obj.leaflight.bake_path).name in surface_object.problems[obj.name]
     assert len(obj.data.vertices) > 100 and "radiance" not in obj.data.attributes
@@ -191,11 +165,6 @@ def check_a_lost_bake_is_explained_and_the_surface_stays_plain(baked, tmp_path):
 def check_a_scene_without_light_is_refused(boxed):
     bpy.data.objects.remove(bpy.data.objects["lamp"])
     assert "light" in error_of(bpy.ops.leaflight.bake)
-
-
-def check_baking_needs_a_volume():
-    with pytest.raises(RuntimeError, match="import a volume first"):
-        bpy.ops.leaflight.bake()
 
 
 def check_the_default_folder_is_beside_a_saved_file_and_never_inside_the_addon(bumps, tmp_path):

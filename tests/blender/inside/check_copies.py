@@ -8,12 +8,22 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from blends import assert_lit, brighten, mean_radiance, open_blend, save
+from blends import assert_lit, brighten, mean_radiance, open_blend, reopened, save
 from boxes import build_cornell_box
 from leaflight_addon.show import display, properties, surface_object
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import bake_files, cache
-from tools import error_of, mesh_arrays
+from tools import duplicate, error_of, mesh_arrays
+
+
+def _link(blend, name, **how):
+    """Links or appends a volume of another .blend."""
+    with bpy.data.libraries.load(str(blend), **how) as (_, wanted):
+        wanted.objects = [name]
+    (obj,) = (o for o in bpy.data.objects if o.leaflight.is_volume)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
 
 
 @pytest.fixture
@@ -23,20 +33,7 @@ def linked(saved, tmp_path):
     bpy.ops.wm.read_homefile(use_empty=True)
     (tmp_path / "main").mkdir()
     save(tmp_path / "main" / "main.blend")
-    with bpy.data.libraries.load(blend, link=True) as (_, wanted):
-        wanted.objects = [name]
-    obj = next(o for o in bpy.data.objects if o.library is not None)
-    bpy.context.scene.collection.objects.link(obj)
-    bpy.context.view_layer.update()
-    return obj
-
-
-def _duplicate(obj, linked):
-    bpy.ops.object.select_all(action="DESELECT")
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
-    bpy.ops.object.duplicate(linked=linked)
-    return bpy.context.object
+    return _link(blend, name, link=True)
 
 
 def _displays(scene):
@@ -47,15 +44,11 @@ def check_an_appended_volume_finds_its_bake(saved, tmp_path):
     blend, name, path = bpy.data.filepath, saved.name, bake_files.locate(saved)
     bpy.ops.wm.read_homefile(use_empty=True)
     save(tmp_path / "main.blend")
-    with bpy.data.libraries.load(blend, link=False) as (_, wanted):
-        wanted.objects = [name]
-    obj = bpy.data.objects[name]
-    bpy.context.scene.collection.objects.link(obj)
+    obj = _link(blend, name, link=False)
     obj.leaflight.isovalue = 77.0
     assert bake_files.locate(obj) == path
     assert_lit(obj, 77.0)
-    save(tmp_path / "main.blend")
-    assert_lit(open_blend(tmp_path / "main.blend"), 77.0)
+    assert_lit(reopened(tmp_path / "main.blend"), 77.0)
 
 
 def check_a_linked_volume_resolves_its_path_by_its_library(linked, tmp_path):
@@ -75,10 +68,7 @@ def check_a_linked_volume_that_is_animated_stays_as_it_was_saved(saved, tmp_path
     blend, name = Path(bpy.data.filepath), saved.name
     save(blend)
     bpy.ops.wm.read_homefile(use_empty=True)
-    with bpy.data.libraries.load(str(blend), link=True) as (_, wanted):
-        wanted.objects = [name]
-    (obj,) = (o for o in bpy.data.objects if o.leaflight.is_volume)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = _link(blend, name, link=True)
     bpy.context.scene.frame_set(1)
     shown = mesh_arrays(obj)
     bpy.context.scene.frame_set(7)
@@ -138,11 +128,7 @@ def check_two_blends_in_one_folder_leave_each_other_alone(saved):
 
 def check_objects_of_one_name_leave_each_other_alone(saved):
     """Checks a renamed volume and a new one with its former name: their bake files must differ."""
-    first = saved
-    bpy.ops.object.select_all(action="DESELECT")
-    first.select_set(True)
-    bpy.ops.object.duplicate()
-    second = bpy.context.object
+    first, second = saved, duplicate(saved)
     first.hide_render, first.name, second.name = True, "old", "bumps"
     brighten()
     bpy.ops.leaflight.bake()
@@ -155,7 +141,7 @@ def check_objects_of_one_name_leave_each_other_alone(saved):
 
 @pytest.mark.parametrize("linked", [False, True])
 def check_duplicates_show_each_their_isovalue(saved, linked):
-    copy = _duplicate(saved, linked)
+    copy = duplicate(saved, linked)
     assert (copy.data == saved.data) == linked
     for obj in (saved, copy):
         obj.leaflight.linked = False
@@ -172,7 +158,7 @@ def check_duplicates_show_each_their_isovalue(saved, linked):
 
 
 def check_a_linked_duplicate_shares_the_mesh_for_as_long_as_it_shows_the_same(saved):
-    copy = _duplicate(saved, True)
+    copy = duplicate(saved, True)
     meshes = len(bpy.data.meshes)
     for _ in range(3):
         bpy.context.view_layer.update()
@@ -188,7 +174,7 @@ def check_a_linked_duplicate_shares_the_mesh_for_as_long_as_it_shows_the_same(sa
 
 
 def check_a_linked_duplicate_may_look_otherwise(saved):
-    copy = _duplicate(saved, True)
+    copy = duplicate(saved, True)
     copy.leaflight.capped = True
     assert copy.data.materials[0] == copy.leaflight.isosurface_material
     assert saved.data.materials[0] == saved.leaflight.baked_material
@@ -196,7 +182,7 @@ def check_a_linked_duplicate_may_look_otherwise(saved):
 
 
 def check_both_duplicates_baked_together_have_each_their_light(saved):
-    copy = _duplicate(saved, True)
+    copy = duplicate(saved, True)
     copy.location.x += 0.4
     bpy.context.view_layer.update()
     bpy.ops.leaflight.bake()

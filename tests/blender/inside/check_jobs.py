@@ -18,9 +18,10 @@ from leaflight_addon.bake import photon_cloud, stopped
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.export import export_bake
 from leaflight_addon.importing import import_volume
-from leaflight_addon.operators import background, failures, jobs
+from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import preview, surface_material, surface_object, whole_detail
 from leaflight_addon.importing import smooth_volume
+from passes import Window
 from PIL import Image
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
@@ -125,39 +126,6 @@ def small(boxed, tmp_path):
     stopped.offer(None)
     failures.forget()
     surface_object.forget_passes()
-
-
-class Window:
-    """A driver of jobs, like Blender's events in a window."""
-
-    def __init__(self, job):
-        said = self.said = []
-
-        class Operator(background.BackgroundOperator):
-            def start(self, _context):
-                return job
-
-            def report(self, kind, text):
-                said.append((*kind, text))
-
-        manager = SimpleNamespace(
-            windows=[],
-            event_timer_add=lambda *_, **__: None,
-            event_timer_remove=lambda _: None,
-            modal_handler_add=lambda _: None,
-        )
-        workspace = SimpleNamespace(status_text_set=lambda _: None)
-        self.context = SimpleNamespace(window=None, window_manager=manager, workspace=workspace)
-        self.operator = Operator()
-
-    def run(self, cancels=False):
-        result = self.operator.run_modal(self.context)
-        while result & {"RUNNING_MODAL", "PASS_THROUGH"}:
-            kind = "ESC" if cancels else "TIMER"
-            result = self.operator.modal(self.context, SimpleNamespace(type=kind, value="PRESS"))
-            result = self.operator.modal(self.context, SimpleNamespace(type="TIMER", value=""))
-            time.sleep(0.01)
-        return result
 
 
 @pytest.mark.parametrize("kind", MAKERS, ids=lambda kind: kind.__name__)

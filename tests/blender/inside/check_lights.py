@@ -37,8 +37,7 @@ def assert_probe_agrees(probe, tmp_path, record_property):
     """
 
     def compare(samples=256, most=0.005):
-        bpy.context.view_layer.update()
-        description, warnings = export(bpy.data.objects.new("Isosurface", None))
+        description, warnings = export()
         assert warnings == []
         expected, error = traced_probe(description)
         assert expected.min() > 1e-3
@@ -53,7 +52,9 @@ def assert_probe_agrees(probe, tmp_path, record_property):
     return compare
 
 
-def export(isosurface):
+def export():
+    bpy.context.view_layer.update()
+    isosurface = bpy.data.objects.new("Isosurface", None)
     description, _, warnings = scene_export.export_scene(bpy.context, isosurface)
     return description, warnings
 
@@ -195,19 +196,11 @@ def check_an_hdri(assert_probe_agrees, picture, turned):
     assert np.array_equal(description.environment.world_to_image, np.eye(3)) != turned
 
 
-def _portal(lamp):
-    lamp.data.cycles.is_portal = True
-
-
 def _shadowless(lamp):
     if hasattr(lamp.data.cycles, "cast_shadow"):
         lamp.data.cycles.cast_shadow = False
     else:
         lamp.data.use_shadow = False
-
-
-def _narrow(lamp):
-    lamp.data.spread = math.radians(90)
 
 
 def _square(lamp):
@@ -222,34 +215,28 @@ def _ies(lamp):
     tree.links.new(tree.nodes.new("ShaderNodeTexIES").outputs[0], emission.inputs["Strength"])
 
 
-def _negative(lamp):
-    lamp.data.energy = -1
-
-
 @pytest.mark.parametrize(
     "spoil, reason",
     [
-        (_portal, "portal"),
+        (lambda lamp: setattr(lamp.data.cycles, "is_portal", True), "portal"),
         (_shadowless, "shadows"),
-        (_narrow, "90 degrees"),
+        (lambda lamp: setattr(lamp.data, "spread", math.radians(90)), "90 degrees"),
         (_square, "square"),
         (_ies, "IES"),
-        (_negative, "negative"),
+        (lambda lamp: setattr(lamp.data, "energy", -1), "negative"),
     ],
 )
 def check_a_light_that_cannot_be_baked_is_named(spoil, reason):
     lamp = add_light("AREA", (0, 0, 1))
     lamp.name = "My Lamp"
     spoil(lamp)
-    bpy.context.view_layer.update()
     sentence = sentence_of_export()
     assert '"My Lamp"' in sentence and reason in sentence
 
 
 def sentence_of_export():
-    bpy.context.view_layer.update()
     with pytest.raises(LeaflightError) as caught:
-        export(bpy.data.objects.new("Isosurface", None))
+        export()
     sentence = str(caught.value)
     assert "\n" not in sentence and sentence.endswith(".") and ":" in sentence
     return sentence
@@ -259,8 +246,7 @@ def check_a_wide_point_light_nearby_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 1.0), energy=10.0)
     for radius, warned in ((0.05, False), (0.2, True)):
         lamp.data.shadow_soft_size = radius
-        bpy.context.view_layer.update()
-        _, warnings = export(bpy.data.objects.new("Isosurface", None))
+        _, warnings = export()
         assert len(warnings) == warned and all("4 %" in sentence for sentence in warnings)
 
 
@@ -278,11 +264,10 @@ def check_light_linking_is_warned_of(probe):
         return
     for name in ("receiver_collection", "blocker_collection"):
         setattr(lamp.light_linking, name, bpy.data.collections.new("Few"))
-        bpy.context.view_layer.update()
-        (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+        (warning,) = export()[1]
         assert f'"{lamp.name}"' in warning and "light linking" in warning
         setattr(lamp.light_linking, name, None)
-    assert not export(bpy.data.objects.new("Isosurface", None))[1]
+    assert not export()[1]
 
 
 def check_another_working_space_is_refused(probe):
@@ -297,28 +282,22 @@ def check_versions_that_were_never_compared_are_warned_of(probe, monkeypatch):
     add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     bpy.context.view_layer.update()
     monkeypatch.setattr(blender_versions, "CHECKED", ((3, 6),))
-    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+    (warning,) = export()[1]
     assert "Render Comparison" in warning
 
 
 def check_a_light_that_some_rays_do_not_see_is_warned_of(probe):
     lamp = add_light("POINT", (0.0, 0.0, 9.0), energy=10.0)
     lamp.visible_camera = False
-    bpy.context.view_layer.update()
-    assert not export(bpy.data.objects.new("Isosurface", None))[1]
+    assert not export()[1]
     lamp.visible_glossy = False
-    bpy.context.view_layer.update()
-    (warning,) = export(bpy.data.objects.new("Isosurface", None))[1]
+    (warning,) = export()[1]
     assert f'"{lamp.name}"' in warning
 
 
 def _sky(tree, texture):
     background = next(n for n in tree.nodes if n.type == "BACKGROUND")
     tree.links.new(tree.nodes.new("ShaderNodeTexSky").outputs[0], background.inputs["Color"])
-
-
-def _ball(tree, texture):
-    texture.projection = "MIRROR_BALL"
 
 
 def _moved(tree, texture):
@@ -332,18 +311,14 @@ def _by_normal(tree, texture):
     tree.links.new(coordinates.outputs["Window"], texture.inputs["Vector"])
 
 
-def _without_image(tree, texture):
-    texture.image = None
-
-
 @pytest.mark.parametrize(
     "spoil, reason",
     [
         (_sky, "Sky"),
-        (_ball, "Mirror Ball"),
+        (lambda _, texture: setattr(texture, "projection", "MIRROR_BALL"), "Mirror Ball"),
         (_moved, "Mapping"),
         (_by_normal, "Texture Coordinate"),
-        (_without_image, "without an image"),
+        (lambda _, texture: setattr(texture, "image", None), "without an image"),
     ],
 )
 def check_a_world_that_cannot_be_baked_is_named(probe, spoil, reason):
@@ -358,11 +333,7 @@ def check_dark_worlds(probe):
     image = bpy.data.images.new("Black", 8, 4, float_buffer=True)
     _environment_texture(image)
     assert world.is_dark(bpy.context.scene.world)
-    assert not world.is_dark(_bright())
-
-
-def _bright():
-    return one_colored_world((0, 0, 0.1))
+    assert not world.is_dark(one_colored_world((0, 0, 0.1)))
 
 
 def check_units_of_other_versions():

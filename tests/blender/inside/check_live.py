@@ -9,13 +9,13 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from blends import reopened
 from leaflight_addon.bake import live
 from leaflight_addon.show import display, preview
-from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
-from tools import assert_shows, close, colors_of, to_world, vertices_of
+from tools import assert_shows, change, close, colors_of, to_world, vertices_of
 
 CHANGED = "The scene has changed since the bake: bake again"
 
@@ -102,11 +102,6 @@ def finish(held):
     while live._tick() is not None:
         time.sleep(0.005)
     held.may_pass = False
-
-
-def change(obj):
-    staleness.forget()
-    return staleness.change_since_bake(bpy.context, obj)
 
 
 def baked_anew(obj):
@@ -259,10 +254,7 @@ def check_a_file_that_was_saved_meanwhile_is_not_final(uncut, lit, held, tmp_pat
     before, bake_id = colors_of(lit), lit.leaflight.bake_id
     move_lamp()
     to_passes()
-    path = str(tmp_path / "scene.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    obj = bpy.context.object
+    obj = reopened(tmp_path / "scene.blend")
     # The bake belongs to the previous position, and the panel says so.
     assert bpy.context.scene.leaflight_live and obj.leaflight.bake_id == bake_id
     assert change(obj) == CHANGED

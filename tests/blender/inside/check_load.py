@@ -199,12 +199,12 @@ def check_a_bake_of_several_volumes_comes_whole(tmp_path):
 
 def check_what_is_no_bake_is_refused(bumps, tmp_path):
     (tmp_path / "x.vdb").write_text("This is no bake.")
-    for operator in (bpy.ops.leaflight.load_bake,):
-        sentence = error_of(operator, filepath=str(tmp_path / "x.vdb"))
-        assert "x.vdb" in sentence and "\n" not in sentence
+    sentence = error_of(bpy.ops.leaflight.load_bake, filepath=str(tmp_path / "x.vdb"))
+    assert "x.vdb" in sentence and "\n" not in sentence
     assert bumps.leaflight.bake_id == ""
-    with pytest.raises(RuntimeError, match="Bake this volume first"):
-        bpy.ops.leaflight.relocate_bake(filepath=str(tmp_path / "x.vdb"))
+    assert "Bake this volume first" in error_of(
+        bpy.ops.leaflight.relocate_bake, filepath=str(tmp_path / "x.vdb")
+    )
 
 
 def check_a_bake_of_an_earlier_version_says_so(saved):

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from blends import open_blend, save
+from blends import reopened
 from leaflight import blender
 from leaflight_addon.compare import stills
 from leaflight_addon.show import data_faces, surface_material
@@ -47,8 +47,7 @@ def check_dust_is_hidden_without_a_bake(dusty, tmp_path):
     dusty.leaflight.isovalue = 10.4
     assert _farthest(dusty) < 20.5
     # Test undo, which restores mesh and setting, and a saved file.
-    save(tmp_path / "scene.blend")
-    dusty = open_blend(tmp_path / "scene.blend")
+    dusty = reopened(tmp_path / "scene.blend")
     dusty.leaflight.isovalue = 10.2
     assert _farthest(dusty) < 20.5
     dusty.leaflight_look.dust = 0.0
@@ -96,8 +95,7 @@ def check_gloss_shines_in_the_lamps_and_not_in_comparisons(baked, tmp_path):
 
 def check_a_look_is_color_and_gloss_and_stays(bumps, tmp_path):
     bpy.ops.leaflight.isosurface_preset(preset="IVORY")
-    save(tmp_path / "scene.blend")
-    obj = open_blend(tmp_path / "scene.blend")
+    obj = reopened(tmp_path / "scene.blend")
     assert obj.leaflight_look.gloss == 1.0 and surface_material.shows_its_view(obj)
     bpy.ops.leaflight.isosurface_preset(preset="VIRIDIS")
     assert len(obj.leaflight.isosurface_stops) == 9 and obj.leaflight_look.gloss == 0.0
@@ -150,8 +148,7 @@ def check_a_cut_is_open_where_that_is_chosen_and_goes_with_its_volume(baked, tmp
     assert len(faces.data.vertices) > 0
     baked.leaflight_look.cut_colors = "MAGMA"
     assert len(faces.data.materials[0].node_tree.nodes) > 0
-    save(tmp_path / "scene.blend")
-    baked = open_blend(tmp_path / "scene.blend")
+    baked = reopened(tmp_path / "scene.blend")
     faces = data_faces.cut_faces_of(baked)
     assert len(faces.data.vertices) > 0
     baked.leaflight_look.cut_colors = "NONE"

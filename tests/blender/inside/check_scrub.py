@@ -8,6 +8,8 @@ import sys
 import bpy
 import numpy as np
 import pytest
+from blends import open_blend, open_saved
+from leaflight import _core
 from leaflight_addon import versions
 from leaflight_addon.show import properties
 from leaflight_addon.store import cache
@@ -20,6 +22,7 @@ from tools import (
     look_down,
     mesh_arrays,
     render_exr,
+    to_world,
 )
 
 
@@ -105,8 +108,6 @@ def check_every_frame_of_a_rendered_animation(uncut, baked, tmp_path, engine):
         bpy.ops.render.render(animation=True)
     finally:
         bpy.app.handlers.render_post.remove(remember)
-    from leaflight import _core
-
     for frame, isovalue in ((2, 48.0), (9, 104.0)):
         frame_pixels = _core.read_exr(str(tmp_path / f"frame{frame:04}.exr"))
         close(frame_pixels, stills[frame], 1e-4)
@@ -152,22 +153,17 @@ def check_a_saved_scene_scrubs_on_from_the_bake_on_disk(uncut, baked, tmp_path, 
     obj.leaflight.isovalue = 50.0
     vertices, _, radiance = mesh_arrays(obj)
     surface = cache.bake_of(obj).surface(50.0)
-    matrix = np.array(obj.matrix_world, np.float64)
-    close(vertices @ matrix[:3, :3].T + matrix[:3, 3], surface.vertices, 1e-5)
+    close(to_world(obj, vertices), surface.vertices, 1e-5)
     close(radiance, surface.radiance, 1e-3 * radiance.max())
 
 
 def check_a_folder_with_scene_and_bake_can_be_moved(boxed, tmp_path):
     here, there = tmp_path / "here", tmp_path / "there"
-    here.mkdir()
-    bpy.ops.wm.save_as_mainfile(filepath=str(here / "scene.blend"))
-    (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
-    obj.leaflight.bake_folder = "//bakes"
+    open_saved(here / "scene.blend").leaflight.bake_folder = "//bakes"
     bpy.ops.leaflight.bake()
     bpy.ops.wm.save_mainfile()
     here.rename(there)
-    bpy.ops.wm.open_mainfile(filepath=str(there / "scene.blend"))
-    (obj,) = [o for o in bpy.data.objects if o.leaflight.is_volume]
+    obj = open_blend(there / "scene.blend")
     obj.leaflight.isovalue = 81.0
     assert_shows(obj, 81.0)
     image = next(i for i in bpy.data.images if i.source == "FILE")

@@ -5,7 +5,7 @@ import bpy
 import nibabel
 import numpy as np
 import pytest
-from blends import open_blend, save
+from blends import reopened
 from leaflight import blender
 from mathutils import Vector
 from tools import add_camera, add_light, close, render_exr
@@ -108,6 +108,5 @@ def check_a_setting_stays_through_undo_redo_and_files_in_both_engines(patient, t
     _assert_alike(_pictures(tmp_path), before)
     bpy.ops.ed.redo()
     _assert_alike(_pictures(tmp_path), after)
-    save(tmp_path / "scene.blend")
-    open_blend(tmp_path / "scene.blend")
+    reopened(tmp_path / "scene.blend")
     _assert_alike(_pictures(tmp_path), after)

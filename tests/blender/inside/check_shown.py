@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from blends import open_blend, save
+from blends import reopened, save
 from leaflight import blender
 from leaflight_addon.show import display, look, surface_material, surface_object
 from leaflight_addon.store import cache
@@ -15,6 +15,7 @@ from leaflight_addon.edit import add_isosurface
 from tools import (
     camera_rays_down,
     close,
+    duplicate,
     edit_as_the_slider_does,
     error_of,
     lit_mesh,
@@ -69,8 +70,7 @@ def check_they_follow_their_volume(boxed, tmp_path):
     boxed.location.x += 0.5
     bpy.context.view_layer.update()
     assert obj.matrix_world == boxed.matrix_world
-    save(tmp_path / "scene.blend")
-    boxed = open_blend(tmp_path / "scene.blend")
+    boxed = reopened(tmp_path / "scene.blend")
     (obj,) = display.added_to(boxed)
     obj.leaflight.isovalue = 44.0
     assert_lit_by_the_bake(obj, 44.0)
@@ -87,20 +87,11 @@ def check_they_follow_their_volume(boxed, tmp_path):
     assert name not in bpy.data.objects and obj.name in bpy.data.objects
 
 
-def _duplicate(volume):
-    bpy.ops.object.select_all(action="DESELECT")
-    volume.select_set(True)
-    bpy.context.view_layer.objects.active = volume
-    bpy.ops.object.duplicate()
-    bpy.context.view_layer.update()
-    return bpy.context.object
-
-
 def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     obj = blender.add_isosurface(baked, 40.0, opacity=0.5, color=(0.2, 0.4, 0.6))
     blender.animate(obj, [40.0, 42.0])
     blender.add_isosurface(baked, 50.0)
-    copy = _duplicate(baked)
+    copy = duplicate(baked)
     copy.location.x += 0.5
     bpy.context.view_layer.update()
     own, other = display.added_to(copy)
@@ -129,7 +120,7 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
     copy.leaflight.isovalue = 58.0
     bpy.context.view_layer.update()
     assert not display.added_to(copy) and len(display.added_to(baked)) == 2
-    again = _duplicate(baked)
+    again = duplicate(baked)
     bpy.data.objects.remove(baked)
     bpy.context.view_layer.update()
     assert len(display.added_to(again)) == 2 == sum(map(display.is_added, bpy.data.objects))
@@ -137,15 +128,15 @@ def check_a_duplicate_has_isosurfaces_of_its_own(baked):
 
 def check_a_duplicate_of_a_duplicate_and_of_a_scene(baked):
     blender.add_isosurface(baked, 40.0)
-    second = _duplicate(baked)
+    second = duplicate(baked)
     (own,) = display.added_to(second)
     own.leaflight.isovalue = 45.0
-    (shown,) = display.added_to(_duplicate(second))
+    (shown,) = display.added_to(duplicate(second))
     assert_lit_by_the_bake(shown, 45.0)
     bpy.ops.scene.new(type="FULL_COPY")
     first = next(o for o in bpy.context.scene.objects if o.leaflight.is_volume)
     display.added_to(first)[0].leaflight.isovalue = 48.0
-    (shown,) = display.added_to(_duplicate(first))
+    (shown,) = display.added_to(duplicate(first))
     assert_lit_by_the_bake(shown, 48.0)
     volumes = [o for o in bpy.data.objects if o.leaflight.is_volume]
     assert [len(display.added_to(volume)) for volume in volumes] == [1] * 7
@@ -157,8 +148,7 @@ def check_there_are_three_at_most(baked):
     bpy.ops.leaflight.add_isosurface()
     bpy.ops.leaflight.add_isosurface()
     surfaces = (baked, *display.added_to(baked))
-    with pytest.raises(RuntimeError, match="remove one first"):
-        bpy.ops.leaflight.add_isosurface()
+    assert "remove one first" in error_of(bpy.ops.leaflight.add_isosurface)
     shown = [obj.leaflight.isovalue for obj in surfaces]
     assert isovalue == shown[0] < shown[1] < shown[2] < baked.leaflight.bake_high
     # Inner isosurfaces are opaque, outer ones translucent.

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from blends import open_blend, save
+from blends import reopened
 from leaflight_addon import versions
 from leaflight_addon.show import data_faces
 from leaflight_addon.stage import scene_export, staleness
@@ -74,8 +74,7 @@ def check_slices_move_with_their_places_and_their_animation(baked, tmp_path):
             key.interpolation = "LINEAR"
     bpy.context.scene.frame_set(4)
     close(vertices_of(faces)[:, 2], low[2] + 0.3 * (high - low)[2], 1e-5)
-    save(tmp_path / "scene.blend")
-    baked = open_blend(tmp_path / "scene.blend")
+    baked = reopened(tmp_path / "scene.blend")
     assert len(data_faces.slices_of(baked).data.vertices) > 0
     baked.leaflight_look.slice_axes = (False, False, False)
     assert len(data_faces.slices_of(baked).data.vertices) == 0

@@ -5,7 +5,7 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
-from blends import open_blend, save
+from blends import reopened
 from boxes import build_cornell_box
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
@@ -34,8 +34,7 @@ def check_the_values_are_smoothed_and_stay_so_in_files(steps, tmp_path):
     obj = imported(steps, smooth=1.0)
     np.testing.assert_array_equal(cache.volume_of(obj).values, expected)
     isovalue = obj.leaflight.isovalue
-    save(tmp_path / "scene.blend")
-    obj = open_blend(tmp_path / "scene.blend")
+    obj = reopened(tmp_path / "scene.blend")
     obj.leaflight.isovalue = 0.9 * isovalue
     np.testing.assert_array_equal(cache.volume_of(obj).values, expected)
     assert_shows(obj, obj.leaflight.isovalue)
@@ -66,8 +65,7 @@ def check_normals_alone_are_smoothed(steps, tmp_path):
     (record,) = cache.bake_of(obj).provenance.volumes
     assert record.source == f"{steps}, normals smoothed by 2 voxels"
     assert record.smooth_normals == 2.0 and "radiance" in obj.data.attributes
-    save(tmp_path / "scene.blend")
-    obj = open_blend(tmp_path / "scene.blend")
+    obj = reopened(tmp_path / "scene.blend")
     assert cache.volume_of(obj).smooth_normals == 2.0
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.smooth(what="smooth_normals", amount="0")

@@ -40,13 +40,6 @@ def _lowest_of_stage():
     )
 
 
-def _corners(obj):
-    low, high = np.asarray(cache.volume_of(obj).field().bounds, np.float64)
-    corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-    matrix = np.array(obj.matrix_world, np.float64)
-    return (low + np.array(corners) * (high - low)) @ matrix[:3, :3].T + matrix[:3, 3]
-
-
 def _find(items, name):
     return next(item for item in items if item.name == name)
 
@@ -266,8 +259,7 @@ def check_others_are_hidden_and_shown_again(bumps):
     bpy.context.view_layer.update()
     assert {cube.name, sun.name} <= {obj.name for obj, _ in _rendered()}
     assert not cube.hide_get() and unseen.hide_render
-    with pytest.raises(RuntimeError, match="not hidden any object"):
-        bpy.ops.leaflight.show_hidden()
+    assert "not hidden any object" in error_of(bpy.ops.leaflight.show_hidden)
 
 
 def _rendered():

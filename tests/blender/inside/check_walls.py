@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from blends import reopened
 from leaflight_addon.show import display, preview, properties, surface_object, walls
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
@@ -145,11 +146,8 @@ def check_undo(lit):
 
 
 def check_the_isosurface_that_is_seen_lights_them_in_a_saved_file_too(lit, tmp_path):
-    name = lit.name
     lit.leaflight.isovalue = 40.0
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
-    lit = bpy.data.objects[name]
+    lit = reopened(tmp_path / "scene.blend")
     # The file of the bake stores half precision.
     assert_walls_show(lit, 40.0, 2e-3)
     lit.leaflight.isovalue = 70.0

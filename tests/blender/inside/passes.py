@@ -2,15 +2,17 @@
 """Helpers for checks of bakes in passes."""
 
 import math
-import os
 import time
 from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import leaflight
 import pytest
 from leaflight_addon.bake import bake
+from leaflight_addon.operators import background
 from tools import close, mesh_arrays, start, to_world, wait_while
 
 # Target error that takes all passes of a bake with noise (fixture "noisy"), which no check waits
@@ -32,7 +34,7 @@ def state():
         "bake": obj.leaflight.bake_id,
         "vertices": mesh_arrays(obj)[0].tobytes(),
         "isovalue": obj.leaflight.isovalue,
-        "files": sorted(os.listdir(obj.leaflight.bake_folder)),
+        "files": sorted(Path(obj.leaflight.bake_folder).glob("*.*")),
     }
 
 
@@ -81,6 +83,51 @@ def assert_shows_pass(obj, shown):
     expected = shown.radiance(to_world(obj, vertices))
     assert len(vertices) > 100 and radiance.max() > 0.01
     close(radiance, expected, 1e-4 * expected.max())
+
+
+class Window:
+    """A driver of jobs, like Blender's events in a window.
+
+    work: the work of the job, if it was started already.
+    said: the reports, as (kind, text). statuses: the texts of the status bar.
+    """
+
+    def __init__(self, job, work=None):
+        said, statuses = self.said, self.statuses = [], []
+
+        class Operator(background.BackgroundOperator):
+            _job, _work, _timer = job, work, None
+
+            def start(self, _context):
+                return job
+
+            def report(self, kind, text):
+                said.append((*kind, text))
+
+        manager = SimpleNamespace(
+            windows=[],
+            event_timer_add=lambda *_, **__: None,
+            event_timer_remove=lambda _: None,
+            modal_handler_add=lambda _: None,
+        )
+        workspace = SimpleNamespace(status_text_set=statuses.append)
+        self.context = SimpleNamespace(window=None, window_manager=manager, workspace=workspace)
+        self.operator = Operator()
+
+    def happens(self, kind):
+        event = SimpleNamespace(type=kind, value="PRESS" if kind == "ESC" else "")
+        return self.operator.modal(self.context, event)
+
+    def wait(self, result=frozenset({"PASS_THROUGH"}), cancels=False):
+        """Runs the timer until the work has ended."""
+        events = cycle(["ESC", "TIMER"] if cancels else ["TIMER"])
+        while result & {"RUNNING_MODAL", "PASS_THROUGH"}:
+            result = self.happens(next(events))
+            time.sleep(0.01)
+        return result
+
+    def run(self, cancels=False):
+        return self.wait(self.operator.run_modal(self.context), cancels)
 
 
 class Layout:

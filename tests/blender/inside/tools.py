@@ -15,7 +15,7 @@ from leaflight.scene.scene import Isosurfaces, core_scene
 from leaflight_addon import versions
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import whole_detail
-from leaflight_addon.stage import camera
+from leaflight_addon.stage import camera, staleness
 from leaflight_addon.store import cache
 from mathutils import Vector
 
@@ -115,6 +115,12 @@ def assert_shows(obj, isovalue):
         close(radiance, expected_radiance, 1e-4 * expected_radiance.max())
 
 
+def change(obj):
+    """Returns why the bake of an object no longer fits the scene, looked up anew."""
+    staleness.forget()
+    return staleness.change_since_bake(bpy.context, obj)
+
+
 def edit_as_the_slider_does(obj, isovalue):
     """Changes the isovalue like a slider: sets the ID property and tags the object, without
     our Python.
@@ -178,12 +184,20 @@ def wait_while(work, condition):
 
 
 def error_of(operator, **arguments):
-    """Returns the message of a cancelled operator."""
+    """Returns the message of an operator that is cancelled or cannot run."""
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
-    text = str(caught.value).strip()
-    assert text.startswith("Error: ")
-    return text.removeprefix("Error: ")
+    return str(caught.value).strip().removeprefix("Error: ")
+
+
+def duplicate(obj, linked=False):
+    """Duplicates an object alone, and returns the copy."""
+    bpy.ops.object.select_all(action="DESELECT")
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.duplicate(linked=linked)
+    bpy.context.view_layer.update()
+    return bpy.context.object
 
 
 def add_camera(location, rotation, orthographic=None):

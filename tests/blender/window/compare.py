@@ -6,23 +6,20 @@ Prints a line WINDOW and a JSON object.
 """
 
 import gzip
-import os
 import sys
 import time
 from pathlib import Path
 
 import bpy
+import hand
 import leaflight
 import nibabel
 import numpy as np
+import stepwise
 from leaflight import blender
 from leaflight.io.readers import watched
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.operators import jobs
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
 
@@ -38,8 +35,6 @@ def main():
     bpy.types.SpaceView3D.draw_handler_add(
         lambda: drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
     )
-    # 5.2 crashes when a script presses the button of a browser in a separate window.
-    bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     hand.clear_scene()
     raw = FOLDER / "bumps.raw"
     leaflight._core.bump_box(24).astype("<f4").tofile(raw)
@@ -132,7 +127,7 @@ def cancel_import():
     yield from viewport_rests()
     with hand.in_view():
         bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
-    yield from choose_file()
+    yield from hand.press_browser()
     yield from stepwise.until(lambda: jobs.running() is not None)
     work = jobs.running()
     yield from stepwise.until(lambda: work.progress.fraction > 0.05)
@@ -145,16 +140,6 @@ def cancel_import():
         "read": work.progress.fraction,
         "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
     }
-
-
-def choose_file():
-    """Presses the button of the file browser."""
-
-    yield from stepwise.until(hand.browser_is_open)
-    yield from stepwise.wait(2.0)
-    (browser,) = hand.areas("FILE_BROWSER")
-    with bpy.context.temp_override(window=hand.window(), area=browser):
-        bpy.ops.file.execute()
 
 
 def viewport_rests():

@@ -11,14 +11,12 @@ import sys
 import time
 
 import bpy
+import hand
 import leaflight
 import numpy as np
+import stepwise
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
 
 # Steps of the mouse per drag, pixels per step, steps per second, and turns back and forth per drag.
 STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
@@ -29,7 +27,6 @@ pictures = []
 
 def main():
     path, low, high = sys.argv[-3:]
-    bpy.context.preferences.view.ui_scale = 1.0
     # Switch these off, because they take most of the time without a graphics card.
     bpy.context.preferences.system.viewport_aa = "OFF"
     show_leaflight_alone()

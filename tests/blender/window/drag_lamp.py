@@ -7,22 +7,20 @@ Prints a line WINDOW and a JSON object: seconds from moves to light.
 """
 
 import json
-import os
 import sys
 import time
 from pathlib import Path
 
 import bpy
+import hand
 import numpy as np
+import stepwise
 from leaflight import blender
 from leaflight.io.images import write_png
 from leaflight_addon.bake import live
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import display, surface_object
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
+from leaflight_addon.store import cache
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Mouse steps in a drag, pixels per step, and steps per second.
@@ -32,17 +30,12 @@ found, pictures = {"seconds": {}}, []
 
 
 def main():
-    bpy.context.preferences.view.ui_scale = 1.0
     hand.clear_scene()
     obj = blender.import_volume(VOLUME)
     blender.stage(obj)
     obj.leaflight.quality = "DRAFT"
     obj.leaflight.bake_folder = str(FOLDER / "bakes")
     stepwise.run(drive(), found)
-
-
-def volume():
-    return next(obj for obj in bpy.data.objects if obj.leaflight.is_volume)
 
 
 def key_light():
@@ -52,7 +45,7 @@ def key_light():
 
 
 def label():
-    return surface_object.label_of(volume().data)
+    return surface_object.label_of(hand.volume().data)
 
 
 def label_of_walls():
@@ -83,12 +76,11 @@ def drive():
     view.region_3d.view_perspective = "CAMERA"
     yield from stepwise.wait(2.0)
     start = time.perf_counter()
-    with hand.in_view():
-        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    hand.press(bpy.ops.leaflight.bake)
     yield from stepwise.until(lambda: jobs.running() is None)
     found["bake"] = time.perf_counter() - start
-    found["triangles"] = len(volume().data.polygons)
-    found["points"] = len(volume_bake().grid.direct.light_points)
+    found["triangles"] = len(hand.volume().data.polygons)
+    found["points"] = len(cache.bake_of(hand.volume()).grid.direct.light_points)
     # Make isosurfaces of small volumes coarse, too, while the lamp moves. The light adds triangles
     # to their nodes.
     live._QUICK_MAPS = 0
@@ -104,12 +96,6 @@ def drive():
     yield from drag()
     yield from stop()
     yield from move_and_wait()
-
-
-def volume_bake():
-    from leaflight_addon.store import cache
-
-    return cache.bake_of(volume())
 
 
 def at_rest():
@@ -133,7 +119,7 @@ def drag():
             before = label()
             labels.add(before)
             times.append(time.perf_counter() - start)
-            triangles = min(triangles, len(volume().data.polygons))
+            triangles = min(triangles, len(hand.volume().data.polygons))
         if step == STEPS // 2:
             yield from picture("dragged")
     # Nothing else moves, so take the pictures of this position.
@@ -186,8 +172,8 @@ def move_and_wait():
     direct = [when for when, of_moved in shown if of_moved]
     seconds["direct"], seconds["sharp"] = direct[0], direct[-1]
     seconds["final"] = shown[-1][0]
-    yield from stepwise.until(lambda: not surface_object.is_coarse(volume().data))
-    found["final triangles"] = len(volume().data.polygons)
+    yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
+    found["final triangles"] = len(hand.volume().data.polygons)
     found["final"] = not is_moved() and '"pass ' not in label()
     yield from picture("final")
     write_all()

@@ -5,16 +5,13 @@ added isosurface by Shift+D, and undoes and redoes it.
 Prints a line WINDOW and a JSON object of the state after each step.
 """
 
-import os
 import sys
 
 import bpy
+import hand
+import stepwise
 from leaflight import blender
 from leaflight_addon.show import display, surface_object
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
 
 
 found = {}

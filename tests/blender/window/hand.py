@@ -6,6 +6,8 @@ handles all events and draws. Their duration does not matter.
 """
 
 import bpy
+import stepwise
+from leaflight_addon.stage import viewport
 
 # Keys without a function in Blender, for operators that users press as buttons.
 PRESS, DELETE, NEW = "F19", "F20", "F21"
@@ -48,9 +50,59 @@ def in_view():
     return bpy.context.temp_override(window=window(), area=view(), region=region())
 
 
+def volume():
+    """Returns the first volume of the scene, or None."""
+    return next((obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume), None)
+
+
+def lamp():
+    """Returns a lamp that lights the scene."""
+    objects = bpy.context.scene.objects
+    return next(obj for obj in objects if obj.type == "LIGHT" and not obj.hide_render)
+
+
+def press(operator):
+    """Calls an operator like a button in the viewport."""
+    with in_view():
+        operator("INVOKE_DEFAULT")
+
+
+def draw_quickly():
+    """Switches off effects that take seconds per picture without a graphics card."""
+    bpy.context.preferences.system.viewport_aa = "OFF"
+    viewport._show_materials = lambda _shading: None
+
+
+def stage_file(path, low, high, isovalue):
+    """Imports and stages a file, for a bake with few texels and coarsely lit walls."""
+    with in_view():
+        bpy.ops.leaflight.import_volume(filepath=str(path))
+        settings = volume().leaflight
+        settings.use_resolution, settings.resolution, settings.error = True, 9, 50.0
+        settings.low, settings.high, settings.isovalue = low, high, isovalue
+        bpy.ops.leaflight.stage()
+        settings.use_time_limit, settings.time_limit = True, 1.0
+
+
+def select_volume():
+    """Selects only the volume, and binds the key DELETE to deletion."""
+    bind(DELETE, "object.delete", {"confirm": False})
+    with in_view():
+        bpy.ops.object.select_all(action="DESELECT")
+        volume().select_set(True)
+        bpy.ops.ed.undo_push(message="Selected")
+
+
+def render():
+    """Presses Render Image, for a small picture by Cycles."""
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.render.resolution_x = scene.render.resolution_y = 16
+    press(bpy.ops.render.render)
+
+
 def clear_scene():
-    """Removes the first objects and the splash screen."""
-    bpy.context.preferences.view.show_splash = False
+    """Removes the first objects."""
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
 
@@ -108,3 +160,11 @@ def choose(path):
 def browser_is_open():
     found = areas("FILE_BROWSER")
     return bool(found) and found[0].spaces.active.active_operator is not None
+
+
+def press_browser():
+    """Presses the button of the file browser once it is open."""
+    yield from stepwise.until(browser_is_open)
+    yield from stepwise.wait(2.0)
+    with bpy.context.temp_override(window=window(), area=areas("FILE_BROWSER")[0]):
+        bpy.ops.file.execute()

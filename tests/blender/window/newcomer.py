@@ -12,29 +12,19 @@ import time
 from pathlib import Path
 
 import bpy
+import hand
 import numpy as np
+import stepwise
 from leaflight import blender
 from leaflight_addon.bake import bake, stopped
 from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import surface_object, whole_detail
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Pixels from the upper border of the window to the entry Import in the menu File.
 IMPORT = 295 if bpy.app.version < (5, 0, 0) else 311
 
 found = {"clicks": 0}
-
-
-def main():
-    preferences = bpy.context.preferences
-    preferences.view.show_splash = False
-    preferences.view.ui_scale = 1.0
-    preferences.view.filebrowser_display_type = "SCREEN"
-    stepwise.run(drive(), found)
 
 
 def drive():
@@ -53,17 +43,16 @@ def drive():
 
 def import_by_menu():
     found["objects"] = sorted(obj.name for obj in bpy.data.objects)
-    window = hand.window()
-    top = window.height
+    top = hand.window().height
     # Start below Blender's own entries.
     for row in (*range(9, 40), *range(9)):
         # Open File, then move down to Import, whose submenu opens under the mouse, and to an entry.
         yield from click((46, top - 13))
         yield from stepwise.wait(0.4)
-        if not (yield from hover_import()):
-            raise RuntimeError("The menu File has no Import.")
+        x, y = 80, top - IMPORT
+        yield from move((x, y))
+        yield from stepwise.wait(0.5)
         # Move to the right first, because crossing other entries would open theirs.
-        x, y = found["import"]
         for place in ((x + 200, y), (x + 200, y - 21 * row)):
             yield from move(place)
         yield from click(None)
@@ -84,17 +73,8 @@ def import_by_menu():
     parameters.filename = os.path.basename(VOLUME)
     with bpy.context.temp_override(window=hand.window(), area=area):
         bpy.ops.file.execute()
-    yield from stepwise.until(lambda: volume() is not None)
+    yield from stepwise.until(lambda: hand.volume() is not None)
     yield from stepwise.wait(1.0)
-
-
-def hover_import():
-    """Moves down the menu File until the mouse is over Import."""
-    place = found.get("import", (80, hand.window().height - IMPORT))
-    found["import"] = place
-    yield from move(place)
-    yield from stepwise.wait(0.5)
-    return True
 
 
 def chosen_operator():
@@ -122,11 +102,11 @@ def stage_and_bake():
     print("baked", flush=True)
     found["bake"] = {
         "passes": len(passes),
-        "lit": "radiance" in volume().data.attributes,
+        "lit": "radiance" in hand.volume().data.attributes,
         "clicks": found["clicks"],
         "failure": failures.sentence(),
     }
-    yield from stepwise.until(lambda: not surface_object.is_coarse(volume().data))
+    yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
     yield from stepwise.wait(1.0)
     yield from take_pictures()
 
@@ -146,7 +126,7 @@ def note_passes():
 
     def note(job):
         show(job)
-        label = surface_object.label_of(volume().data) or ""
+        label = surface_object.label_of(hand.volume().data) or ""
         shown.update({label} if '"pass ' in label else ())
 
     bake.BakeJob._light, bake.BakeJob.show = until_shown, note
@@ -161,18 +141,17 @@ def take_pictures():
     scene = bpy.context.scene
     scene.render.resolution_percentage = 50
     for name, hidden in (("with.png", False), ("without.png", True)):
-        volume().hide_set(hidden)
+        hand.volume().hide_set(hidden)
         yield from stepwise.wait(1.0)
         picture(FOLDER / name)
-    volume().hide_set(False)
+    hand.volume().hide_set(False)
 
 
 def picture(path):
-    region = next(r for r in hand.view().regions if r.type == "WINDOW")
     scene = bpy.context.scene
     scene.render.image_settings.file_format = "PNG"
     scene.render.filepath = str(path)
-    with bpy.context.temp_override(window=hand.window(), area=hand.view(), region=region):
+    with hand.in_view():
         bpy.ops.render.opengl(write_still=True, view_context=True)
 
 
@@ -180,39 +159,41 @@ def picture(path):
 
 
 def stop_and_keep():
-    first = volume().leaflight.bake_id
+    first = hand.volume().leaflight.bake_id
     # Ask for more work than anyone waits for.
-    volume().leaflight.error = 0.01
-    volume().leaflight.use_resolution = False
+    hand.volume().leaflight.error = 0.01
+    hand.volume().leaflight.use_resolution = False
     yield from click(header_button(386))
     yield from stepwise.until(lambda: jobs.running() is not None)
-    yield from stepwise.until(lambda: '"pass ' in (surface_object.label_of(volume().data) or ""))
+    yield from stepwise.until(
+        lambda: '"pass ' in (surface_object.label_of(hand.volume().data) or "")
+    )
     yield from key("ESC")
     start = time.perf_counter()
     yield from stepwise.until(lambda: jobs.running() is None)
     found["stopped"] = {
         "seconds": time.perf_counter() - start,
         "offered": stopped.offered() is not None,
-        "bake": volume().leaflight.bake_id == first,
+        "bake": hand.volume().leaflight.bake_id == first,
     }
     # Keep Bake replaces Bake, once the header is drawn. A busy machine draws it late.
     while stopped.offered() is not None:
         yield from stepwise.wait(1.0)
         if jobs.running() is None:
             yield from click(header_button(386))
-    yield from stepwise.until(lambda: volume().leaflight.bake_id != first)
+    yield from stepwise.until(lambda: hand.volume().leaflight.bake_id != first)
     yield from stepwise.until(lambda: jobs.running() is None)
-    found["first"], found["second"] = first, volume().leaflight.bake_id
+    found["first"], found["second"] = first, hand.volume().leaflight.bake_id
 
 
 def undo_and_redo():
     yield from stepwise.wait(1.0)
     yield from key("Z", ctrl=True)
     yield from stepwise.wait(2.0)
-    found["undone"] = volume().leaflight.bake_id
+    found["undone"] = hand.volume().leaflight.bake_id
     yield from key("Z", ctrl=True, shift=True)
     yield from stepwise.wait(2.0)
-    found["redone"] = volume().leaflight.bake_id
+    found["redone"] = hand.volume().leaflight.bake_id
 
 
 def save_and_load():
@@ -222,7 +203,7 @@ def save_and_load():
     yield from stepwise.wait(0.5)
     bpy.ops.wm.open_mainfile(filepath=str(path))
     yield from stepwise.wait(3.0)
-    obj = volume()
+    obj = hand.volume()
     radiance = np.empty(4 * len(obj.data.vertices), np.float32)
     obj.data.attributes["radiance"].data.foreach_get("color", radiance)
     found["loaded"] = {
@@ -234,10 +215,10 @@ def save_and_load():
 
 
 def copy_and_delete():
-    first = volume()
+    first = hand.volume()
     name, isovalue = first.name, first.leaflight.isovalue
     other = isovalue + 0.3 * (first.leaflight.high - isovalue)
-    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+    with hand.in_view():
         bpy.ops.object.select_all(action="DESELECT")
         first.select_set(True)
         bpy.context.view_layer.objects.active = first
@@ -252,7 +233,7 @@ def copy_and_delete():
         "original": surface_object.shown_isovalue(bpy.data.objects[name]) == isovalue,
         "copy": abs(surface_object.shown_isovalue(copy) - other) < 1e-4,
     }
-    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+    with hand.in_view():
         bpy.ops.object.delete()
     yield from stepwise.wait(0.5)
     found["deleted"] = [o.name for o in bpy.context.scene.objects if o.leaflight.is_volume] == [
@@ -263,11 +244,11 @@ def copy_and_delete():
 
 def play():
     """Plays an animation through the isovalue range."""
-    obj, scene = volume(), bpy.context.scene
+    obj, scene = hand.volume(), bpy.context.scene
     isovalues = np.linspace(obj.leaflight.bake_low, obj.leaflight.bake_high, 24)
     blender.animate(obj, isovalues)
     yield from stepwise.wait(1.0)
-    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+    with hand.in_view():
         bpy.ops.screen.animation_play()
     frames, off = set(), []
 
@@ -278,7 +259,7 @@ def play():
         return len(frames) > 5
 
     yield from stepwise.until(has_played)
-    with bpy.context.temp_override(window=hand.window(), area=hand.view()):
+    with hand.in_view():
         bpy.ops.screen.animation_cancel(restore_frame=False)
     yield from stepwise.until(lambda: not surface_object.is_coarse(obj.data))
     found["played"] = {
@@ -294,12 +275,8 @@ def play():
 
 def header_button(x):
     """Returns the position of a button above the viewport, at this many pixels from the left."""
-    region = next(r for r in hand.view().regions if r.type == "TOOL_HEADER")
+    region = hand.region("TOOL_HEADER")
     return region.x + x, region.y + region.height // 2
-
-
-def volume():
-    return next((obj for obj in bpy.context.scene.objects if obj.leaflight.is_volume), None)
 
 
 _mouse = [0, 0]
@@ -333,4 +310,4 @@ def key(name, **modifiers):
         yield 0.1
 
 
-main()
+stepwise.run(drive(), found)

@@ -5,22 +5,15 @@ histogram over the viewport, confirms it, drags it again and undoes that.
 Prints a line WINDOW and a JSON object of the isovalues after each step.
 """
 
-import os
 import sys
 
 import bpy
+import hand
 import numpy as np
+import stepwise
 from leaflight_addon.edit import data_picture, pick_isovalue
 
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import stepwise  # noqa: E402
-
 found = {}
-
-
-def volume():
-    return next(obj for obj in bpy.data.objects if obj.leaflight.is_volume)
 
 
 def event(kind, value, share, height=60):
@@ -34,19 +27,14 @@ def press(key):
     event(key, "RELEASE", 0.5)
 
 
-def pick():
-    with hand.in_view():
-        bpy.ops.leaflight.pick_isovalue("INVOKE_DEFAULT")
-
-
 def steps():
     hand.clear_scene()
     bpy.ops.leaflight.import_volume(filepath=sys.argv[-1])
     hand.view().spaces.active.show_region_ui = False
     # Show a gray viewport, so that the mark's color is unique.
-    volume().hide_set(False)
-    found["imported"] = volume().leaflight.isovalue
-    pick()
+    hand.volume().hide_set(False)
+    found["imported"] = hand.volume().leaflight.isovalue
+    hand.press(bpy.ops.leaflight.pick_isovalue)
     yield from stepwise.wait(1.0)
     found["drawn"] = yield from orange_pixels()
     for kept, last in (("kept", 0.6), ("taken back", 0.3)):
@@ -58,13 +46,13 @@ def steps():
         yield from stepwise.wait(0.5)
         event("LEFTMOUSE", "RELEASE", last)
         yield from stepwise.wait(0.3)
-        found[f"dragged, {kept}"] = volume().leaflight.isovalue
+        found[f"dragged, {kept}"] = hand.volume().leaflight.isovalue
         press("RET" if kept == "kept" else "ESC")
         yield from stepwise.wait(0.5)
-        found[kept] = volume().leaflight.isovalue
+        found[kept] = hand.volume().leaflight.isovalue
         found[f"left over, {kept}"] = len(pick_isovalue._drawn)
         if kept == "kept":
-            pick()
+            hand.press(bpy.ops.leaflight.pick_isovalue)
             yield from stepwise.wait(0.5)
     found["gone"] = yield from orange_pixels()
 

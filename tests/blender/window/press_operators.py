@@ -13,41 +13,30 @@ import sys
 from pathlib import Path
 
 import bpy
+import gate
+import hand
+import heartbeat
+import pressing
+import rows
+import scenes
+import sidebar
+import stepwise
 from leaflight_addon.operators import jobs
-from leaflight_addon.stage import viewport
 
-sys.path.insert(0, os.path.dirname(__file__))
-import gate  # noqa: E402
-import hand  # noqa: E402
-import heartbeat  # noqa: E402
-import pressing  # noqa: E402
-import rows  # noqa: E402
-import scenes  # noqa: E402
-import sidebar  # noqa: E402
-import stepwise  # noqa: E402
 
 FOLDER, WANTED = Path(sys.argv[-2]), json.loads(sys.argv[-1])
 
 
 def main():
-    preferences = bpy.context.preferences
-    preferences.view.show_splash = False
-    preferences.view.ui_scale = 1.0
-    preferences.view.use_save_prompt = False
-    # Switch this off, because it takes most of the time without a graphics card.
-    preferences.system.viewport_aa = "OFF"
+    hand.draw_quickly()
     space = hand.view().spaces.active
     space.overlay.show_overlays = space.show_gizmo = False
-    # 5.2 crashes when a script presses the button of a browser in a separate window.
-    preferences.view.filebrowser_display_type = "SCREEN"
     names = [cls.bl_idname for cls in bpy.types.Operator.__subclasses__()]
     print(
         "OPERATORS", json.dumps(sorted(n for n in names if n.startswith("leaflight."))), flush=True
     )
     sidebar.show_all_panels()
     gate.install()
-    # Without a graphics card each first picture of materials takes many seconds.
-    viewport._show_materials = lambda _shading: None
     stepwise.run(drive(), {})
 
 

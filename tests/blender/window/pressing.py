@@ -189,9 +189,7 @@ class Pressing:
     def _move_lamp(self):
         """Moves a lamp, so that Live is at work."""
         gate.close("work")
-        lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
-        lamp = next(lamp for lamp in lamps if not lamp.hide_render)
-        lamp.location.x += 0.1
+        hand.lamp().location.x += 0.1
         yield from self._until(lambda: gate.reached and live.at_work() is not None)
 
     def _see(self):

@@ -6,23 +6,19 @@ A gate holds the thread that reads. Prints a line WINDOW and a JSON object of th
 while the thread is held ("held") and afterwards.
 """
 
-import os
 import sys
 import threading
 from pathlib import Path
 
 import bpy
+import hand
 import numpy as np
+import seen
+import sidebar
+import stepwise
 from leaflight_addon.bake import live
 from leaflight_addon.show import distribution, surface_object, walls
-from leaflight_addon.stage import viewport
 from leaflight_addon.store import cache, reading, source_files
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import seen  # noqa: E402
-import sidebar  # noqa: E402
-import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
 NODES = 32
@@ -67,10 +63,7 @@ gate = Gate()
 
 
 def main():
-    view = bpy.context.preferences.view
-    view.show_splash = view.use_save_prompt = False
-    # Without a graphics card each picture of materials takes many seconds.
-    viewport._show_materials = lambda _shading: None
+    hand.draw_quickly()
     x = np.linspace(-1.0, 1.0, NODES)
     distance = np.sqrt(x[:, None, None] ** 2 + x[:, None] ** 2 + x**2)
     np.save(FOLDER / "ball.npy", 100.0 - 60.0 * distance)
@@ -99,13 +92,8 @@ def drive():
 
 def make():
     """Saves the unlit volume, and the volume with a bake that lights walls."""
+    hand.stage_file(FOLDER / "ball.npy", 20.0, 80.0, SAVED)
     with hand.in_view():
-        bpy.ops.leaflight.import_volume(filepath=str(FOLDER / "ball.npy"))
-        settings = seen.volume().leaflight
-        settings.use_resolution, settings.resolution, settings.error = True, 9, 50.0
-        settings.low, settings.high, settings.isovalue = 20.0, 80.0, SAVED
-        bpy.ops.leaflight.stage()
-        settings.use_time_limit, settings.time_limit = True, 1.0
         bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "unlit.blend"))
         bpy.ops.leaflight.bake()
     yield from hand.steps(2)
@@ -241,8 +229,7 @@ def go_live():
     """Switches Live on, and moves a lamp."""
     yield from open_held("lit")
     bpy.context.scene.leaflight_live = True
-    lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
-    next(lamp for lamp in lamps if not lamp.hide_render).location.x += 0.1
+    hand.lamp().location.x += 0.1
     yield from hand.steps(8)
     held = {"live": live.at_work() is not None, "sentence": live.sentence()}
     gate.open()
@@ -256,13 +243,10 @@ def go_live():
 def render():
     """Renders; "pictures" have the isovalue and the light of their mesh."""
     yield from open_held("lit")
-    scene, pictures = bpy.context.scene, []
-    scene.render.engine, scene.cycles.samples = "CYCLES", 1
-    scene.render.resolution_x = scene.render.resolution_y = 16
+    pictures = []
     look = lambda *_: pictures.append(picture())  # noqa: E731
     bpy.app.handlers.render_post.append(look)
-    with hand.in_view():
-        bpy.ops.render.render("INVOKE_DEFAULT")
+    hand.render()
     yield from hand.steps(10)
     held = list(pictures)
     gate.open()
@@ -280,11 +264,7 @@ def picture():
 def delete():
     """Deletes the object and undoes that, before and after the thread is released."""
     yield from open_held("lit")
-    hand.bind(hand.DELETE, "object.delete", {"confirm": False})
-    with hand.in_view():
-        bpy.ops.object.select_all(action="DESELECT")
-        seen.volume().select_set(True)
-        bpy.ops.ed.undo_push(message="Selected")
+    hand.select_volume()
     for _ in range(2):
         yield from hand.key(hand.DELETE)
         yield from hand.steps(4)

@@ -8,26 +8,22 @@ Each step has the longest freeze and the function of Leaflight during it. The st
 also has the first number of triangles. "beside walls": see beside_walls().
 """
 
-import os
 import sys
 import threading
 from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
+import hand
+import heartbeat
 import numpy as np
+import seen
+import stepwise
 from leaflight_addon.bake import live
 from leaflight_addon.export import export_bake
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object, walls
-from leaflight_addon.stage import viewport
 from leaflight_addon.store import cache, reading
-
-sys.path.insert(0, os.path.dirname(__file__))
-import hand  # noqa: E402
-import heartbeat  # noqa: E402
-import seen  # noqa: E402
-import stepwise  # noqa: E402
 
 FOLDER = Path(sys.argv[-1])
 NODES = 96
@@ -38,14 +34,10 @@ found = {}
 
 
 def main():
-    view = bpy.context.preferences.view
-    view.show_splash = view.use_save_prompt = False
-    bpy.context.preferences.system.viewport_aa = "OFF"
+    hand.draw_quickly()
     x = np.linspace(-1.0, 1.0, NODES)
     distance = np.sqrt(x[:, None, None] ** 2 + x[:, None] ** 2 + x**2)
     noise = np.random.default_rng(1).normal(NOISE, 2.0, distance.shape)
-    # Without a graphics card each picture of materials takes many seconds.
-    viewport._show_materials = lambda _shading: None
     np.save(FOLDER / "scan.npy", np.where(distance < 0.6, 100.0 - 100.0 * distance, noise))
     stepwise.run(drive(), found)
 
@@ -70,14 +62,8 @@ def drive():
 
 
 def light():
-    with hand.in_view():
-        bpy.ops.leaflight.import_volume(filepath=str(FOLDER / "scan.npy"))
-        settings = seen.volume().leaflight
-        settings.use_resolution, settings.resolution, settings.error = True, 9, 50.0
-        settings.low, settings.high, settings.isovalue = 2.0, 60.0, BLOB
-        bpy.ops.leaflight.stage()
-        settings.use_time_limit, settings.time_limit = True, 1.0
-        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    hand.stage_file(FOLDER / "scan.npy", 2.0, 60.0, BLOB)
+    hand.press(bpy.ops.leaflight.bake)
     yield from settle()
     bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / "scene.blend"))
 
@@ -148,8 +134,7 @@ def page_size():
 
 def go_live():
     """Moves a lamp and restores it; returns whether Live was at work."""
-    lamps = [obj for obj in bpy.context.scene.objects if obj.type == "LIGHT"]
-    lamp = next(lamp for lamp in lamps if not lamp.hide_render)
+    lamp = hand.lamp()
     bpy.context.scene.leaflight_live = True
     lamp.location.x += 0.1
     yield from hand.steps(8)
@@ -171,23 +156,15 @@ def go_among_noise():
 
 
 def render():
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.samples = "CYCLES", 1
-    scene.render.resolution_x = scene.render.resolution_y = 16
     done = []
     bpy.app.handlers.render_complete.append(lambda *_: done.append(True))
-    with hand.in_view():
-        bpy.ops.render.render("INVOKE_DEFAULT")
+    hand.render()
     yield from stepwise.until(lambda: done)
 
 
 def delete():
     """Returns the numbers of volumes, lit walls and objects that these hide, after each key."""
-    hand.bind(hand.DELETE, "object.delete", {"confirm": False})
-    with hand.in_view():
-        bpy.ops.object.select_all(action="DESELECT")
-        seen.volume().select_set(True)
-        bpy.ops.ed.undo_push(message="Selected")
+    hand.select_volume()
     states = []
     for key, modifiers in (
         (hand.DELETE, {}),
@@ -205,8 +182,7 @@ def delete():
 def open_without_walls():
     """Returns whether a thread lights the walls of a bake that has none."""
     seen.volume().leaflight.light_walls = False
-    with hand.in_view():
-        bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    hand.press(bpy.ops.leaflight.bake)
     yield from settle()
     bpy.ops.wm.save_mainfile()
     begun, with_walls = [], reading.with_walls

@@ -28,6 +28,11 @@ def run(script, found):
             traceback.print_exc()
             _leave(found, 1)
 
+    view = bpy.context.preferences.view
+    view.show_splash = view.use_save_prompt = False
+    view.ui_scale = 1.0
+    # 5.2 crashes when a script presses the button of a browser in a separate window.
+    view.filebrowser_display_type = "SCREEN"
     bpy.app.timers.register(step, first_interval=1.0, persistent=True)
 
 

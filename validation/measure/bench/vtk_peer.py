@@ -5,13 +5,12 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 from leaflight import LeaflightError
-
-SCRIPT = Path(__file__).with_name("vtk_contours.py")
 
 
 class VtkPeer:
@@ -33,7 +32,7 @@ class VtkPeer:
         np.save(folder / "values.npy", np.asarray(values, np.float32))
         np.save(folder / "radiance.npy", radiance)
         self._process = subprocess.Popen(
-            [sys.executable, str(SCRIPT), str(folder)],
+            [sys.executable, __file__, str(folder)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -51,3 +50,52 @@ class VtkPeer:
         self._process.kill()
         self._process.wait()
         self._folder.cleanup()
+
+
+# ---- The process ----
+
+
+def image(array, spacing, components):
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    data = vtkImageData()
+    data.SetDimensions(*array.shape[2::-1])
+    data.SetSpacing(*spacing)
+    values = numpy_to_vtk(array.reshape(-1, components) if components > 1 else array.ravel())
+    data.GetPointData().SetScalars(values)
+    # Keep the array, because VTK does not keep its memory alive.
+    data.array = array
+    return data
+
+
+def main(folder):
+    """Answers each isovalue on a line with [milliseconds, triangles].
+
+    folder: holds values.npy [z, y, x] and radiance.npy [z, y, x, 3].
+    """
+    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkProbeFilter
+
+    values = np.load(folder / "values.npy")
+    radiance = np.load(folder / "radiance.npy")
+    box = np.array(values.shape[::-1]) - 1.0
+    contours = vtkFlyingEdges3D()
+    contours.SetInputData(image(values, (1, 1, 1), 1))
+    contours.ComputeNormalsOff()
+    contours.ComputeGradientsOff()
+    contours.ComputeScalarsOff()
+    probe = vtkProbeFilter()
+    probe.SetInputConnection(contours.GetOutputPort())
+    probe.SetSourceData(image(radiance, box / (np.array(radiance.shape[2::-1]) - 1.0), 3))
+    for line in sys.stdin:
+        contours.SetValue(0, float(line))
+        contours.Modified()
+        start = time.perf_counter()
+        probe.Update()
+        milliseconds = 1e3 * (time.perf_counter() - start)
+        triangles = contours.GetOutput().GetNumberOfPolys()
+        print(json.dumps([milliseconds, triangles]), flush=True)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
