@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tests lookups of indirect light.
+// Tests lookups of indirect light, which use texels in front of the isosurface.
 #include "bake/output/radiance_grid.h"
 
 #include <gtest/gtest.h>
@@ -42,27 +42,64 @@ RadianceGrid<D> grid_of(const Scene<D>& scene, Light light) {
 }
 
 template <int D>
-void expect_linear() {
+void expect_front_alone() {
   const Scene<D> scene = slope<D>({0, 1});
   const Field<D>& field = test::field_of(scene);
-  const auto grid = grid_of(scene, [](const Vec<D>& p) { return 2 + p[0] * p[0]; });
+  const auto linear = [](const Vec<D>& p) { return 2 + 0.1 * p[0] + 0.05 * p[D - 1]; };
+  // Behind the isosurface of 8.4, texels have other light, like the other face of a thin shell.
+  const auto other_behind =
+      grid_of(scene, [&](const Vec<D>& p) { return p[0] > 8.5 ? 100.0 : linear(p); });
+  const auto other_before =
+      grid_of(scene, [&](const Vec<D>& p) { return p[0] < 8.5 ? 100.0 : linear(p); });
   Vec<D> position(5.3);
   position[0] = 8.4;
-  const double expected = 2 + 0.6 * 64 + 0.4 * 81;
-  for (const bool back : {false, true}) {
-    EXPECT_NEAR(radiance_at(grid, field, position, back)[0], expected, 1e-4);
-    std::vector<Vec<D>> all(20, position);
-    std::vector<Vec<3, float>> found(all.size());
-    radiance_at(ShownGrid<D>(grid), field, all, back, found.data());
-    for (const Vec<3, float>& one : found) {
-      EXPECT_EQ(one, radiance_at(grid, field, position, back));
-    }
+  EXPECT_NEAR(radiance_at(other_behind, field, position, false)[0], linear(position), 1e-5);
+  EXPECT_GT(radiance_at(other_behind, field, position, true)[0], 10);
+  std::vector<Vec<D>> all(20, position);
+  std::vector<Vec<3, float>> found(all.size());
+  radiance_at(ShownGrid<D>(other_behind), field, all, false, found.data());
+  for (const Vec<3, float>& one : found) {
+    EXPECT_EQ(one, radiance_at(other_behind, field, position, false));
   }
+  // Backs look towards +x.
+  position[0] = 8.6;
+  EXPECT_NEAR(radiance_at(other_before, field, position, true)[0], linear(position), 1e-5);
+  EXPECT_GT(radiance_at(other_before, field, position, false)[0], 10);
 }
 
-TEST(IndirectLightAtPoints, IsInterpolatedBetweenTexels) {
-  expect_linear<2>();
-  expect_linear<3>();
+TEST(IndirectLightAtPoints, IsThatInFrontOfTheIsosurface) {
+  expect_front_alone<2>();
+  expect_front_alone<3>();
+}
+
+TEST(IndirectLightAtPoints, IsThatOfTexelsAroundWhereNothingWasBakedInFront) {
+  // 1.5 texels in front of the isosurface of 8.4, the value is below the isovalue range.
+  const Scene<3> scene = slope<3>({7.5 / (nodes - 1), 1});
+  const auto grid = grid_of(scene, [](const Vec3& p) { return p.x < 8.5 ? 1.0 : 2.0; });
+  const Vec3 position(8.4, 5.3, 5.3);
+  EXPECT_NEAR(radiance_at(grid, test::field_of(scene), position, false)[0], 1.4, 1e-5);
+}
+
+TEST(IndirectLightAtPoints, IsThatOfTexelsAroundWhereTheFieldTurnsInFront) {
+  // The field has a valley at 7, about 1.5 texels in front of 8.4.
+  auto field = test::sampled<3>(nodes, [](const Vec3& x) {
+    const double from_valley = x.x - 7.0 / (nodes - 1);
+    return from_valley * from_valley;
+  });
+  const Scene<3> scene = test::scene_of(std::move(field), Rgb(1), {0, 1});
+  const auto grid = grid_of(scene, [](const Vec3& p) { return p.x < 8.5 ? 1.0 : 2.0; });
+  const Vec3 position(8.4, 5.3, 5.3);
+  EXPECT_NEAR(radiance_at(grid, test::field_of(scene), position, false)[0], 1.4, 1e-5);
+}
+
+TEST(IndirectLightAtPoints, NeverChangesByMoreThanAFactorOfTwo) {
+  const Scene<3> scene = slope<3>({0, 1});
+  const auto rising = grid_of(scene, [](const Vec3& p) { return std::pow(10.0, p.x - 8); });
+  const auto falling = grid_of(scene, [](const Vec3& p) { return std::pow(10.0, 8 - p.x); });
+  const Vec3 position(8.5, 5, 5);
+  // Half a texel in front, a texel's center has the light 1.
+  EXPECT_NEAR(radiance_at(rising, test::field_of(scene), position, false)[0], 1.45, 1e-4);
+  EXPECT_NEAR(radiance_at(falling, test::field_of(scene), position, false)[0], 0.5, 1e-4);
 }
 
 }  // namespace

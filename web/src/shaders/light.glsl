@@ -27,6 +27,31 @@ vec3 ofTexels(vec3 place, bool isBack) {
   return isBack ? texture(back, at).rgb : texture(front, at).rgb;
 }
 
+#ifdef DIRECT
+bool isLit(vec3 place) {
+  if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(dims - 1)))) return false;
+  float value = valueAt(place);
+  return value >= max(isovalueRange.x, 0.0) && value <= isovalueRange.y;
+}
+
+// Returns indirect light, as core/src/bake/output/radiance_grid.cpp. It is extrapolated from texels
+// in front, if isosurfaces there are parallel to the one at the point. Otherwise it is that of
+// texels around the point.
+vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
+  float size = length(gradient * texelScale);
+  if (size == 0.0) return ofTexels(place, isBack);
+  vec3 ahead = gradient * ((isBack ? 0.5 : -0.5) / size);
+  vec3 near = place + ahead, far = near + 2.0 * ahead;
+  if (!isLit(near) || !isLit(far)) return ofTexels(place, isBack);
+  vec3 distantGradient = gradientAt(far, valueAt(far));
+  float square = max(dot(gradient, gradient), dot(distantGradient, distantGradient));
+  float like = smoothstep(0.0, 1.0, dot(gradient, distantGradient) / square);
+  vec3 close = ofTexels(near, isBack), distant = ofTexels(far, isBack);
+  vec3 inFront = clamp(close + 0.5 * (close - distant), 0.5 * close, 2.0 * close);
+  return mix(ofTexels(place, isBack), inFront, like);
+}
+#endif
+
 // Returns the light of an isosurface by its number.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
   if (!isLocal && !(hit.fromInside && backIs != 0)) {
@@ -35,7 +60,7 @@ vec3 light(vec3 place, Hit hit, float isovalue, int number) {
     vec3 gradient = gradientAt(place, isovalue);
     DirectLight direct = directLight(place, gradient, isovalue, hit.fromInside, coats[number]);
     vec3 own = exposure * emission[number];
-    vec3 others = ofTexels(place, hit.fromInside) - own;
+    vec3 others = indirectLight(place, gradient, hit.fromInside) - own;
     vec3 radiance = max(own + others * indirectFactor, 0.0);
     radiance += exposure / PI * albedo[number] * direct.irradiance;
     return tint[number] * radiance + exposure * direct.reflected;

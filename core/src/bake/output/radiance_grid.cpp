@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/release.h"
 
@@ -71,35 +72,93 @@ Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, fl
 
 namespace {
 
-// The texels that one lookup reads.
+// Compares the isosurfaces at a point with those ahead of it, by their gradients in index
+// coordinates. Returns 1 if both are parallel and equally dense, 0 if the field turns or ends.
+template <int D>
+float likeness(const Vec<D>& here, const Vec<D>& ahead) {
+  const double square = std::max(here.dot(here), ahead.dot(ahead));
+  const double like = square > 0 ? std::max(0.0, here.dot(ahead) / square) : 0;
+  return static_cast<float>(like * like * (3 - 2 * like));
+}
+
+// The texels that one lookup reads. Texels behind an isosurface may belong to the other face of a
+// thin shell. Therefore part of the indirect light is extrapolated from 0.5 and 1.5 texels in front
+// of the point. The part is likeness() of the isosurfaces 1.5 texels ahead. Texels around the point
+// give the rest (docs/decisions/light-of-steep-data.md). They give all light if texels
+// hold the direct light, too.
 template <int D>
 class PointLookup {
  public:
   void find(const ShownGrid<D>& shown, const Field<D>& field, const Vec<D>& index_position,
             bool back) {
+    const TexelLattice<D>& lattice = shown.grid.lattice;
+    in_front_ = 0;
     direct_ = shown.direct_of(back);
     if (direct_) {
       point_ = isosurface_point(field, index_position);
       maps_ = linear_weights(direct_->lattice(), index_position);
+      look_ahead(lattice, field, back);
     }
-    near_ = linear_weights(shown.grid.lattice, index_position);
+    around_ = linear_weights(lattice, index_position);
   }
   void fetch(const Colors& values, bool back) const {
-    prefetch(near_, values);
+    prefetch(around_, values);
+    if (in_front_ > 0) {
+      prefetch(near_, values);
+      prefetch(far_, values);
+    }
     if (direct_) direct_->prefetch(maps_, back);
   }
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colors& values,
                          bool back) const {
-    const Vec<3, float> light = mean(near_, values);
+    const Vec<3, float> light = of_texels(values);
     if (!direct_) return light;
     return shown.scaled(light, field, point_.position) +
            Vec<3, float>(direct_->radiance(point_, maps_, back));
   }
 
  private:
+  // Upper bound on the ratio of extrapolated light to unextrapolated light.
+  static constexpr float most = 2;
+  // Smaller shares in front are ignored.
+  static constexpr float least_share = 0.02f;
+
+  void look_ahead(const TexelLattice<D>& lattice, const Field<D>& field, bool back) {
+    const Vec<D>& gradient = point_.gradient;
+    const double length = (gradient / lattice.voxels_per_texel).length();
+    if (!(length > 0)) return;
+    const Vec<D> half = gradient * ((back ? 0.5 : -0.5) / length);
+    const Vec<D> near = point_.position + half, far = near + half * 2;
+    const IsovalueRange& isovalue_range = direct_->isovalue_range();
+    if (!isovalue_range.contains(value_at(field, near)) ||
+        !isovalue_range.contains(value_at(field, far))) {
+      return;
+    }
+    const float like = likeness<D>(gradient, shading_gradient(field, locate(field, far)));
+    if (like < least_share) return;
+    in_front_ = like;
+    near_ = linear_weights(lattice, near);
+    far_ = linear_weights(lattice, far);
+  }
+  Vec<3, float> of_texels(const Colors& values) const {
+    const Vec<3, float> around = mean(around_, values);
+    if (!(in_front_ > 0)) return around;
+    return around * (1 - in_front_) + extrapolated(values) * in_front_;
+  }
+  Vec<3, float> extrapolated(const Colors& values) const {
+    const Vec<3, float> near = mean(near_, values), far = mean(far_, values);
+    Vec<3, float> light;
+    for (int i = 0; i < 3; ++i) {
+      light[i] = std::clamp(near[i] + 0.5f * (near[i] - far[i]), near[i] / most, near[i] * most);
+    }
+    return light;
+  }
+
   const DirectLight<D>* direct_ = nullptr;
   IsosurfacePoint<D> point_;
-  TexelWeights<D> near_, maps_;  // in the lattice of the grid, and in that of the maps
+  TexelWeights<D> around_, near_, far_;
+  TexelWeights<D> maps_;  // in the lattice of the maps
+  float in_front_ = 0;    // share of the light that is extrapolated, 0..1
 };
 
 // Returns the texels for lookups.
