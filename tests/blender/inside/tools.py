@@ -116,7 +116,7 @@ def assert_shows(obj, isovalue):
 
 
 def change(obj):
-    """Returns why the bake of an object no longer fits the scene, looked up anew."""
+    """Returns why the bake of an object no longer fits the scene, without the cache."""
     staleness.forget()
     return staleness.change_since_bake(bpy.context, obj)
 
