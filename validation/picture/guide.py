@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Inside Blender: ... -- VOLUME FOLDER IMAGES. Makes the pictures of docs/guide.md.
 
-lit_walls: one bake with lit walls at three isovalues. Eevee renders it, so that all colors on the
-walls come from the bake. comparison: the picture of Render Comparison. several_isosurfaces:
-translucent gray matter over white matter, cut by a box. The volume is Colin27 of Debian's
-mricron-data.
+The picture lit_walls shows one bake with lit walls at three isovalues. Eevee renders it, so that
+all colors on the walls come from the bake. The picture comparison is that of Render Comparison. The
+picture several_isosurfaces shows translucent gray matter over white matter, cut by a box. The
+volume is Colin27 of Debian's mricron-data.
 """
 
 import shutil

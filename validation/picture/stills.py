@@ -29,9 +29,9 @@ SWEEP_FRAMES, SWEEP_MILLISECONDS = 48, 90
 class Still:
     """A still.
 
-    isovalue_range, isovalue: in data units; color: the albedo; turn: degrees about the vertical.
-    zoom: factor by which the camera's angle is narrower than Stage's; lights_stage: True if the
-    bake lights the stage, too, otherwise Cycles does, with this many samples.
+    Isovalues are in data units. The color is the albedo. The camera turns by `turn` degrees about
+    the vertical, and its angle is narrower than Stage's by the factor zoom. If lights_stage is
+    True, the bake lights the stage, too. Otherwise Cycles does, with this number of samples.
     """
 
     path: Path

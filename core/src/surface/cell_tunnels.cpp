@@ -11,9 +11,9 @@ namespace {
 
 using CornerValues = std::array<double, 8>;
 
-// Returns the corner of a face, with the given sign, whose region contains the point (u, v) of the
-// face, or -1 if rounding leaves none. u is along the axis after that of the face, v along the one
-// after u.
+// Returns the corner of a face whose region contains the point (u, v) and has the given sign.
+// Returns -1 if rounding leaves none. The axis of u follows that of the face, and the axis of v
+// follows that of u.
 int corner_of(const CornerValues& g, unsigned above, unsigned joined, int face, double u, double v,
               bool sign) {
   const int axis = face / 2, base = (face % 2) << axis;

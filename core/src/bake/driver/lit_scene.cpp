@@ -57,9 +57,9 @@ void LitScene<D>::compute_wall_direct_light() {
 template <int D>
 double LitScene<D>::cost_of_walls() {
   if (!plan.walls) return 0;
-  const bool learned = computed_share_ == wall_detail.share;
+  const bool is_computed = computed_share_ == wall_detail.share;
   const double shadow_rays =
-      learned ? 0 : work_of_shadow_rays(tracer, subdivided(), wall_detail.share);
+      is_computed ? 0 : work_of_shadow_rays(tracer, subdivided(), wall_detail.share);
   return shadow_rays +
          (plan.lines ? work_of_samples(tracer, subdivided(), wall_detail.samples) : 0);
 }

@@ -11,9 +11,6 @@ namespace leaflight {
 template <int D>
 class TexelNeighbors {
  public:
-  // Weight of a neighbor one step away along one axis, relative to the texel itself.
-  static constexpr float beside = 0.6f;
-
   TexelNeighbors(const IndexedLattice<D>& texels, int reach) : texels_(texels), reach_(reach) {
     Index<D> low, high;
     low.fill(-1);
@@ -52,6 +49,9 @@ class TexelNeighbors {
   }
 
  private:
+  // Weight of a neighbor one step away along one axis, relative to the texel itself.
+  static constexpr float beside = 0.6f;
+
   struct Neighbor {
     Index<D> step;
     std::ptrdiff_t offset;
