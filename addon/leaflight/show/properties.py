@@ -133,11 +133,18 @@ class LeaflightSettings(
             description="Isovalue of the displayed surface, in data units",
             min=low,
             max=high,
-            soft_min=max(low, isovalue_range[0]),
-            soft_max=min(high, isovalue_range[1]),
             default=default,
             step=max((high - low) / 255.0, 1e-6),
             precision=3 if high - low > 1.0 else 6,
+        )
+        self.limit_softly(isovalue_range)
+
+    def limit_softly(self, isovalue_range):
+        """Limits the slider softly to the isovalue range, within the data range of before."""
+        limits = self.id_properties_ui("isovalue")
+        low, high = (limits.as_dict()[end] for end in ("min", "max"))
+        limits.update(
+            soft_min=max(low, isovalue_range[0]), soft_max=min(high, isovalue_range[1])
         )
 
 

@@ -128,10 +128,11 @@ def take_over(obj, other):
 
 
 def _turn(obj, up, front):
-    """Orients a volume, and builds its stage again if it has one."""
-    orient(obj, up, front)
-    if obj.leaflight.is_volume:
-        stage.follow(bpy.context, obj)
+    """Orients a volume, and builds its stage again if it has one. Waits for the volumes' files."""
+    with cache.waiting():
+        orient(obj, up, front)
+        if obj.leaflight.is_volume:
+            stage.follow(bpy.context, obj)
 
 
 def orient(obj, up, front):
@@ -143,8 +144,7 @@ def orient(obj, up, front):
     bpy.context.view_layer.update()
     before = obj.matrix_world.copy()
     others = _turning_with(obj)
-    with cache.waiting():
-        low, high = isosurfaces.world_box(obj)
+    low, high = isosurfaces.world_box(obj)
     for volume in (obj, *others):
         volume.leaflight_orientation.front_axis = [*AXES.values()].index(front)
         volume.leaflight_orientation.is_unknown = False

@@ -226,7 +226,7 @@ def _drop_baked_light(scene, volumes):
         frame_bakes.forget(obj.leaflight)
         surface_object.update_all(obj)
         for surface in display.surfaces_of(obj):
-            isovalues.limit(surface)
+            surface.leaflight.limit_softly(isovalues.isovalue_range(obj.leaflight))
     return was_lit
 
 
