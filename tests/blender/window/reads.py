@@ -204,8 +204,8 @@ def press():
         "bake": refused(bpy.ops.leaflight.bake),
         "continue": refused(bpy.ops.leaflight.continue_bake),
     }
-    export = FOLDER / "ball.vti"
-    refused(bpy.ops.leaflight.export, filepath=str(export), file_type=".vti", asked=True)
+    export = FOLDER / "ball.am"
+    refused(bpy.ops.leaflight.export, filepath=str(export), file_type=".am", asked=True)
     yield from hand.steps(4)
     held = {**shown(), "exported": export.exists(), "at work": seen.SEEN["at work"]()}
     yield from release()
