@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,6 +44,27 @@ inline py::array adopt(VoxelBuffer&& voxels, std::vector<py::ssize_t> shape) {
         return adopt<Value>(std::move(values), std::move(shape));
       },
       std::move(voxels));
+}
+
+// NumPy's type of an array of voxels.
+template <class Value>
+using VoxelArray = py::array_t<Value, py::array::c_style>;
+
+// Keeps an array alive as long as its voxels are used. Releasing it needs the interpreter's lock.
+template <class Value>
+std::shared_ptr<const void> kept(const VoxelArray<Value>& values) {
+  return {new VoxelArray<Value>(values), [](const void* p) {
+            const py::gil_scoped_acquire lock;
+            delete static_cast<const VoxelArray<Value>*>(p);
+          }};
+}
+
+// Returns a number of voxels along an axis.
+inline int to_dim(py::ssize_t n) {
+  if (n > std::numeric_limits<int>::max()) {
+    throw Error("The volume is too large; crop or resample it.");
+  }
+  return static_cast<int>(n);
 }
 
 inline py::ssize_t rows(const py::array& array, py::ssize_t columns, const char* what) {

@@ -12,19 +12,6 @@
 namespace leaflight::python {
 namespace {
 
-// NumPy's type of an array of voxels.
-template <class Value>
-using VoxelArray = py::array_t<Value, py::array::c_style>;
-
-// Keeps an array alive as long as a field. Releasing it needs the interpreter's lock.
-template <class Value>
-std::shared_ptr<const void> kept(const VoxelArray<Value>& values) {
-  return {new VoxelArray<Value>(values), [](const void* p) {
-            const py::gil_scoped_acquire lock;
-            delete static_cast<const VoxelArray<Value>*>(p);
-          }};
-}
-
 template <int D, class Value>
 Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to_world) {
   if (values.ndim() != D) {
@@ -33,11 +20,7 @@ Field<D> field_from(const VoxelArray<Value>& values, const DoubleArray& index_to
   }
   Index<D> dims;
   for (int a = 0; a < D; ++a) {
-    const py::ssize_t n = values.shape(D - 1 - a);
-    if (n > std::numeric_limits<int>::max()) {
-      throw Error("The volume is too large; crop or resample it.");
-    }
-    dims[a] = static_cast<int>(n);
+    dims[a] = to_dim(values.shape(D - 1 - a));
   }
   std::shared_ptr<const void> owner = kept(values);
   const Value* data = values.data();

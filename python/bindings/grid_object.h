@@ -7,19 +7,23 @@
 
 namespace leaflight::python {
 
-// A radiance grid for Python, with its lights as baked or at other strengths.
+// A radiance grid for Python, with its lights and texture as baked or changed.
 template <int D>
 struct GridObject {
   std::shared_ptr<RadianceGrid<D>> baked;
   std::shared_ptr<const Field<D>> field;         // the lit field; null: lights as baked
   std::shared_ptr<const DirectLight<D>> direct;  // null without a field
   Vec<3, float> indirect{1, 1, 1};
+  std::shared_ptr<const VolumeTexture<D>> texture;  // null: none
 
   explicit GridObject(RadianceGrid<D>&& grid)
-      : baked(std::make_shared<RadianceGrid<D>>(std::move(grid))) {}
+      : baked(std::make_shared<RadianceGrid<D>>(std::move(grid))), texture(baked->texture) {}
 
   ShownGrid<D> shown() const {
-    return field ? ShownGrid<D>(*baked, direct.get(), indirect) : ShownGrid<D>(*baked);
+    ShownGrid<D> shown =
+        field ? ShownGrid<D>(*baked, direct.get(), indirect) : ShownGrid<D>(*baked);
+    shown.texture = texture.get();
+    return shown;
   }
 };
 

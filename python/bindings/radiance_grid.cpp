@@ -37,15 +37,18 @@ std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool 
   const std::vector<Vec<3, float>>& all = side_of(from, back);
   const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
-  if (!grid.field) return indirect_alone ? indirect : all;
+  if (!grid.field && !grid.texture) return indirect_alone ? indirect : all;
   const ShownGrid<D> shown = grid.shown();
-  std::vector<Vec<3, float>> texels(indirect.size());
+  std::vector<Vec<3, float>> texels = indirect_alone ? indirect : all;
   const py::gil_scoped_release unlocked;
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
     const Vec<D> center = from.lattice.center(from.lattice.active[s]);
-    texels[s] = shown.scaled(indirect[s], *grid.field, center);
-    if (!indirect_alone)
-      texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
+    if (grid.field) {
+      texels[s] = shown.scaled(indirect[s], *grid.field, center);
+      if (!indirect_alone)
+        texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
+    }
+    texels[s] = shown.textured(texels[s], center);
   });
   return texels;
 }
@@ -83,7 +86,8 @@ Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
   const RadianceGrid<D>& grid = shown.grid;
   const auto& texels = back ? grid.radiance_back_indirect : grid.radiance_indirect;
-  return shown.scaled(lookup(grid.lattice, texels, index_position), field, index_position);
+  const Vec<3, float> light = lookup(grid.lattice, texels, index_position);
+  return shown.textured(shown.scaled(light, field, index_position), index_position);
 }
 
 template <int D, class Array>
@@ -222,6 +226,16 @@ void bind_grid(py::module_& module, const std::string& suffix) {
         [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
         "DirectLight that lookups add; None: texels contain all light. A bake in passes has\n"
         "it. A grid from a file gets it by assignment.");
+    grid.def(
+        "with_texture",
+        [](const Grid& g, const std::optional<std::shared_ptr<VolumeTexture<D>>>& texture) {
+          Grid textured = g;
+          textured.texture = texture.value_or(nullptr);
+          return textured;
+        },
+        py::arg("texture"),
+        "Returns the grid with another texture, VolumeTexture.on() its field, by which lookups\n"
+        "multiply the light; None: no texture. A grid from a file has none. Shares the texels.");
     grid.def(
         "moved",
         [](const Grid& g, const std::shared_ptr<Field<D>>& field,

@@ -129,6 +129,61 @@ Environment<2> make_environment_2(const std::string& name, const Tuple<3>& radia
   return {name, to_color(radiance), nullptr, {{Vec<2>(1, 0), Vec<2>(0, 1)}}};
 }
 
+template <class Value>
+bool add_channel(const py::array& array, std::vector<VolumeTexture<3>::Channel>& channels) {
+  if (!py::isinstance<VoxelArray<Value>>(array)) return false;
+  const auto values = py::reinterpret_borrow<VoxelArray<Value>>(array);
+  channels.push_back({values.data(), kept(values)});
+  return true;
+}
+
+std::shared_ptr<VolumeTexture<3>> make_volume_texture(const std::vector<py::array>& channels,
+                                                      const DoubleArray& index_to_world,
+                                                      const Stops& colors, bool nearest) {
+  auto texture = std::make_shared<VolumeTexture<3>>();
+  for (const py::array& array : channels) {
+    if (array.ndim() != 3 || array.size() == 0) {
+      throw Error("The values of a texture must be an array [z, y, x].");
+    }
+    Index<3> dims;
+    for (int a = 0; a < 3; ++a) dims[a] = to_dim(array.shape(2 - a));
+    if (!texture->channels.empty() && dims != texture->dims) {
+      throw Error("The channels of a texture differ in their shape; give three equal ones.");
+    }
+    texture->dims = dims;
+    if (!(add_channel<float>(array, texture->channels) ||
+          add_channel<std::uint8_t>(array, texture->channels) ||
+          add_channel<std::int16_t>(array, texture->channels) ||
+          add_channel<std::uint16_t>(array, texture->channels))) {
+      throw Error("The values of a texture must be float32, uint8, int16 or uint16.");
+    }
+  }
+  if (texture->channels.size() != 1 && texture->channels.size() != 3) {
+    throw Error("A texture has one channel, or three for red, green and blue.");
+  }
+  const Affine<3> to_world = to_affine<3>(index_to_world);
+  const double size = determinant(to_world);
+  if (!std::isfinite(size) || size == 0) {
+    throw Error("The transform of a texture cannot be inverted; correct its matrix.");
+  }
+  texture->to_texture = inverse(to_world);
+  texture->colors = to_ramp(colors);
+  texture->nearest = nearest;
+  return texture;
+}
+
+// Returns a copy that takes index positions of a field in place of world positions.
+std::shared_ptr<VolumeTexture<3>> texture_on(const VolumeTexture<3>& texture,
+                                             const Field<3>& field) {
+  auto copy = std::make_shared<VolumeTexture<3>>(texture);
+  const Affine<3>& to_world = field.index_to_world;
+  copy->to_texture.origin = texture.to_texture.point(to_world.origin);
+  for (int a = 0; a < 3; ++a) {
+    copy->to_texture.column[a] = texture.to_texture.vector(to_world.column[a]);
+  }
+  return copy;
+}
+
 template <int D>
 Volume<D> make_volume(const std::string& name, const Field<D>& field, const Stops& albedo,
                       const Stops& emission, const std::string& scattering, double ior,
@@ -140,7 +195,8 @@ Volume<D> make_volume(const std::string& name, const Field<D>& field, const Stop
           scattering_from(scattering, "the volume '" + name + "'"),
           ior,
           offset,
-          scale};
+          scale,
+          nullptr};
 }
 
 template <int D>
@@ -241,8 +297,9 @@ void bind_objects(py::module_& module, const std::string& suffix) {
           "Texture that multiplies the albedo; uv: (m, D, 2), per corner.")
       .def_readonly("name", &Mesh<D>::name);
 
-  py::class_<Volume<D>>(module, ("Volume" + suffix).c_str(),
-                        "A field and the material of its isosurfaces.")
+  py::class_<Volume<D>> volume_class(module, ("Volume" + suffix).c_str(),
+                                     "A field and the material of its isosurfaces.");
+  volume_class
       .def(py::init(&make_volume<D>), py::arg("name"), py::arg("field"), py::arg("albedo"),
            py::arg("emission") = Stops{{0, black}}, py::arg("scattering") = "diffuse",
            py::arg("ior") = 1.5, py::arg("offset") = 0.0, py::arg("scale") = 1.0,
@@ -258,6 +315,15 @@ void bind_objects(py::module_& module, const std::string& suffix) {
            py::arg("isovalues"), py::arg("environment") = py::none(),
            "isovalues: (low, high) of the common isovalue. Raises LeaflightError with the name\n"
            "of the invalid object.");
+
+  if constexpr (D == 3) {
+    volume_class.def(
+        "set_texture",
+        [](Volume<D>& v, const VolumeTexture<D>& texture) {
+          v.texture = texture_on(texture, v.field);
+        },
+        py::arg("texture"), "Sets the VolumeTexture that multiplies the albedo.");
+  }
 }
 
 }  // namespace
@@ -266,6 +332,27 @@ void bind_scene(py::module_& module) {
   py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture", "An image over (u, v).")
       .def(py::init(&make_texture), py::arg("pixels"),
            "pixels: float32 [row, column, RGB], linear, bottom row first.");
+  py::class_<VolumeTexture<3>, std::shared_ptr<VolumeTexture<3>>>(
+      module, "VolumeTexture", "Colors over the domain of a volume.")
+      .def(
+          py::init(&make_volume_texture), py::arg("channels"), py::arg("index_to_world"),
+          py::arg("colors"), py::arg("nearest") = false,
+          "channels: one array [z, y, x], C-contiguous, kept by reference, or three of one shape\n"
+          "for red, green and blue; float32, uint8, int16 or uint16. index_to_world: 4 x 4.\n"
+          "colors: [(value, linear RGB in 0..1), ...] in ascending values; each of three channels\n"
+          "takes its component. nearest: takes the value of the nearest voxel, as for labels.\n"
+          "It is white where there is no value.")
+      .def(
+          "at",
+          [](const VolumeTexture<3>& texture, const DoubleArray& array) {
+            std::vector<Vec<3, float>> colors;
+            for (const Vec3& point : to_points<3>(array)) colors.emplace_back(texture.at(point));
+            const auto n = static_cast<py::ssize_t>(colors.size());
+            return adopt<float>(std::move(colors), {n, 3});
+          },
+          py::arg("points"), "Returns the colors, float32 (n, 3), at world points (n, 3).")
+      .def("on", &texture_on, py::arg("field"),
+           "Returns the texture over index positions of a field, for RadianceGrid.with_texture.");
   bind_lights<3>(module, "");
   bind_objects<3>(module, "");
   bind_lights<2>(module, "2");

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -231,6 +231,26 @@ class Texture:
         """
         pixels: float32 [row, column, RGB], linear, bottom row first.
         """
+class VolumeTexture:
+    """
+    Colors over the domain of a volume.
+    """
+    def __init__(self, channels: collections.abc.Sequence[numpy.ndarray], index_to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], colors: collections.abc.Sequence[tuple[typing.SupportsFloat | typing.SupportsIndex, typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"]]], nearest: bool = False) -> None:
+        """
+        channels: one array [z, y, x], C-contiguous, kept by reference, or three of one shape
+        for red, green and blue; float32, uint8, int16 or uint16. index_to_world: 4 x 4.
+        colors: [(value, linear RGB in 0..1), ...] in ascending values; each of three channels
+        takes its component. nearest: takes the value of the nearest voxel, as for labels.
+        It is white where there is no value.
+        """
+    def at(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
+        """
+        Returns the colors, float32 (n, 3), at world points (n, 3).
+        """
+    def on(self, field: Field) -> VolumeTexture:
+        """
+        Returns the texture over index positions of a field, for RadianceGrid.with_texture.
+        """
 class AreaLight:
     """
     A rectangle, or the ellipse in it, that emits towards edge_u x edge_v. It neither
@@ -300,6 +320,10 @@ class Volume:
         """
         albedo, emission: [(common isovalue, linear RGB), ...] in ascending order; the isosurface
         coordinate c shows the isovalue offset + scale c.
+        """
+    def set_texture(self, texture: VolumeTexture) -> None:
+        """
+        Sets the VolumeTexture that multiplies the albedo.
         """
     @property
     def name(self) -> str:
@@ -519,6 +543,11 @@ class RadianceGrid:
         Returns the grid of the lit field with other strengths of the scene's lights:
         factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
         except emission. Shares the texels. Requires can_be_relit.
+        """
+    def with_texture(self, texture: VolumeTexture | None) -> RadianceGrid:
+        """
+        Returns the grid with another texture, VolumeTexture.on() its field, by which lookups
+        multiply the light; None: no texture. A grid from a file has none. Shares the texels.
         """
     @property
     def can_be_relit(self) -> bool:

@@ -135,7 +135,7 @@ BAD = [
     (["meshes", 1, "texture"], "nowhere.png", 'mesh "wall".*nowhere.png: there is no such'),
     (["meshes", 1, "texture"], "wood.gif", 'mesh "wall".*wood.gif.*choose one of'),
     (["meshes", 1, "texture"], 7, 'mesh "wall": texture.*object'),
-    (["meshes", 1, "texture", "width"], 3, 'mesh "wall": texture.*3 x 1'),
+    (["meshes", 1, "texture", "width"], 3, 'mesh "wall": texture.*does not hold 9'),
     (["meshes", 1, "texture", "width"], 10**9, 'mesh "wall": texture.*width'),
     (["meshes", 1, "texture", "pixels"], "nonsense", 'mesh "wall": texture.*pixels'),
     (["lights", 0, "radiance"], [-1, 0, 0], 'light "lamp".*radiance.*not negative'),

@@ -19,6 +19,7 @@ from leaflight.scene.scene import (
     SceneDescription,
     SunLight,
 )
+from leaflight.scene.volume_texture import VolumeTexture, label_colors, texture_of
 from leaflight.volume.particles import lapr
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -105,6 +106,39 @@ def shadows():
     return leaflight.bake(volume, scene, both_sides=True, walls=True, **settings)
 
 
+def colored():
+    """Returns waves over the whole box, whose color another volume gives; no walls."""
+    return _with_texture(texture_of(_inner(np.sin), "CET_D1"))
+
+
+def labeled():
+    """Returns the same colored by labels, which cover a part of it."""
+    labels = replace(_inner(np.sin), values=(_inner(np.sin).values > 0).astype(np.uint8))
+    return _with_texture(VolumeTexture((labels,), label_colors(labels.values), nearest=True))
+
+
+def _inner(wave):
+    """Returns a volume of 12 x 10 x 14 voxels within the box of _with_texture()."""
+    z, y, x = np.mgrid[:14, :10, :12].astype(np.float32)
+    matrix = np.diag([0.07, 0.09, 0.06, 1.0])
+    matrix[:3, 3] = 0.1, 0.1, 0.05
+    return leaflight.Volume(wave(0.7 * x + 0.3 * y + 0.2 * z), matrix, "inner")
+
+
+def _with_texture(texture):
+    z, y, x = np.mgrid[:36, :40, :44].astype(np.float32)
+    values = 80 - 4 * z + 8 * np.sin(0.35 * x) * np.sin(0.3 * y)
+    volume = leaflight.Volume(values, np.diag([0.025, 0.025, 0.025, 1.0]), "waves")
+    lights = [
+        SunLight("sun", (0.5, 0.3, -math.sqrt(1 - 0.34)), (0.9, 0.8, 0.6)),
+        PointLight("below", (0.6, 0.3, -0.7), 0.0, (1.5, 0.6, 0.6)),
+    ]
+    material = Isosurfaces("waves", (0.9, 0.8, 0.9), texture=texture)
+    scene = SceneDescription("colored", [material], 1.2, [], lights)
+    settings = {"isovalues": (-20.0, 60.0), "resolution": 40, "error": 5.0}
+    return leaflight.bake(volume, scene, both_sides=True, **settings)
+
+
 def ball():
     """Returns a ball around the origin, lit by one point light."""
     z, y, x = (np.mgrid[:41, :41, :41] - 20.0) / 20.0
@@ -131,7 +165,10 @@ def noisy():
     return leaflight.bake(volume.capped(), isovalues=(100.5, 160.5), resolution=36, **WORK)
 
 
-MAKERS = {maker.__name__: maker for maker in (box, brain, oblong, two, shadows, ball, noisy)}
+MAKERS = {
+    maker.__name__: maker
+    for maker in (box, brain, oblong, two, shadows, colored, labeled, ball, noisy)
+}
 
 
 @pytest.fixture(scope="session")

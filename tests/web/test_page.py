@@ -130,6 +130,17 @@ def test_lamps_change_as_in_relit(browser, bakes, pages):
     check_like_still(browser, with_lamps(relit, {0: (3.0, None)}))
 
 
+@pytest.mark.parametrize("name", ["colored", "labeled"])
+def test_another_volume_colors_isosurfaces_as_in_the_core(browser, bakes, pages, name):
+    bake = bakes(name)
+    browser.open(pages(name).as_uri(), SIZE)
+    check_like_still(browser, bake)
+    browser.evaluate("leaflight.view.orbit.turn(-60, -60, 1.2)")
+    check_like_still(browser, bake)
+    browser.click("#local")
+    check_like_still(browser, bake, local=True)
+
+
 def is_local(url):
     return url.startswith(("data:", "blob:"))
 

@@ -49,6 +49,16 @@ export interface VolumeData {
   backIs: 'baked' | 'dark' | 'local';
   albedo: Stops;
   emission: Stops;
+  texture: TextureData | null;
+}
+
+// Colors that multiply the albedo.
+export interface TextureData {
+  nodes: Vector; // along x, y, z
+  colors: number; // block: sRGB bytes
+  fromIndex: number[]; // 4 x 4, by rows: from index positions of the volume to 0..1
+  margin: Vector; // by which they are valid below 0 and above 1
+  nearest: boolean;
 }
 
 export interface WallData {
@@ -121,7 +131,7 @@ export interface Header {
   blocks: [number, number, number][]; // first byte, bytes, inflated bytes
 }
 
-const FORMAT = 6;
+const FORMAT = 7;
 
 const READ_SHARE = 0.4; // share of reading the file in the work
 

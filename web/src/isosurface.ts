@@ -7,6 +7,7 @@ import {
   type Bake,
   type Header,
   type LightData,
+  type TextureData,
   type Vector,
   type VolumeData,
   rampAt,
@@ -61,6 +62,7 @@ export class Isosurface {
       ...volumeTextures(codes, data.dims),
       ...normalTextures(codes, data),
       ...(await lightTextures(bake, data.light)),
+      ...(data.texture && (await colorTexture(bake, data.texture))),
       ...(data.direct && (await mapTextures(bake, data, data.direct, codes))),
     };
     return new Isosurface(bake.header, data, textures);
@@ -71,7 +73,7 @@ export class Isosurface {
     private readonly data: VolumeData,
     textures: Record<string, three.Texture>,
   ) {
-    this.indexToWorld.set(...(data.indexToWorld as Parameters<three.Matrix4['set']>));
+    this.indexToWorld.copy(matrixOf(data.indexToWorld));
     this.worldToIndex = this.indexToWorld.clone().invert();
     this.waysToIndex = new three.Matrix3().setFromMatrix4(this.worldToIndex);
     const last = data.dims.map((n) => n - 1) as Vector;
@@ -83,6 +85,7 @@ export class Isosurface {
       defines: {
         ...(data.direct && { DIRECT: '' }),
         ...(data.smoothNormals > 0 && { SMOOTH_NORMALS: '' }),
+        ...(data.texture && { TEXTURE: '' }),
       },
       side: three.BackSide,
       transparent: true,
@@ -200,6 +203,10 @@ function uniformsOf(
     texelScale: new three.Vector3(...texelScale),
     textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
     ...(data.direct && mapUniforms(data.direct)),
+    ...(data.texture && {
+      toPigment: matrixOf(data.texture.fromIndex),
+      pigmentMargin: new three.Vector3(...data.texture.margin),
+    }),
     backHasMaps: data.direct !== null && data.direct.back !== null,
     backIs: ['baked', 'dark', 'local'].indexOf(data.backIs),
     indexToWorld,
@@ -224,6 +231,21 @@ function normalTextures(codes: Codes, data: VolumeData): Record<string, three.Te
   const smooth = smoothCodes(codes, data);
   const values = quads(smooth, data.dims);
   return { smoothValues: integerTexture(values, data.dims, three.RGBAIntegerFormat) };
+}
+
+// Returns a matrix from numbers by rows.
+function matrixOf(numbers: number[]): three.Matrix4 {
+  return new three.Matrix4().set(...(numbers as Parameters<three.Matrix4['set']>));
+}
+
+async function colorTexture(bake: Bake, data: TextureData): Promise<Record<string, three.Texture>> {
+  const colors = await bake.block(data.colors, 1);
+  const texels = new Uint8Array((4 * colors.length) / 3);
+  for (let i = 0; 3 * i < colors.length; ++i) texels.set(colors.subarray(3 * i, 3 * i + 3), 4 * i);
+  const texture = new three.Data3DTexture(texels, ...data.nodes);
+  texture.internalFormat = 'SRGB8_ALPHA8';
+  texture.minFilter = texture.magFilter = data.nearest ? three.NearestFilter : three.LinearFilter;
+  return { pigment: given(texture) };
 }
 
 interface LightTextures {

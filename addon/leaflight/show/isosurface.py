@@ -2,6 +2,7 @@
 """An isosurface of an object's volume, with the radiance of its bake."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import leaflight._core as _core
 import numpy as np
@@ -9,11 +10,13 @@ from leaflight import LeaflightError
 
 from ..store import cache, source_files
 from ..store.reading import StillReading
-from . import display, lamps, preview
+from . import display, lamps, preview, texture
 
 # Color attributes: radiance that leaves the front of the surface, and the back if it is baked.
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
+# Color attribute: factor of a texture on the albedo.
+TEXTURE = "texture"
 
 # Approximate number of voxels for an estimate of the size of an isosurface.
 _COUNTED = 1 << 20
@@ -29,6 +32,7 @@ class Isosurface:
     halvings: Number of times that the resolution is halved. None is the full detail, to which light
         adds vertices.
     dust: Length below which connected parts are left out.
+    colors: Function from points (n, 3) to the colors (n, 3) of a texture, or None.
     """
 
     volume: object
@@ -37,6 +41,7 @@ class Isosurface:
     largest_step: float
     halvings: int = None
     dust: float = 0.0
+    colors: object = None
 
     def mesh(self):
         """Returns (vertices, normals, triangles), in any thread. Raises LeaflightError."""
@@ -48,14 +53,18 @@ class Isosurface:
         return vertices, normals, triangles
 
     def radiance(self, points):
-        """Returns {name of an attribute: baked radiance (n, 3)} at points (n, 3)."""
+        """Returns {name of an attribute: baked radiance, or color (n, 3)} at points (n, 3)."""
+        found = self._texture(points)
         if self.grid is None:
-            return {}
+            return found
         field = self.volume.field()
-        radiance = {RADIANCE: self.grid.lookup(field, points)}
+        found[RADIANCE] = self.grid.lookup(field, points)
         if self.grid.has_back:
-            radiance[RADIANCE_BACK] = self.grid.lookup(field, points, back=True)
-        return radiance
+            found[RADIANCE_BACK] = self.grid.lookup(field, points, back=True)
+        return found
+
+    def _texture(self, points):
+        return {} if self.colors is None else {TEXTURE: self.colors(points)}
 
     def made(self):
         """Returns (vertices, triangles, {name of an attribute: radiance}, count).
@@ -77,6 +86,7 @@ class Isosurface:
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
         named = zip((RADIANCE, RADIANCE_BACK), sides)
         radiance = {name: side for name, side in named if side is not None}
+        radiance |= self._texture(vertices)
         return vertices, triangles, radiance, count
 
     def is_coarse(self):
@@ -131,11 +141,18 @@ def isosurface_of(obj, isovalue, halvings=None):
         raise
     except LeaflightError:
         lit = False
-    dust = obj.leaflight_look.dust * _voxel_size(volume)
+    shape = halvings, obj.leaflight_look.dust * _voxel_size(volume)
+    owner, colors = display.volume_object(obj), None
+    on_volume = texture.texture_on(owner, volume.field())
+    if on_volume is not None:
+        colors = partial(texture.colors_at, owner)
     if not lit:
-        return Isosurface(volume, isovalue, None, np.inf, halvings, dust)
+        return Isosurface(volume, isovalue, None, np.inf, *shape, colors)
     bake, index = lit_by(obj)
-    return Isosurface(volume, isovalue, bake.grids[index], bake.largest_step, halvings, dust)
+    grid = bake.grids[index]
+    if on_volume is not None:
+        grid = grid.with_texture(on_volume)
+    return Isosurface(volume, isovalue, grid, bake.largest_step, *shape, colors)
 
 
 def estimate_triangles(volume, isovalue):

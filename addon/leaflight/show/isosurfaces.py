@@ -6,6 +6,7 @@ from leaflight import LeaflightError
 from leaflight.scene.scene import Isosurfaces, is_color, ramp_at
 
 from ..store import cache
+from . import texture
 
 
 def export_isosurfaces(obj, several):
@@ -23,6 +24,7 @@ def export_isosurfaces(obj, several):
         ior=settings.isosurface_ior,
         isovalues=(settings.low, settings.high) if several else None,
         capped=settings.capped,
+        texture=texture.world_texture(obj),
     )
 
 

@@ -9,8 +9,8 @@ from leaflight.volume.backs import MOSTLY, back_shares
 from .. import session, versions
 from ..store import cache
 from ..translations import iface_
-from . import display, isosurface, isosurfaces, shader_graph
-from .isosurface import RADIANCE_BACK
+from . import display, isosurface, isosurfaces, shader_graph, texture
+from .isosurface import RADIANCE_BACK, TEXTURE
 
 # Note in panels if a color is not the baked one.
 NEW_COLOR = "Indirect light still uses the baked color: bake again"
@@ -33,7 +33,8 @@ def view_of(obj):
     others = (o for o in display.surfaces_of(volume) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
-    return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy)
+    name = TEXTURE if texture.volume_that_colors(volume) is not None else ""
+    return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy, name)
 
 
 def _is_translucent(obj):

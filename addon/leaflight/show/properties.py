@@ -2,8 +2,9 @@
 """The properties of an object about its volume and its bake: Object.leaflight."""
 
 import bpy
+from leaflight.color_maps import MAPS
 
-from . import isovalues, surface_object, walls
+from . import isovalues, surface_object, texture, walls
 from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
@@ -26,6 +27,23 @@ SCATTERING_ITEMS = [
 def _shading_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
         surface_object.shade_all(settings.id_data)
+
+
+def _can_color(settings, obj):
+    return obj.leaflight.is_volume and obj != settings.id_data
+
+
+def _texture_chosen(settings, _context):
+    """Hides the volume of the colors, and shows its whole range."""
+    other = texture.volume_that_colors(settings.id_data)
+    if other is not None:
+        settings["texture_low"], settings["texture_high"] = texture.begin(other)
+    _texture_changed(settings, _context)
+
+
+def _texture_changed(settings, _context):
+    if settings.id_data.leaflight.is_volume:
+        surface_object.update_all(settings.id_data)
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):
@@ -52,6 +70,33 @@ class Isosurfaces:
         LeaflightColorStop, "Color Ramp", "Albedo as a function of the isovalue"
     )
     isosurface_stop: IntProperty("Active Stop")
+    texture_volume: PointerProperty(
+        bpy.types.Object,
+        "Color By",
+        "Volume whose values color the isosurfaces of this one. It is hidden",
+        poll=_can_color,
+        update=_texture_chosen,
+    )
+    texture_map: EnumProperty(
+        "Color Map",
+        "Colors from the lowest to the highest value",
+        [(key, name, text) for key, (name, text, _) in MAPS.items()],
+        update=_texture_changed,
+    )
+    texture_low: FloatProperty(
+        "From", "Value at the lower end of the color map, in data units", update=_texture_changed
+    )
+    texture_high: FloatProperty(
+        "To",
+        "Value at the upper end of the color map, in data units",
+        1.0,
+        update=_texture_changed,
+    )
+    texture_labels: BoolProperty(
+        "Labels",
+        "Give each whole number its own color, without colors between them",
+        update=_texture_changed,
+    )
     isosurface_ior: FloatProperty(
         "IOR",
         "Index of refraction of the inside of the isosurfaces",
@@ -143,9 +188,7 @@ class LeaflightSettings(
         """Limits the slider softly to the isovalue range, within the data range of before."""
         limits = self.id_properties_ui("isovalue")
         low, high = (limits.as_dict()[end] for end in ("min", "max"))
-        limits.update(
-            soft_min=max(low, isovalue_range[0]), soft_max=min(high, isovalue_range[1])
-        )
+        limits.update(soft_min=max(low, isovalue_range[0]), soft_max=min(high, isovalue_range[1]))
 
 
 class LeaflightSceneSettings(bpy.types.PropertyGroup):

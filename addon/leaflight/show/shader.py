@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import versions
 from ..store import bake_files
-from .shader_graph import COAT, GLOSS, OPACITY, RECOLOR, Graph, View
+from .shader_graph import ALBEDO, COAT, GLOSS, OPACITY, RECOLOR, Graph, View
 
 # Properties of an atlas image: the comments of its header, and True for the back.
 ATLAS, BACK = "leaflight_atlas", "leaflight_back"
@@ -46,6 +46,8 @@ def set_albedo(material, albedo):
     """Sets the color of every reflecting node of a material that was built here."""
     color = (*albedo, 1.0)
     for node in material.node_tree.nodes:
+        if node.name == ALBEDO and not np.allclose(node.inputs[1].default_value, albedo):
+            node.inputs[1].default_value = albedo
         if node.type in {"BSDF_DIFFUSE", "BSDF_GLOSSY", "BSDF_GLASS"} and node.name != COAT:
             if not np.allclose(node.inputs[0].default_value, color, rtol=0, atol=1e-7):
                 node.inputs[0].default_value = color

@@ -12,6 +12,8 @@ from .. import versions
 # Names of nodes whose values change without a new build: opacity of the surface, change of the
 # baked albedo, strength and roughness of the coat.
 OPACITY, RECOLOR, GLOSS, COAT = "opacity", "recolor", "gloss", "coat"
+# Name of a node: the albedo that a texture multiplies.
+ALBEDO = "albedo"
 
 
 @dataclass(frozen=True)
@@ -33,12 +35,14 @@ class View:
     lies_among: True if it is one of several translucent surfaces.
     cut: A Cut or None.
     is_glossy: True if it has a coat, which reflects the scene's lamps.
+    texture: Name of the color attribute that multiplies the albedo, or an empty text.
     """
 
     is_translucent: bool = False
     lies_among: bool = False
     cut: object = None
     is_glossy: bool = False
+    texture: str = ""
 
 
 class Graph:
@@ -93,13 +97,21 @@ class Graph:
         return self.node("ShaderNodeAttribute", attribute_name=name).outputs["Color"]
 
     def lambertian(self):
-        return self.node("ShaderNodeBsdfDiffuse").outputs[0]
+        return self._colored(self.node("ShaderNodeBsdfDiffuse")).outputs[0]
+
+    def _colored(self, node):
+        """Gives a reflecting node the color of the texture."""
+        if self._view.texture:
+            texture = self.attribute(self._view.texture)
+            color = self.vector("MULTIPLY", texture, (1, 1, 1), name=ALBEDO)
+            self.connect(color, node.inputs[0])
+        return node
 
     def reflecting(self, scattering, ior):
         if scattering == "DIFFUSE":
             return self.lambertian()
         kind = "ShaderNodeBsdfGlass" if scattering == "GLASS" else "ShaderNodeBsdfGlossy"
-        node = self.node(kind)
+        node = self._colored(self.node(kind))
         for socket in node.inputs:
             if socket.identifier in {"Roughness", "IOR"}:
                 socket.default_value = ior if socket.identifier == "IOR" else 0.0

@@ -16,7 +16,7 @@ from leaflight import LeaflightError
 from .. import session
 from ..store import bake_files
 from ..store.reading import StillReading
-from . import display, isosurface, lamps, preview, surface_material
+from . import display, isosurface, lamps, preview, surface_material, texture
 from .fill import color, fill
 
 # Approximate limit of the triangles of a surface while its isovalue moves.
@@ -320,6 +320,7 @@ def _wanted(obj, isovalue):
     smooth = f"{settings.smooth} {settings.smooth_normals}"
     shape = f"{smooth} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
+    volume += texture.label_of(volume_object)
     isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)
     if seen is None:
         light = f"{settings.bake_id} {settings.bake_index}"

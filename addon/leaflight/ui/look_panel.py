@@ -7,7 +7,7 @@ from leaflight import LeaflightError
 from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..operators.checks import active_volume
-from ..show import data_faces, display, look, surface_material
+from ..show import data_faces, display, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline
@@ -45,6 +45,14 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         buttons.operator(looks.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
         if settings.isosurface_stops:
             buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
+        layout.prop(settings, "texture_volume")
+        if texture.volume_that_colors(volume) is not None:
+            layout.prop(settings, "texture_labels")
+            if not settings.texture_labels:
+                layout.prop(settings, "texture_map")
+                column = layout.column(align=True)
+                column.prop(settings, "texture_low")
+                column.prop(settings, "texture_high")
         column = layout.column(align=True)
         column.prop(settings, "isosurface_emission")
         column.prop(settings, "isosurface_emission_strength")

@@ -211,6 +211,16 @@ void check_volume(const Volume<D>& volume, const IsovalueRange& isovalue_range) 
   for (const auto& stop : volume.emission.stops) {
     check_light_amount(stop.color, "The volume '" + volume.name + "'", "emission");
   }
+  if (volume.texture) {
+    check_ramp(volume.texture->colors, name, "texture");
+    for (const auto& stop : volume.texture->colors.stops) {
+      check_albedo(stop.color, "the texture of " + name);
+    }
+    if (volume.emission.largest() > 0) {
+      throw Error("The isosurfaces of " + name +
+                  " emit light and have a texture; remove the emission or the texture.");
+    }
+  }
   check_ior(volume.ior, volume.scattering, name);
 }
 

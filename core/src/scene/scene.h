@@ -7,6 +7,7 @@
 #include "field/field.h"
 #include "scene/color_ramp.h"
 #include "scene/lamp.h"
+#include "scene/volume_texture.h"
 
 namespace leaflight {
 
@@ -53,12 +54,17 @@ struct Volume {
   double ior = 1.5;  // of the inside of glass, relative to the outside
   // isovalue = offset + scale c
   double offset = 0, scale = 1;
+  std::shared_ptr<const VolumeTexture<D>> texture;  // multiplies the albedo; null: none
 
   double isovalue(double c) const { return offset + scale * c; }
   IsovalueRange isovalues(const IsovalueRange& isovalue_range) const {
     return {isovalue(isovalue_range.min), isovalue(isovalue_range.max)};
   }
   double common_isovalue(double h) const { return (h - offset) / scale; }
+  // Returns the factor of the texture on the albedo.
+  Rgb texture_at(const Vec<D>& index_position) const {
+    return texture ? texture->at(index_position) : Rgb(1);
+  }
 };
 
 // The isosurfaces of volumes within an isovalue range, and the objects around them.

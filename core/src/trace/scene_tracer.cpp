@@ -128,6 +128,7 @@ SurfacePoint<D> SceneTracer<D>::isosurface_point(int volume, const CellPoint<D>&
   s.c = c;
   s.position = frames.index_to_frame.point(point.index_position());
   s.albedo = scene_volume.albedo.at(c);
+  if (scene_volume.texture) s.albedo *= scene_volume.texture->at(point.index_position());
   s.emission = scene_volume.emission.at(c);
   s.ior = back ? 1 / scene_volume.ior : scene_volume.ior;
   // The outside has lower values, so its normal is -grad h.

@@ -231,7 +231,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
     std::vector<Rgb> radiance(lattice.active.size());
     for (std::size_t s = 0; s < radiance.size(); ++s) {
       const Vec<D> center = lattice.center(lattice.active[s]);
-      radiance[s] = albedo_near(volume, center) / static_cast<Real>(projected_hemisphere<D>) *
+      const Rgb albedo = albedo_near(volume, center) * volume.texture_at(center);
+      radiance[s] = albedo / static_cast<Real>(projected_hemisphere<D>) *
                     isosurface.photons->irradiance(static_cast<std::int32_t>(s), side);
       if (!isosurface.direct[side].empty()) radiance[s] += isosurface.direct[side][s];
     }

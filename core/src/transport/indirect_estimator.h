@@ -68,7 +68,7 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
     const CausticPhotons<D>* photons = nullptr);
 
 // Returns the albedo of the isosurface through an index position, or of any isosurface if there is
-// none.
+// none. Ignores the texture.
 template <int D>
 Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position);
 

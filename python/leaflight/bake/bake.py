@@ -15,7 +15,14 @@ from .._core import LeaflightError
 from ..io.scene_file import cornell_box, scene_to_json
 from ..progress_bar import with_progress
 from ..scene.facing import faced
-from ..scene.scene import SceneDescription, core_scene, fit_scene, match_isosurfaces
+from ..scene.scene import (
+    Isosurfaces,
+    SceneDescription,
+    core_scene,
+    fit_scene,
+    match_isosurfaces,
+)
+from ..scene.volume_texture import VolumeTexture, check_overlap
 from ..volume.other_arrays import as_volumes
 from ..volume.volume import Volume
 from .baked import Bake
@@ -67,12 +74,24 @@ def placed(
     ]
     description = fit_scene(faced(description, volumes), volumes)
     # The light depends on the values, not on the name of their file.
-    isosurfaces = [replace(isosurfaces, source=None) for isosurfaces in description.isosurfaces]
+    isosurfaces = [
+        replace(isosurfaces, source=None, texture=_texture(isosurfaces, volume, unit))
+        for isosurfaces, volume in zip(description.isosurfaces, volumes)
+    ]
     return (
         volumes,
         replace(description, isosurfaces=isosurfaces),
         range_to_bake(isovalues, volumes, isosurfaces),
     )
+
+
+def _texture(isosurfaces: Isosurfaces, volume: Volume, unit: str) -> VolumeTexture | None:
+    """Returns the texture in the unit of the volume. Raises LeaflightError."""
+    if isosurfaces.texture is None:
+        return None
+    texture = isosurfaces.texture.in_unit(unit)
+    check_overlap(texture, volume)
+    return texture
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,6 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..io.reader_process import ReaderProcess
 from ..io.scene_file import scene_from_json
-from ..scene.scene import core_scene
 from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
@@ -79,22 +78,26 @@ def open_bake(
     ]
     for volume in volumes:
         volume.field()
-    core = core_scene(scene, [volume.field() for volume in volumes], (lo, hi))
+    grids = [
+        grid.with_texture(material.texture_on(volume.field()))
+        for grid, material, volume in zip(grids, scene.isosurfaces, volumes)
+    ]
     bake = Bake(volumes, scene, (lo, hi), grids, None, statistics, provenance)
     if bake.id != identifier:
         raise LeaflightError(
             f"{path}: its metadata were edited after the bake; bake the volume again."
         )
-    for number, (grid, record) in enumerate(zip(grids, records)):
-        if record.map_resolution:
-            grid.direct = _core.DirectLight(
-                core,
-                number,
-                record.map_resolution,
-                grid.has_back and len(grids) == 1,
-                progress,
-            )
+    _add_direct_light(bake, progress)
     return bake, walls
+
+
+def _add_direct_light(bake: Bake, progress: _core.Progress) -> None:
+    """Computes the visibility maps of a bake, which its file lacks. Raises Cancelled."""
+    core = bake.core_scene()
+    for number, (grid, record) in enumerate(zip(bake.grids, bake.provenance.volumes)):
+        if record.map_resolution:
+            is_back = grid.has_back and len(bake.grids) == 1
+            grid.direct = _core.DirectLight(core, number, record.map_resolution, is_back, progress)
 
 
 def can_be_read(path: str) -> tuple[None, tuple[()]]:

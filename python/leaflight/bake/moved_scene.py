@@ -176,6 +176,7 @@ def _grid(
 ) -> _core.RadianceGrid:
     assert bake.original is not None
     grid, volume = bake.original.grids[number], bake.volumes[number]
+    grid = grid.with_texture(bake.scene.isosurfaces[number].texture_on(volume.field()))
     if not grid.map_resolution:
         # Mirrors and glass store no light.
         return grid

@@ -30,7 +30,7 @@ from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Version of the header and the blocks; the page refuses any other.
-FORMAT = 6
+FORMAT = 7
 # Names of coarser pages, by the number of halvings.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # Bytes to deflate between two checks for a cancel.

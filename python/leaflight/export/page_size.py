@@ -13,7 +13,7 @@ from ..bake.baked import Bake
 from ..stills.still import back_side
 from .page_data import PageData, by_significance
 from .page_template import template_bytes
-from .page_volume import NO_DATA, bytes_each, coded, dims_of, texel_places, texels_of
+from .page_volume import NO_DATA, bytes_each, coded, colors_data, dims_of, texel_places, texels_of
 from .page_walls import walls_data
 from .shared_exponent import packed, planes
 from .visibility_levels import code_of, pairs_in, ranges_in_plane
@@ -31,7 +31,7 @@ def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
 
     coarser: As for write_page().
     """
-    total = _POSTER + _bytes_of_walls(bake)
+    total = _POSTER + _bytes_of_colors_and_walls(bake)
     for number, grid in enumerate(bake.grids):
         texels, dims = texels_of(bake, number, coarser), dims_of(bake, number, coarser)
         lit = _lit_texels(grid.mask() != 0, texels)
@@ -78,8 +78,10 @@ class _Sampled(PageData):
         return 0
 
 
-def _bytes_of_walls(bake: Bake) -> float:
+def _bytes_of_colors_and_walls(bake: Bake) -> float:
     sampled = _Sampled(Progress())
+    for isosurfaces, volume in zip(bake.scene.isosurfaces, bake.volumes):
+        colors_data(sampled, isosurfaces.texture, volume)
     walls_data(sampled, bake)
     return sampled.bytes
 

@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..bake.baked import Bake
 from ..scene.scene import Ramp, core_scene, is_color
+from ..scene.volume_texture import VolumeTexture
 from ..stills.still import back_side
 from ..volume.volume import Volume
 from .light_bricks import light_bricks
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # Code of 16 bits for a voxel without data.
 NO_DATA = 65535
+# Largest number of colors of a texture with more of them than voxels.
+MOST_COLORS = 1 << 22
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,38 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
         "backIs": back_side(bake, number),
         "albedo": _stops(isosurfaces.albedo),
         "emission": _stops(isosurfaces.emission),
+        "texture": colors_data(data, isosurfaces.texture, volume),
     }
+
+
+def colors_data(
+    data: "PageData", texture: VolumeTexture | None, volume: Volume
+) -> dict[str, Any] | None:
+    """Returns the part of the header about the colors of another volume, or None."""
+    if texture is None:
+        return None
+    dims = np.array(texture.channels[0].values.shape[::-1])
+    # The page interpolates colors, the bake the values. Finer nodes make both nearly equal.
+    fineness = 1 if texture.nearest else int(np.clip(np.cbrt(MOST_COLORS / dims.prod()), 1, 4))
+    nodes = fineness * (dims - 1) + 1
+    # Coordinates of the texture are 0 and 1 half a node outside the outer nodes.
+    to_unit = np.diag([*(fineness / nodes), 1.0])
+    to_unit[:3, 3] = 0.5 / nodes
+    to_voxels = np.linalg.inv(np.asarray(texture.channels[0].index_to_world, np.float64))
+    return {
+        "nodes": nodes.tolist(),
+        "colors": data.add(srgb_of(texture.colors_of_nodes(fineness))),
+        "fromIndex": (to_unit @ to_voxels @ volume.index_to_world).ravel().tolist(),
+        "margin": (0.5 * (fineness - 1) / nodes).tolist(),
+        "nearest": texture.nearest,
+    }
+
+
+def srgb_of(colors: Array) -> Array:
+    """Returns sRGB colors, uint8, of linear ones in 0..1."""
+    low, high = 12.92 * colors, 1.055 * np.power(colors, 1.0 / 2.4) - 0.055
+    bytes_: Array = np.rint(255.0 * np.where(colors <= 0.0031308, low, high)).astype(np.uint8)
+    return bytes_
 
 
 def coded(values: Array) -> tuple[Array, float, float]:
@@ -198,7 +232,9 @@ def _texture(
 
 def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
     """Returns radiance, float32 (nz, ny, nx, 3), at texels evenly spaced between outer voxels."""
-    grid, field = shown.bake.grids[shown.number], shown.bake.volumes[shown.number].field()
+    # The page multiplies the light by the texture.
+    grid = shown.bake.grids[shown.number].with_texture(None)
+    field = shown.bake.volumes[shown.number].field()
     is_indirect = shown.has_maps(back)
     if not shown.is_coarser:
         name = "radiance_back" if back else "radiance"

@@ -199,14 +199,18 @@ class JsonObject:
         return color
 
     def ramp(self, key: str, largest: float = np.inf, default: Color | None = None) -> Ramp:
-        """Returns a color, or a list of pairs (isovalue, color) in ascending order."""
+        """Returns a color, or stops()."""
         if default is not None and key not in self:
             return default
         value = self.get(key)
         if not isinstance(value, list) or not any(isinstance(item, list) for item in value):
             return self.color(key, largest)
+        return self.stops(key, largest)
+
+    def stops(self, key: str, largest: float = np.inf) -> list[tuple[float, Color]]:
+        """Returns a list of pairs (isovalue, color) in ascending order."""
         stops = []
-        for i, item in enumerate(value):
+        for i, item in enumerate(self.items(key)):
             if not isinstance(item, list) or len(item) != 2:
                 raise self.error(f'"{key}" must be [r, g, b] or a list of [isovalue, [r, g, b]]')
             stop = JsonObject(

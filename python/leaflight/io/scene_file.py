@@ -24,6 +24,11 @@ A volume has "name" and "albedo", and these optional keys.
 "ior": Refractive index of glass (1.5).
 "isovalues": Isovalues [lo, hi] at the common isovalues 0 and 1.
 "capped": True closes the isosurfaces at the border of the volume.
+"texture": {"channels": [...]}, which colors the isosurfaces by other volumes. There is one channel,
+    or three for red, green and blue. Each has "name", "source" and optionally "reading", as a
+    volume. "colors" are stops [[value, [r, g, b]], ...]. Instead, "map" is a color map such as
+    "VIRIDIS" over "range": [low, high], by default that of the data. "nearest": true takes the
+    value of the nearest voxel, as for labels. A texture multiplies the albedo.
 "source": File, relative to the scene file, or a generated volume.
 "reading": Options of read_volume() for the source, such as {"frame": 1}.
 
@@ -46,11 +51,9 @@ Colors are linear RGB. An image may be embedded: {"width", "height", "pixels"}. 
 little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 """
 
-import base64
 import json
 import math
 import os
-import zlib
 from collections.abc import Callable
 from dataclasses import MISSING, fields, replace
 from numbers import Real
@@ -73,10 +76,12 @@ from ..scene.scene import (
     SceneDescription,
     SunLight,
 )
+from ..scene.volume_texture import VolumeTexture
 from .images import read_texture
 from .json_object import JsonObject, parse, read_text
 from .readers.reading import OPTIONS
 from .sources import is_generated
+from .texture_file import packed, texture_data, texture_from, unpacked
 
 SCATTERING = ("diffuse", "mirror", "glass")
 LIGHTS = ("area", "point", "spot", "sun")
@@ -152,7 +157,7 @@ def _material(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
 def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurfaces:
     item.only(
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
-        "capped",
+        *("capped", "texture"),
     )
     material = _material(item, item.name)
     isovalues = source = None
@@ -169,7 +174,8 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
     if "reading" in item:
         item.child("reading").only(*OPTIONS)
         reading = item.get("reading")
-    return replace(material, isovalues=isovalues, source=source, reading=reading)
+    texture = texture_from(item.child("texture"), folder) if "texture" in item else None
+    return replace(material, isovalues=isovalues, source=source, reading=reading, texture=texture)
 
 
 def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
@@ -298,17 +304,9 @@ def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
     image = item.child(key)
     image.only("width", "height", "pixels")
     width, height = (int(image.number(side, 1, 65536)) for side in ("width", "height"))
-    size = 4 * 3 * width * height
-    try:
-        decompressor = zlib.decompressobj()
-        compressed = base64.b64decode(image.text("pixels"), validate=True)
-        pixels = decompressor.decompress(compressed, size)
-    except (ValueError, zlib.error):
-        raise image.error('"pixels" is not zlib in base64; embed the image again') from None
-    if len(pixels) != size or not decompressor.eof:
-        raise image.error(f'"pixels" does not hold {width} x {height} float32 RGB values')
+    pixels = unpacked(image, "pixels", 3 * width * height, np.dtype("<f4"))
     # Copy the array, because one over bytes is read-only.
-    return np.frombuffer(pixels, dtype="<f4").reshape(height, width, 3).astype(np.float32)
+    return pixels.reshape(height, width, 3).astype(np.float32)
 
 
 def scene_to_json(description: SceneDescription) -> str:
@@ -338,6 +336,8 @@ def _plain(item: Any) -> dict[str, Any]:
 
 
 def _json(value: object) -> object:
+    if isinstance(value, VolumeTexture):
+        return texture_data(value)
     if isinstance(value, np.ndarray):
         # Floating-point arrays [row, column, 3] are images; the last axis of uv is 2.
         return _embedded(value) if value.shape[2:] == (3,) else value.tolist()
@@ -350,9 +350,7 @@ def _json(value: object) -> object:
 
 def _embedded(image: Array) -> dict[str, object]:
     height, width, _ = image.shape
-    # Higher levels hardly compress floating-point numbers more.
-    pixels = zlib.compress(np.ascontiguousarray(image, dtype="<f4").data, level=1)
-    return {"width": width, "height": height, "pixels": base64.b64encode(pixels).decode()}
+    return {"width": width, "height": height, "pixels": packed(image.astype(np.float32))}
 
 
 def _light_data(light: Light) -> dict[str, Any]:

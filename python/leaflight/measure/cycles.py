@@ -31,6 +31,7 @@ from .._core import Cancelled, Field, LeaflightError, Progress
 from ..arrays import Array
 from ..scene.on_mesh import positions, random_facets
 from ..scene.scene import Isosurfaces, Mesh, SceneDescription, isovalue_at, ramp_at
+from ..scene.volume_texture import VolumeTexture
 from ..volume.setting_error import SettingError
 from .sampling import Sampling, Target
 
@@ -146,6 +147,7 @@ def bake_vertices(
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
     target = _Object(_material(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
+    target.color_by(isosurfaces.texture)
     objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
@@ -180,11 +182,17 @@ class _Object:
     """A mesh for Blender: its material as JSON data, and arrays by vertex and by corner."""
 
     material: dict[str, Any]
-    vertices: dict[str, Array]  # vertices, optionally normals, float32 (n, 3)
+    vertices: dict[str, Array]  # vertices, optionally normals and colors, float32 (n, 3)
     corners: dict[str, Array]  # triangles, (m, 3), optionally uv and target_uv, float32 (m, 3, 2)
 
     def arrays(self) -> dict[str, Array]:
         return self.vertices | self.corners
+
+    def color_by(self, texture: VolumeTexture | None) -> None:
+        """Gives the vertices the color of the albedo times the texture."""
+        if texture is not None:
+            albedo = np.float32(self.material["albedo"])
+            self.vertices["colors"] = albedo * texture.at(self.vertices["vertices"])
 
     def flip(self) -> None:
         self.corners = {key: array[:, [0, 2, 1]] for key, array in self.corners.items()}
@@ -203,7 +211,9 @@ def _isosurface(
         ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
     )
     material = _material(isosurfaces, albedo, emission)
-    return _Object(material, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
+    target = _Object(material, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
+    target.color_by(isosurfaces.texture)
+    return target
 
 
 def _finer(field: Field, detail: int) -> Field:

@@ -125,7 +125,13 @@ def _object(
     for name in ("uv", "target_uv"):
         if name in arrays:
             mesh.uv_layers.new(name=name).data.foreach_set("uv", arrays[name].ravel())
-    mesh.materials.append(_material(item, arrays.get("texture")))
+    if "colors" in arrays:
+        rgba = np.ones((len(mesh.vertices), 4), np.float32)
+        rgba[:, :3] = arrays["colors"]
+        mesh.attributes.new("colors", "FLOAT_COLOR", "POINT").data.foreach_set(
+            "color", rgba.ravel()
+        )
+    mesh.materials.append(_material(item, arrays.get("texture"), "colors" in arrays))
     obj = bpy.data.objects.new(item["name"], mesh)
     scene.collection.objects.link(obj)
     # Cast shadows from the triangles, without a shift towards the smooth surface.
@@ -147,7 +153,7 @@ def _filled_mesh(name: str, vertices: Array, triangles: Array) -> bpy.types.Mesh
     return mesh
 
 
-def _material(item: dict[str, Any], texture: Array | None) -> bpy.types.Material:
+def _material(item: dict[str, Any], texture: Array | None, has_colors: bool) -> bpy.types.Material:
     material = bpy.data.materials.new(item["name"])
     tree = versions.give_nodes(material)
     tree.nodes.clear()
@@ -167,6 +173,10 @@ def _material(item: dict[str, Any], texture: Array | None) -> bpy.types.Material
     bsdf.inputs["Color"].default_value = (*item["albedo"], 1.0)
     if texture is not None:
         _texture(tree, bsdf.inputs["Color"], texture * np.float32(item["albedo"]))
+    if has_colors:
+        colors = tree.nodes.new("ShaderNodeAttribute")
+        colors.attribute_name = "colors"
+        tree.links.new(colors.outputs["Color"], bsdf.inputs["Color"])
     shader = bsdf.outputs[0]
     if max(item["emission"]) > 0:
         emission = tree.nodes.new("ShaderNodeEmission")

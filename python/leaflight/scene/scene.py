@@ -22,6 +22,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..volume.first_isovalue import default_isovalue_range
 from ..volume.volume import Volume
+from .volume_texture import VolumeTexture
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
@@ -47,6 +48,7 @@ class Isosurfaces:
     capped: True closes the isosurfaces at the border of the volume (Volume.capped).
     source: Path of the volume, as on the command line. None if the caller gives the volume.
     reading: Options of read_volume() for the source, by name; or None.
+    texture: Colors by another volume, which multiply the albedo; or None.
     """
 
     name: str
@@ -58,6 +60,11 @@ class Isosurfaces:
     capped: bool = False
     source: str | None = None
     reading: dict[str, Any] | None = None
+    texture: VolumeTexture | None = None
+
+    def texture_on(self, field: _core.Field) -> _core.VolumeTexture | None:
+        """Returns the texture for RadianceGrid.with_texture() of a grid of this field, or None."""
+        return None if self.texture is None else self.texture.core().on(field)
 
 
 @dataclass(frozen=True, eq=False)
@@ -340,6 +347,9 @@ def core_scene(
         core_isosurfaces(_core.Volume, isosurfaces, field, isovalues)
         for isosurfaces, field, isovalues in zip(description.isosurfaces, fields, ranges)
     ]
+    for volume, isosurfaces in zip(volumes, description.isosurfaces):
+        if isosurfaces.texture is not None:
+            volume.set_texture(isosurfaces.texture.core())
     meshes = [_core_mesh(mesh) for mesh in description.meshes]
     lights = [_core_light(light) for light in description.lights]
     return _core.Scene(volumes, meshes, lights, isovalue_range, _core_environment(description))

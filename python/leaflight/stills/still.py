@@ -136,6 +136,8 @@ class SeenIsosurface:
                 ramp_at(ramp, self._own)
                 for ramp in (self._isosurfaces.albedo, self._isosurfaces.emission)
             )
+            if self._isosurfaces.texture is not None:
+                albedo = albedo * self._isosurfaces.texture.at(points[shaded])
             if self._local:
                 light = self._lamps.irradiance(points[shaded], normals, eyes[shaded])
                 found[shaded] = albedo * light + emission

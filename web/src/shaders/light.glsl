@@ -14,6 +14,22 @@ uniform bool backHasMaps;  // false: texels of the back hold all light
 uniform vec3 albedo[MOST], emission[MOST], tint[MOST];
 uniform vec2 coats[MOST];
 uniform vec3 indirectFactor;          // growth of indirect light with the lamps
+#ifdef TEXTURE
+uniform sampler3D pigment;  // colors that multiply the albedo
+uniform mat4 toPigment;     // index coordinates to those of the texture
+uniform vec3 pigmentMargin;  // by which these are valid below 0 and above 1
+#endif
+
+// Returns the color by which another volume multiplies the albedo.
+vec3 pigmentAt(vec3 place) {
+#ifdef TEXTURE
+  fetches += 1;
+  vec3 at = (toPigment * vec4(place, 1.0)).xyz;
+  vec3 outside = max(-at, at - 1.0);
+  if (all(lessThanEqual(outside, pigmentMargin))) return texture(pigment, at).rgb;
+#endif
+  return vec3(1.0);
+}
 
 // Returns the radiance of the texels around a position.
 vec3 ofTexels(vec3 place, bool isBack) {
@@ -54,24 +70,25 @@ vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
 
 // Returns the light of an isosurface by its number.
 vec3 light(vec3 place, Hit hit, float isovalue, int number) {
+  vec3 color = tint[number] * pigmentAt(place);
   if (!isLocal && !(hit.fromInside && backIs != 0)) {
 #ifdef DIRECT
-    if (hit.fromInside && !backHasMaps) return tint[number] * ofTexels(place, true);
+    if (hit.fromInside && !backHasMaps) return color * ofTexels(place, true);
     vec3 gradient = gradientAt(place, isovalue);
     DirectLight direct = directLight(place, gradient, isovalue, hit.fromInside, coats[number]);
     vec3 own = exposure * emission[number];
     vec3 others = indirectLight(place, gradient, hit.fromInside) - own;
     vec3 radiance = max(own + others * indirectFactor, 0.0);
     radiance += exposure / PI * albedo[number] * direct.irradiance;
-    return tint[number] * radiance + exposure * direct.reflected;
+    return color * radiance + exposure * direct.reflected;
 #else
-    return tint[number] * ofTexels(place, hit.fromInside);
+    return color * ofTexels(place, hit.fromInside);
 #endif
   }
   if (!isLocal && backIs == 1) return vec3(0.0);
   vec3 normal = -normalize(normalToWorld * gradientAt(place, isovalue));
   if (hit.fromInside) normal = -normal;
   vec3 world = (indexToWorld * vec4(place, 1.0)).xyz;
-  if (!isLocal) return unbaked * tint[number] * albedo[number] * headlight(world, normal);
-  return exposure * (tint[number] * albedo[number] * irradianceOverPi(world, normal) + emission[number]);
+  if (!isLocal) return unbaked * color * albedo[number] * headlight(world, normal);
+  return exposure * (color * albedo[number] * irradianceOverPi(world, normal) + emission[number]);
 }

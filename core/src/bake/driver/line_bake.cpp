@@ -54,6 +54,13 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
   indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
                                                  texels.spacing, plan_.back, settings_.seed,
                                                  previous ? bounces + previous->blocks() : 0);
+  if (volume_.volume().texture) {
+    const TexelLattice<D>& lattice = indirect_->texels().lattice;
+    texture_.reserve(lattice.active.size());
+    for (const std::uint32_t texel : lattice.active) {
+      texture_.push_back(volume_.volume().texture->at(lattice.center(texel)));
+    }
+  }
   if (texels.photon_count > 0) trace_photons(texels);
 }
 
@@ -100,9 +107,11 @@ void LineBake<D>::gather_bounces() {
   const int sides = plan_.back ? 2 : 1;
   std::array<std::vector<Rgb>, 2> bounce, before;
   for (int i = 0; i < bounces; ++i) {
-    const GatheredRadiance<D> reflected{
-        surfaces_, {&before[0], &before[1]}, nullptr, no_direct, nullptr, no_meshes, nullptr,
-        false};
+    const GatheredRadiance<D> reflected{surfaces_, {&before[0], &before[1]},
+                                        nullptr,   texture_,
+                                        no_direct, nullptr,
+                                        no_meshes, nullptr,
+                                        false};
     indirect_->add_block(i == 0 ? gathered() : reflected, progress_, bounce_directions[i]);
     for (int side = 0; side < sides; ++side) {
       bounce[side] = looked_up(indirect_->averages(side != 0));
@@ -202,6 +211,7 @@ RadianceGrid<D> LineBake<D>::grid() {
   RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
   result.lattice = texels_.lattice;
   result.direct = direct_;
+  result.texture = volume_.volume().texture;
   result.unfiltered = std::move(unfiltered);
   return result;
 }
@@ -249,6 +259,7 @@ WallRadiance<D> LineBake<D>::walls() {
         all[s] += indirect_sides_[side][s] *
                   albedo_near(volume_.volume(), lattice.center(lattice.active[s]));
       }
+      for (std::size_t s = 0; s < texture_.size(); ++s) all[s] *= texture_[s];
     }
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
   }
@@ -356,6 +367,7 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
   return {surfaces_,
           {&indirect_sides_[0], &indirect_sides_[1]},
           plan_.back ? &back_direct_ : nullptr,
+          texture_,
           direct_lookup_,
           photons_.walls.get(),
           split_.mesh_is_wide,
@@ -363,7 +375,8 @@ GatheredRadiance<D> LineBake<D>::gathered() const {
           true};
 }
 
-// Converts light of white isosurfaces to light of the scene's isosurfaces.
+// Converts light of white isosurfaces to light of the scene's isosurfaces. Lookups multiply it by
+// the texture at the point itself, which may change within a texel.
 template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& volume = volume_.volume();
@@ -392,6 +405,9 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
       color += w * average(d.mean + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
+    const double texture = average(volume_.volume().texture_at(point.position));
+    color *= texture;
+    deviation *= texture;
     // Errors of colors brighter than white are invisible.
     const bool is_white = color * settings_.exposure > 1;
     errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);

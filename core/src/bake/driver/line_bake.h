@@ -98,6 +98,7 @@ class LineBake final : public Integrator<D> {
   // need it.
   std::array<std::vector<Rgb>, 2> indirect_sides_;
   std::vector<Rgb> back_direct_;  // at the same texels
+  std::vector<Rgb> texture_;      // texture of the volume at the same texels; empty: none
   IsovalueErrors errors_;
 };
 

@@ -287,6 +287,7 @@ Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& 
     if (hit.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
   }
   radiance = radiance * scene_volume.albedo.at(one_albedo ? 0 : c) + back_direct;
+  if (slot != TexelLattice<D>::inactive && !from.texture.empty()) radiance *= from.texture[slot];
   if (emissive) radiance += scene_volume.emission.at(c);
   return radiance;
 }

@@ -16,6 +16,7 @@ struct GatheredRadiance {
   // Indirect light that white isosurfaces reflect at the texels, for fronts and backs; empty: none.
   std::array<const std::vector<Rgb>*, 2> indirect;
   const std::vector<Rgb>* back_direct;  // direct light of the backs; null: none
+  const std::vector<Rgb>& texture;      // factor on the albedo of the texels; empty: none
   const DirectLookup<D>& direct;        // of the fronts, at the texels that gather
   const SurfaceCache<D>* walls;         // null: the walls are dark
   // Light without points. mesh_is_wide: true for each mesh that emits such light. sky: null if the

@@ -92,6 +92,7 @@ class PointLookup {
   void find(const ShownGrid<D>& shown, const Field<D>& field, const Vec<D>& index_position,
             bool back) {
     const TexelLattice<D>& lattice = shown.grid.lattice;
+    position_ = index_position;
     in_front_ = 0;
     direct_ = shown.direct_of(back);
     if (direct_) {
@@ -111,10 +112,12 @@ class PointLookup {
   }
   Vec<3, float> radiance(const ShownGrid<D>& shown, const Field<D>& field, const Colors& values,
                          bool back) const {
-    const Vec<3, float> light = of_texels(values);
-    if (!direct_) return light;
-    return shown.scaled(light, field, point_.position) +
-           Vec<3, float>(direct_->radiance(point_, maps_, back));
+    Vec<3, float> light = of_texels(values);
+    if (direct_) {
+      light = shown.scaled(light, field, point_.position) +
+              Vec<3, float>(direct_->radiance(point_, maps_, back));
+    }
+    return shown.textured(light, position_);
   }
 
  private:
@@ -155,6 +158,7 @@ class PointLookup {
   }
 
   const DirectLight<D>* direct_ = nullptr;
+  Vec<D> position_;
   IsosurfacePoint<D> point_;
   TexelWeights<D> around_, near_, far_;
   TexelWeights<D> maps_;  // in the lattice of the maps

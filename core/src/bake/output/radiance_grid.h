@@ -33,6 +33,8 @@ struct RadianceGrid {
   // Exact direct light; null: texels contain it. The sum with radiance_indirect is all light.
   std::shared_ptr<const DirectLight<D>> direct;
   UnfilteredLight<D> unfiltered;  // of bakes in passes
+  // Texture of the volume, by which lookups multiply the light; null: none, or in the texels.
+  std::shared_ptr<const VolumeTexture<D>> texture;
 
   bool has_back() const { return !radiance_back.empty(); }
   std::size_t texels() const { return lattice.active.size(); }
@@ -45,7 +47,7 @@ using SideAverages = std::array<std::vector<Average>, 2>;
 template <int D>
 RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect);
 
-// A grid for display, with its lights as baked or at other strengths.
+// A grid for display, with its lights and texture as baked or changed.
 template <int D>
 struct ShownGrid {
   const RadianceGrid<D>& grid;
@@ -53,14 +55,21 @@ struct ShownGrid {
   Vec<3, float> indirect{1, 1,
                          1};  // factor on all other light, except the emission of the isosurface
 
+  const VolumeTexture<D>* texture;  // factor on all light; null: none
+
   ShownGrid(const RadianceGrid<D>& baked)  // NOLINT: implicit, for display as baked
-      : grid(baked), direct(baked.direct.get()) {}
+      : grid(baked), direct(baked.direct.get()), texture(baked.texture.get()) {}
   ShownGrid(const RadianceGrid<D>& baked, const DirectLight<D>* scaled, const Vec<3, float>& factor)
-      : grid(baked), direct(scaled), indirect(factor) {}
+      : grid(baked), direct(scaled), indirect(factor), texture(baked.texture.get()) {}
 
   // Returns the direct light of one side, or null if its texels contain it.
   const DirectLight<D>* direct_of(bool back) const {
     return direct && (!back || direct->has_back()) ? direct : nullptr;
+  }
+  // Multiplies light by the texture at an index position.
+  Vec<3, float> textured(const Vec<3, float>& light, const Vec<D>& index_position) const {
+    if (!texture) return light;
+    return light * Vec<3, float>(texture->at(index_position));
   }
   // Scales a value of radiance_indirect to these strengths.
   Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,

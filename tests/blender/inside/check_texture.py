@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks isosurfaces that another volume colors."""
+
+import bpy
+import leaflight
+import numpy as np
+import pytest
+from leaflight.scene.volume_texture import color_map
+from leaflight_addon.show import surface_object, texture
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache
+from tools import close, colors_of, mesh_arrays, vertices_of
+
+N = 24
+
+
+@pytest.fixture
+def colored(boxed, tmp_path):
+    """Returns a volume whose isosurfaces another one colors, with the values 0 to 1 along x."""
+    values = np.broadcast_to(np.linspace(0.0, 1.0, N, dtype="<f4"), (N, N, N))
+    other = _import(boxed, np.ascontiguousarray(values), tmp_path / "along_x.raw", "float32")
+    boxed.leaflight.texture_map = "CET_D1"
+    boxed.leaflight.texture_volume = other
+    bpy.context.view_layer.update()
+    return boxed, other
+
+
+def _import(obj, values, path, kind):
+    """Imports values in the place of a volume object, which becomes active again."""
+    values.tofile(path)
+    bpy.ops.leaflight.import_volume(
+        filepath=str(path),
+        dims=(N, N, N),
+        value_type=kind,
+        spacing=(1.0, 1.0, 0.8),
+        size_from="SAME",
+        partner=obj.name,
+    )
+    other = bpy.context.object
+    bpy.context.view_layer.objects.active = obj
+    obj.leaflight.shading = "ATTRIBUTE"
+    return other
+
+
+def _shares(obj):
+    """Returns the share 0..1 of each vertex along x of the volume."""
+    low, high = np.asarray(cache.volume_of(obj).field().bounds)[:, 0]
+    return (vertices_of(obj)[:, 0] - low) / (high - low)
+
+
+def _expected(obj, key="CET_D1"):
+    stops = color_map(key)
+    positions, colors = [p for p, _ in stops], np.array([c for _, c in stops])
+    return np.array([np.interp(_shares(obj), positions, channel) for channel in colors.T]).T
+
+
+def check_unlit_isosurfaces_have_the_colors(colored):
+    obj, other = colored
+    assert other.hide_render and (obj.leaflight.texture_low, obj.leaflight.texture_high) == (0, 1)
+    close(colors_of(obj, "texture"), _expected(obj), 2e-3)
+    (material,) = obj.data.materials
+    attributes = {n.attribute_name for n in material.node_tree.nodes if n.type == "ATTRIBUTE"}
+    assert "texture" in attributes
+
+
+def check_a_bake_has_the_colors(colored):
+    obj, _ = colored
+    bpy.ops.leaflight.bake()
+    bake = cache.bake_of(obj)
+    assert len(bake.volumes) == 1 and bake.scene.isosurfaces[0].texture is not None
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    vertices, _, radiance = mesh_arrays(obj)
+    matrix = np.array(obj.matrix_world, np.float64)
+    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    close(radiance, bake.radiance(world), 1e-3 * radiance.max())
+    white = bake.grid.with_texture(None).lookup(bake.volume.field(), world)
+    close(radiance, white * _expected(obj), 5e-3 * radiance.max())
+
+
+def check_another_map_shows_at_once(colored):
+    """Checks that the light of the bake is shown in the new color, and a note on a new bake."""
+    obj, _ = colored
+    bpy.ops.leaflight.bake()
+    obj.leaflight.texture_map = "MAGMA"
+    bpy.context.view_layer.update()
+    bake, field = cache.bake_of(obj), cache.volume_of(obj).field()
+    white = bake.grid.with_texture(None).lookup(field, vertices_of(obj))
+    radiance = colors_of(obj)
+    close(radiance, white * _expected(obj, "MAGMA"), 5e-3 * radiance.max())
+    assert staleness.change_since_bake(bpy.context, obj).startswith("The scene has changed")
+    obj.leaflight.texture_map = "CET_D1"
+    bpy.context.view_layer.update()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+
+
+def check_labels_have_separate_colors(boxed, tmp_path):
+    labels = np.broadcast_to(np.arange(N, dtype=np.uint8) // 8, (N, N, N))
+    other = _import(boxed, np.ascontiguousarray(labels), tmp_path / "labels.raw", "uint8")
+    boxed.leaflight.texture_labels = True
+    boxed.leaflight.texture_volume = other
+    bpy.context.view_layer.update()
+    assert len(np.unique(colors_of(boxed, "texture").round(3), axis=0)) == 3
+
+
+def check_fractions_are_no_labels(colored):
+    obj, other = colored
+    obj.leaflight.texture_labels = True
+    assert "are not whole numbers" in surface_object.problems[obj.name_full]
+    obj.leaflight.texture_labels = False
+    assert not surface_object.problems
+
+
+def check_a_deleted_volume_no_longer_colors(colored):
+    obj, other = colored
+    bpy.data.objects.remove(other)
+    assert texture.volume_that_colors(obj) is None
+    obj.leaflight.isovalue += 1.0
+    assert "texture" not in obj.data.attributes
+
+
+def check_a_saved_scene_opens_in_color(colored, tmp_path):
+    obj, _ = colored
+    obj.leaflight.bake_folder = ""
+    path = tmp_path / "colored.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.leaflight.bake()
+    bpy.ops.wm.save_mainfile()
+    name, before = obj.name, colors_of(obj)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    obj = bpy.data.objects[name]
+    obj.leaflight.isovalue += 1.0
+    obj.leaflight.isovalue -= 1.0
+    close(colors_of(obj), before, 1e-3 * before.max())
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    loaded = leaflight.load_bake(bpy.path.abspath(obj.leaflight.bake_path))
+    assert loaded.scene.isosurfaces[0].texture.name == "along_x"

@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests isosurfaces whose color is given by another volume."""
+
+from dataclasses import replace
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Volume
+from leaflight.cluster.workers import Workers
+from leaflight.io.scene_file import cornell_box, scene_from_json, scene_to_json
+from leaflight.measure.sides import IsosurfaceSide
+from leaflight.measure.truth import errors_of, without
+from leaflight.scene.volume_texture import VolumeTexture, texture_of
+from outcomes import refused
+
+ISOVALUES = (40.0, 70.0)
+SETTINGS = {"isovalues": ISOVALUES, "resolution": 25, "error": 3.0, "seed": 2, "progress": False}
+RED, BLUE = (0.9, 0.05, 0.05), (0.05, 0.05, 0.9)
+WHITE = [(0.0, (1.0, 1.0, 1.0))]
+
+
+def on_box(function, nodes, name="volume"):
+    """Returns a Volume of function(x, y, z) over the box from -1 to 1."""
+    axis = np.linspace(-1.0, 1.0, nodes)
+    values = function(axis[None, None, :], axis[None, :, None], axis[:, None, None])
+    values = np.ascontiguousarray(np.broadcast_to(values, (nodes,) * 3))
+    kept = values if values.dtype == np.uint8 else values.astype(np.float32)
+    return Volume(kept, spacing=2.0 / (nodes - 1), origin=-1.0, name=name)
+
+
+def wavy(x, y, z):
+    return 100.0 - 60.0 * np.sqrt(x * x + y * y + z * z) - 6.0 * np.sin(5.0 * x) * np.sin(5.0 * y)
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return on_box(wavy, 32, "wavy")
+
+
+def labels(nodes=17):
+    """Returns labels: 1 for x < 0, else 2."""
+    return on_box(lambda x, y, z: 1 + (x > 0).astype(np.uint8), nodes, "labels")
+
+
+TEXTURES = {
+    "a map over values": lambda: texture_of(on_box(lambda x, y, z: x + y * z, 20), "CET_D1"),
+    "labels": lambda: texture_of(labels(), [(1.0, RED), (2.0, BLUE)], nearest=True),
+    "three channels": lambda: texture_of(
+        [on_box(lambda x, y, z, i=i: 100.0 * (x, y, z)[i], 9) for i in range(3)],
+        value_range=(-120.0, 120.0),
+    ),
+}
+
+
+def scene_with(texture, **material):
+    scene = cornell_box()
+    isosurfaces = replace(scene.isosurfaces[0], texture=texture, albedo=(0.9, 0.9, 0.9), **material)
+    return replace(scene, isosurfaces=[isosurfaces])
+
+
+def found_percent(baked, isovalue, back=False):
+    """Returns (RMS error in percent without noise, mean of the bake / mean of path tracing)."""
+    side = IsosurfaceSide(baked, isovalue, back=back)
+    truth = side.path_traced(400, 256, 1, 0, None)
+    errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)
+    ratio = side.baked(truth.points).mean(axis=0) / truth.radiance.mean(axis=0)
+    return without(errors["rms_percent"], errors["reference_noise_percent"]), ratio
+
+
+@pytest.mark.parametrize("name", TEXTURES)
+def test_a_bake_agrees_with_the_path_tracer(volume, name):
+    bake = leaflight.bake(volume, scene_with(TEXTURES[name]()), **SETTINGS)
+    percent, ratio = found_percent(bake, 55.0)
+    assert percent < 2.0
+    np.testing.assert_allclose(ratio, 1.0, atol=0.03)
+
+
+def test_the_color_at_a_point_is_exact(volume):
+    """Checks that the border of two labels is sharp, although texels are wide."""
+    bake = leaflight.bake(volume, scene_with(TEXTURES["labels"]()), **SETTINGS)
+    points = bake.surface(55.0).vertices
+    radiance = bake.radiance(points)
+    red = points[:, 0] < -1.0 / 16
+    blue = points[:, 0] > 1.0 / 16
+    assert (radiance[red, 0] > 2.0 * radiance[red, 2]).all()
+    assert (radiance[blue, 2] > 2.0 * radiance[blue, 0]).all()
+    texture = bake.scene.isosurfaces[0].texture
+    shares = radiance / texture.at(points)
+    # Beside the border the light without the color is almost continuous.
+    near = np.abs(points[:, 0]) < 0.1
+    left, right = (shares[near & side].mean(axis=0) for side in (red, blue))
+    np.testing.assert_allclose(left, right, rtol=0.2)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_a_white_texture_changes_no_bit(volume, both):
+    white = texture_of(labels(), WHITE)
+    plain, textured = (
+        leaflight.bake(volume, scene_with(texture), both_sides=both, walls=True, **SETTINGS)
+        for texture in (None, white)
+    )
+    points = plain.surface(55.0).vertices
+    for back in (False, True) if both else (False,):
+        np.testing.assert_array_equal(
+            plain.radiance(points, back=back), textured.radiance(points, back=back)
+        )
+    for mesh in range(len(plain.scene.meshes)):
+        np.testing.assert_array_equal(
+            plain.walls.radiance(mesh, 55.0), textured.walls.radiance(mesh, 55.0)
+        )
+
+
+def test_the_back_has_the_color_too():
+    """Checks a sheet whose back is lit."""
+    sheet = on_box(lambda x, y, z: 50.0 + 40.0 * z + 5.0 * np.sin(4.0 * x) * np.sin(4.0 * y), 24)
+    scene = scene_with(TEXTURES["labels"]())
+    bake = leaflight.bake(sheet, scene, both_sides=True, **SETTINGS)
+    for back in (False, True):
+        percent, ratio = found_percent(bake, 55.0, back)
+        assert percent < 2.0
+        np.testing.assert_allclose(ratio, 1.0, atol=0.02 if back else 0.06)
+
+
+def test_color_bleeds_onto_walls(volume):
+    """Checks the light of the wall beside a red half and beside a blue one, by path tracing."""
+    scene = scene_with(TEXTURES["labels"]())
+    scene = replace(scene, meshes=[replace(mesh, albedo=(0.8, 0.8, 0.8)) for mesh in scene.meshes])
+    bake = leaflight.bake(volume, scene, walls=True, **SETTINGS)
+    colors = []
+    for number, mesh in enumerate(bake.scene.meshes):
+        middle = mesh.vertices.mean(axis=0)
+        if abs(middle[0]) < 0.5 * np.abs(mesh.vertices).max():
+            continue
+        place = [0], [[1 / 3, 1 / 3]]
+        center = mesh.vertices[mesh.triangles[0]].astype(np.float64).mean(axis=0)[None]
+        sides = [bake.mesh_radiance(number, center, 55.0, back) for back in (False, True)]
+        back = int(sides[1].sum() > sides[0].sum())
+        found = sides[back]
+        truth, _ = bake.mesh_reference(number, place, 55.0, spp=8192, back=bool(back))
+        np.testing.assert_allclose(found, truth, rtol=0.06)
+        colors.append((middle[0], found[0, 0] / found[0, 2]))
+    (_, beside_red), (_, beside_blue) = sorted(colors)
+    assert beside_red > 1.1 * beside_blue
+
+
+def test_two_volumes_light_each_other_in_color():
+    """Checks a bake by paths: a white ball over a red one, beside path tracing."""
+    ball = on_box(lambda x, y, z: 100.0 - 90.0 * np.sqrt(x * x + y * y + z * z), 24)
+    raised = ball.index_to_world.copy()
+    raised[2, 3] += 1.3
+    scene = cornell_box()
+    material = replace(scene.isosurfaces[0], albedo=(0.9, 0.9, 0.9), isovalues=(30.0, 80.0))
+    red = texture_of(labels(), [(1.0, RED)])
+    scene = replace(scene, isosurfaces=[material, replace(material, texture=red)])
+    bake = leaflight.bake(
+        [replace(ball, index_to_world=raised), ball],
+        scene,
+        **{**SETTINGS, "isovalues": None, "error": 2.0},
+    )
+    for number in (0, 1):
+        points = bake.surface(0.5, number).vertices[::40]
+        truth, noise = bake.reference(points, 0.5, spp=512, volume=number)
+        found = bake.radiance(points, number)
+        np.testing.assert_allclose(found.mean(axis=0), truth.mean(axis=0), rtol=0.04)
+    below = bake.radiance(bake.surface(0.5, 0).vertices)
+    assert below[:, 0].mean() > 1.05 * below[:, 2].mean()
+
+
+def test_a_file_holds_the_texture(volume, tmp_path):
+    scene = scene_with(TEXTURES["a map over values"]())
+    bake = leaflight.bake(volume, scene, **SETTINGS)
+    bake.save(tmp_path / "bake.vdb")
+    loaded = leaflight.load_bake(tmp_path / "bake.vdb")
+    points = bake.surface(55.0).vertices
+    assert loaded.id == bake.id
+    np.testing.assert_allclose(loaded.radiance(points), bake.radiance(points), rtol=2e-3, atol=1e-4)
+    other = replace(scene.isosurfaces[0].texture, nearest=True)
+    assert leaflight.bake(volume, scene_with(other), **SETTINGS).id != bake.id
+
+
+def test_workers_give_the_same_bits(volume):
+    scene = scene_with(TEXTURES["labels"]())
+    alone = leaflight.bake(volume, scene, **SETTINGS)
+    with Workers(2) as workers:
+        shared = leaflight.bake(volume, scene, workers=workers, **SETTINGS)
+    points = alone.surface(55.0).vertices
+    np.testing.assert_array_equal(alone.radiance(points), shared.radiance(points))
+
+
+def test_a_unit_moves_the_texture_along(volume):
+    """Checks a texture in centimeters on a volume in millimeters."""
+    small = replace(labels(), unit="cm")
+    large = replace(
+        volume, unit="mm", index_to_world=np.diag([10.0, 10, 10, 1]) @ volume.index_to_world
+    )
+    colors = [(1.0, RED), (2.0, BLUE)]
+    bake = leaflight.bake(large, scene_with(texture_of(small, colors, nearest=True)), **SETTINGS)
+    points = bake.surface(55.0).vertices
+    left = points[:, 0] < -1.0
+    radiance = bake.radiance(points)
+    assert (radiance[left, 0] > radiance[left, 2]).all()
+
+
+def test_a_capped_volume_keeps_the_place_of_its_texture(volume):
+    bake = leaflight.bake(volume, scene_with(TEXTURES["labels"](), capped=True), **SETTINGS)
+    percent, ratio = found_percent(bake, 55.0)
+    assert percent < 2.5
+
+
+def test_scene_files_name_or_hold_textures(tmp_path):
+    text = scene_to_json(scene_with(TEXTURES["labels"]()))
+    again = scene_from_json(text).isosurfaces[0].texture
+    assert again.nearest and again.colors == [(1.0, RED), (2.0, BLUE)]
+    np.testing.assert_array_equal(again.channels[0].values, labels().values)
+    np.testing.assert_array_equal(again.channels[0].index_to_world, labels().index_to_world)
+    assert scene_to_json(scene_from_json(text)) == text
+    np.save(tmp_path / "values.npy", on_box(lambda x, y, z: 100.0 * x, 9).values)
+    texture = (
+        '{"channels": [{"name": "v", "source": "values.npy"}], "map": "MAGMA", "range": [0, 5]}'
+    )
+    named = text[: text.index('"texture":')] + f'"texture": {texture}' + _after_texture(text)
+    found = scene_from_json(named, folder=tmp_path).isosurfaces[0].texture
+    assert found.colors[0][0] == 0.0 and found.colors[-1][0] == 5.0
+
+
+def _after_texture(text):
+    """Returns the text after the object of the texture."""
+    start, depth = text.index('"texture":') + len('"texture":'), 0
+    for i, letter in enumerate(text[start:], start):
+        depth += {"{": 1, "}": -1}.get(letter, 0)
+        if depth == 0:
+            return text[i + 1 :]
+    raise AssertionError(text)
+
+
+def test_unusable_textures_are_refused(volume):
+    matrix = labels().index_to_world.copy()
+    matrix[0, 3] += 10.0
+    far = replace(labels(), index_to_world=matrix)
+    bake = leaflight.bake
+    refused("does not overlap", bake, volume, scene_with(texture_of(far, "MAGMA")), **SETTINGS)
+    refused("is empty", texture_of, labels(), "MAGMA", (3.0, 3.0))
+    refused("no color map", texture_of, labels(), "PINK")
+    unequal = [labels(), labels(), labels(9)]
+    refused("differ in their shape", bake, volume, scene_with(texture_of(unequal)), **SETTINGS)
+    refused("one channel, or three", VolumeTexture((labels(), labels()), WHITE).core)
+    glowing = scene_with(texture_of(labels(), WHITE), emission=(1.0, 1.0, 1.0))
+    refused("emit light and have a texture", bake, volume, glowing, **SETTINGS)
+    bright = scene_with(texture_of(labels(), [(0.0, (2.0, 1.0, 1.0))]))
+    refused("albedo of the texture", bake, volume, bright, **SETTINGS)
+    descending = scene_with(texture_of(labels(), [(1.0, RED), (0.0, BLUE)]))
+    refused("ascending order", bake, volume, descending, **SETTINGS)
+    flat = replace(labels(), index_to_world=np.zeros((4, 4)))
+    refused("cannot be inverted", VolumeTexture((flat,), WHITE).core)
