@@ -25,6 +25,7 @@ from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
 from .scene.scene import fit_scene
+from .scene.volume_texture import VolumeTexture, texture_of
 from .stills.still import still
 from .version import __version__
 from .volume.memory import limit_memory
@@ -42,6 +43,7 @@ __all__ = [
     "Progress",
     "Surface",
     "Volume",
+    "VolumeTexture",
     "__version__",
     "as_volume",
     "bake",
@@ -64,6 +66,7 @@ __all__ = [
     "read_volume",
     "refine",
     "still",
+    "texture_of",
     "thesis",
 ]
 

@@ -111,6 +111,11 @@ def layout_options() -> Parser:
     parser.add_argument(
         "--dataset", metavar="NAME", help="several volumes: name of the one to read"
     )
+    _add_value_options(parser)
+    return options
+
+
+def _add_value_options(parser: argparse._ArgumentGroup) -> None:
     parser.add_argument(
         "--downsample",
         type=integer,
@@ -130,7 +135,12 @@ def layout_options() -> Parser:
         metavar="S",
         help="smooth only the normals; isosurfaces do not change (0)",
     )
-    return options
+    parser.add_argument(
+        "--absolute",
+        action="store_true",
+        default=None,
+        help="take the values without their sign, to show both lobes of an orbital",
+    )
 
 
 def threads_options() -> Parser:

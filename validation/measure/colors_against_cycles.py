@@ -2,6 +2,7 @@
 """Compares isosurfaces that another volume colors with Cycles, which has the colors on the mesh.
 
     validation/run colors_against_cycles [--data DIR] [--points N] [--spp N]
+    validation/run colors_against_cycles --data DIR --picture FILE.webp
 
 prints a row of a Markdown table for each isosurface. Cycles interpolates colors between vertices;
 the bake has the color of the point. Their difference counts as an error of the bake.
@@ -15,9 +16,11 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import volume_recipes
+from PIL import Image
 from leaflight import Volume, read_volume
-from leaflight.io.scene_file import cornell_box
-from leaflight.scene.volume_texture import VolumeTexture, texture_of
+from leaflight.io.scene_file import cornell_box, packaged_scene
+from leaflight.scene.volume_texture import VolumeTexture, sign_texture, texture_of
+from leaflight.volume.lobes import without_sign
 
 TEMPLATES = volume_recipes.COLIN27.parent
 
@@ -38,7 +41,7 @@ def by_gradient(folder):
         return None
     values = volumes[0].values.astype(np.float32)
     lengths = np.sqrt(sum(np.square(axis) for axis in np.gradient(values)))
-    return volumes[0], texture_of(replace(volumes[0], values=lengths), "VIRIDIS", (0.0, 200.0))
+    return volumes[0], texture_of(replace(volumes[0], values=lengths), "VIRIDIS", (0.0, 400.0))
 
 
 def by_potential(folder):
@@ -59,10 +62,7 @@ def by_sign(folder):
     volumes = volume_recipes.orbital(folder, 1)
     if volumes is None:
         return None
-    orbital = volumes[0]
-    negative, positive = (0.1, 0.2, 0.8), (0.8, 0.15, 0.1)
-    texture = VolumeTexture((orbital,), [(-1e-6, negative), (1e-6, positive)])
-    return replace(orbital, values=np.abs(orbital.values)), texture
+    return without_sign(volumes[0]), sign_texture(volumes[0])
 
 
 def by_label(_):
@@ -117,7 +117,11 @@ def main():
     parser.add_argument("--data", type=Path, help="folder with the real volumes")
     parser.add_argument("--points", type=int, default=1200, help="points of each place (1200)")
     parser.add_argument("--spp", type=int, default=512, help="paths a point (512)")
+    parser.add_argument("--picture", type=Path, help="draw four of them into this file instead")
     options = parser.parse_args()
+    if options.picture:
+        draw(options.data, options.picture)
+        return
     print(HEAD)
     for case in CASES:
         if options.names and not any(name in case.name for name in options.names):
@@ -128,6 +132,24 @@ def main():
             continue
         volume, texture = made
         rows(case, volume, texture, options)
+
+
+# Isovalues and size of the pictures.
+SHOWN = {by_label: 60.5, by_sign: 0.04, by_gradient: 900.5, by_channels: 60.0}
+PICTURE = (560, 420)
+
+
+def draw(folder, path):
+    """Draws isosurfaces of four volumes on a lit floor, two in a row."""
+    width, height = PICTURE
+    picture = Image.new("RGB", (2 * width, 2 * height))
+    for number, (make, isovalue) in enumerate(SHOWN.items()):
+        volume, texture = make(folder)
+        scene = packaged_scene("open_floor.json").colored_by(texture)
+        bake = leaflight.bake(volume, scene, walls=True, progress=False)
+        still = bake.still(isovalue, size=PICTURE).convert("RGB")
+        picture.paste(still, (number % 2 * width, number // 2 * height))
+    picture.save(path, quality=88)
 
 
 def rows(case, volume, texture, options):
@@ -152,7 +174,7 @@ def rows(case, volume, texture, options):
 def scene_with(texture):
     """Returns the Cornell box with isosurfaces of albedo 0.8, or with a texture."""
     scene = cornell_box()
-    albedo = (1.0, 1.0, 1.0) if texture else (0.8, 0.8, 0.8)
-    return replace(
-        scene, isosurfaces=[replace(scene.isosurfaces[0], texture=texture, albedo=albedo)]
-    )
+    if texture is not None:
+        return scene.colored_by(texture)
+    isosurfaces = replace(scene.isosurfaces[0], albedo=(0.8, 0.8, 0.8))
+    return replace(scene, isosurfaces=[isosurfaces])

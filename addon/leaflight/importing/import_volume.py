@@ -7,6 +7,8 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
+from leaflight.scene.volume_texture import SIGN_WIDTH
+from leaflight.volume.lobes import has_lobes, without_sign
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
@@ -20,6 +22,8 @@ from . import placing, stored_facts
 # Name patterns of the files that the browser lists.
 _BY_NAME = readers.name_patterns()
 
+# Color map of values below and above 0.
+_OF_SIGNS = "CET_D1"
 _OF_THE_FILE = ("FILE", "As in the File", "Orientation of the file, or +Z up and -Y to the front")
 
 
@@ -82,6 +86,12 @@ class LEAFLIGHT_OT_import_volume(
         min=0.0,
         max=10.0,
     )
+    both_signs: BoolProperty(
+        "Both Signs",
+        "Show values of both signs, such as those of an orbital, at the isovalue and at "
+        "its negative, in two colors",
+        True,
+    )
     use_spacing: BoolProperty(
         "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
     )
@@ -110,8 +120,8 @@ class LEAFLIGHT_OT_import_volume(
         _, stored, _ = self._facts()
         return list(stored.datasets) if stored is not None else []
 
-    # One of source_files.CHOICES, which the resolution sets later.
-    downsample = 1
+    # Those of source_files.CHOICES that the resolution and the values set later.
+    downsample, absolute = 1, False
     _patience = 0.3
 
     def draw(self, context):
@@ -135,6 +145,7 @@ class LEAFLIGHT_OT_import_volume(
         layout.prop(self, "resolution")
         layout.prop(self, "smooth")
         layout.prop(self, "smooth_normals")
+        layout.prop(self, "both_signs")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
@@ -202,6 +213,7 @@ class ImportJob(jobs.Job):
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
+        self._both_signs, self._signed = operator.both_signs, None
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -212,6 +224,9 @@ class ImportJob(jobs.Job):
             choices["frame"] = max(choices["frame"], 0)
         choices["downsample"] = stored_facts.step_of(self._resolution, self._stored)
         self._volume = source_files.read_volume(path, progress=progress, **choices)
+        if self._both_signs and self._stored.frames == 1 and has_lobes(self._volume):
+            self._signed, self._volume = self._volume, without_sign(self._volume)
+            choices["absolute"] = True
         self._range = self._volume.field().range
         self._isovalue_range = leaflight.default_isovalue_range(self._volume)
         self._isovalue = leaflight.default_isovalue(self._volume)
@@ -221,34 +236,14 @@ class ImportJob(jobs.Job):
     def apply(self):
         context, volume = bpy.context, self._volume
         self.warnings = volume.notes
-        obj = surface_object.create(context, volume, self._size)
-        try:
-            obj.leaflight.unit = self._stored.unit or self._unit
-            placing.place(context, obj, volume, self._size_from, self._partner)
-        except LeaflightError:
-            bpy.data.meshes.remove(obj.data)
-            raise
-
+        obj = self._add(context, volume, self._choices)
         settings = obj.leaflight
-        settings.source = self._path
-        for name, value in self._choices.items():
-            setattr(settings, name, value)
-        settings.frames = self._stored.frames
-        settings.shown_frame = max(settings.frame, 0)
-        settings.low, settings.high = self._isovalue_range
-        if self._why_both_sides:
-            settings.both_sides = True
-            self.warnings += (f"{self._why_both_sides}, so Both Sides is on for the bake.",)
-        settings.is_volume = True
-        cache.forget_unused()
-        cache.keep_volume(obj, volume)
-        settings["isovalue"] = self._isovalue
-        settings.limit_isovalue(self._range, self._isovalue_range, self._isovalue)
-        surface_object.update(obj, self._isovalue)
         if self._animate and settings.frames > 1:
             blender.animate_frames(obj)
 
         self._stand(context, obj)
+        if self._signed is not None:
+            self._color_by_sign(context, obj)
         display.select(context, [obj], obj)
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
@@ -263,6 +258,45 @@ class ImportJob(jobs.Job):
                 else ""
             )
         )
+
+    def _add(self, context, volume, choices):
+        """Returns a new object that shows a volume of the file. Raises LeaflightError."""
+        obj = surface_object.create(context, volume, self._size)
+        try:
+            obj.leaflight.unit = self._stored.unit or self._unit
+            placing.place(context, obj, volume, self._size_from, self._partner)
+        except LeaflightError:
+            bpy.data.meshes.remove(obj.data)
+            raise
+
+        settings = obj.leaflight
+        settings.source = self._path
+        for name, value in choices.items():
+            setattr(settings, name, value)
+        settings.frames = self._stored.frames
+        settings.shown_frame = max(settings.frame, 0)
+        settings.low, settings.high = self._isovalue_range
+        if self._why_both_sides:
+            settings.both_sides = True
+            self.warnings += (f"{self._why_both_sides}, so Both Sides is on for the bake.",)
+        settings.is_volume = True
+        cache.forget_unused()
+        cache.keep_volume(obj, volume)
+        settings["isovalue"] = self._isovalue
+        settings.limit_isovalue(self._range, self._isovalue_range, self._isovalue)
+        surface_object.update(obj, self._isovalue)
+        return obj
+
+    def _color_by_sign(self, context, obj):
+        """Adds the values with their sign as the colors of the isosurfaces."""
+        signed = self._add(context, self._signed, {**self._choices, "absolute": False})
+        signed.name = iface_("%s sign") % obj.name
+        signed.matrix_world = obj.matrix_world
+        orientation.take_over(signed, obj)
+        settings, width = obj.leaflight, SIGN_WIDTH * self._range[1]
+        settings.texture_map = _OF_SIGNS
+        settings.texture_volume = signed
+        settings.texture_low, settings.texture_high = -width, width
 
     def _stand(self, context, obj):
         """Orients a volume and places it among the others."""

@@ -194,6 +194,12 @@ class SceneDescription:
     environment: Environment | None = None
     coordinates: str = "world"
 
+    def colored_by(self, texture: VolumeTexture, volume: int = 0) -> "SceneDescription":
+        """Returns the scene with white isosurfaces of a volume (its number) under a texture."""
+        isosurfaces = list(self.isosurfaces)
+        isosurfaces[volume] = replace(isosurfaces[volume], texture=texture, albedo=(1.0, 1.0, 1.0))
+        return replace(self, isosurfaces=isosurfaces)
+
 
 def match_isosurfaces(description: SceneDescription, volumes: Sequence[Volume]) -> SceneDescription:
     """Returns the description with one Isosurfaces per volume; several volumes get isovalues.

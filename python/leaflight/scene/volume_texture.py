@@ -17,6 +17,8 @@ from ..volume.voxels import as_voxels
 Color = tuple[float, float, float]
 Stops = list[tuple[float, Color]]
 
+# Width of the border between the colors of both signs, relative to the largest absolute value.
+SIGN_WIDTH = 1e-3
 # Largest label.
 MOST_LABELS = 65535
 # Colors of red, green and blue channels: a value of 0 is dark, 1 is bright.
@@ -110,6 +112,13 @@ def texture_of(
     return VolumeTexture(
         volumes, [(low + share * (high - low), color) for share, color in shares], nearest
     )
+
+
+def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
+    """Returns the texture that gives values below and above 0 the ends of a color map."""
+    stops = color_map(colors)
+    width = SIGN_WIDTH * max(map(abs, _range_of(volume)))
+    return VolumeTexture((volume,), [(-width, stops[0][1]), (width, stops[-1][1])])
 
 
 def label_colors(values: Array) -> Stops:

@@ -52,7 +52,7 @@ def default_isovalue(volume: Volume) -> float:
     lo, hi = default_isovalue_range(volume)
     if not lo < isovalue < hi:
         return 0.5 * (lo + hi)
-    if lo < 0 < hi and abs(isovalue) < AT_ZERO * hi and _is_mostly_zero(volume):
+    if lo < 0 < hi and abs(isovalue) < AT_ZERO * hi and is_mostly_zero(volume):
         lobe = inner_isovalue(volume, 0.0)
         return lobe if lobe is not None and lobe < hi else float(isovalue)
     return _seen_from_front(volume, float(isovalue), lo, hi)
@@ -80,7 +80,7 @@ def inner_isovalue(volume: Volume, isovalue: float) -> float | None:
     return float(np.floor(inner) + 0.5 if _is_integer(volume) else inner)
 
 
-def _is_mostly_zero(volume: Volume) -> bool:
+def is_mostly_zero(volume: Volume) -> bool:
     """Returns True if most values are near 0, between lobes of both signs."""
     counts, edges = volume.distribution.histogram(256)
     middles = 0.5 * (edges[1:] + edges[:-1])

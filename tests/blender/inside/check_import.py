@@ -124,9 +124,9 @@ def check_bad_files_give_one_sentence_and_change_nothing(
     assert not bpy.data.objects and not bpy.data.meshes and not bpy.data.materials
 
 
-def _read_array(path, values):
+def _read_array(path, values, **options):
     np.save(path, values)
-    bpy.ops.leaflight.import_volume(filepath=str(path))
+    bpy.ops.leaflight.import_volume(filepath=str(path), **options)
     return bpy.context.object
 
 
@@ -138,7 +138,8 @@ def check_what_is_seen_from_its_back_has_both_sides(tmp_path):
     level_set = _read_array(tmp_path / "level.npy", distance - 8)
     assert level_set.leaflight.both_sides and level_set.leaflight.isovalue == 0
     assert_shows(level_set, 0.0)
-    orbital = _read_array(tmp_path / "p.npy", x.astype(np.float32) * np.exp(-distance / 3))
+    values = x.astype(np.float32) * np.exp(-distance / 3)
+    orbital = _read_array(tmp_path / "p.npy", values, both_signs=False)
     assert orbital.leaflight.both_sides and orbital.leaflight.isovalue > 0
 
 

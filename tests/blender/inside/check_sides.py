@@ -97,7 +97,7 @@ def check_the_isovalue_has_a_note_where_the_back_is_seen(tmp_path):
         for at in (-0.4, 0.4)
     )
     np.save(tmp_path / "molecule.npy", next(lobes) - next(lobes))
-    obj = blender.import_volume(tmp_path / "molecule.npy")
+    obj = blender.import_volume(tmp_path / "molecule.npy", both_signs=False)
     settings = obj.leaflight
     settings.bake_folder, settings.error, settings.resolution = str(tmp_path), 50.0, 8
     settings.use_resolution, settings.low, settings.high = True, -0.4, 0.4

@@ -134,3 +134,36 @@ def check_a_saved_scene_opens_in_color(colored, tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     loaded = leaflight.load_bake(bpy.path.abspath(obj.leaflight.bake_path))
     assert loaded.scene.isosurfaces[0].texture.name == "along_x"
+
+
+def _orbital(path):
+    """Writes a p orbital along z as a file without a header."""
+    axis = np.linspace(-1.0, 1.0, N)
+    radius = np.sqrt(axis**2 + axis[:, None] ** 2 + axis[:, None, None] ** 2)
+    (axis[:, None, None] * np.exp(-6.0 * radius)).astype("<f4").tofile(path)
+    return {"filepath": str(path), "dims": (N, N, N), "value_type": "float32"}
+
+
+def check_lobes_of_both_signs_have_two_colors(tmp_path):
+    bpy.ops.leaflight.import_volume(**_orbital(tmp_path / "p.raw"))
+    obj = bpy.context.object
+    signed = obj.leaflight.texture_volume
+    assert signed.hide_render and obj.leaflight.absolute and not signed.leaflight.absolute
+    assert not obj.leaflight.both_sides and obj.leaflight.low >= 0.0
+    assert np.allclose(signed.matrix_world, obj.matrix_world)
+    heights, colors = vertices_of(obj)[:, 2], colors_of(obj, "texture")
+    above, below = colors[heights > 0.1], colors[heights < -0.1]
+    assert len(above) and len(below) and (above[:, 0] > above[:, 2]).all()
+    assert (below[:, 2] > below[:, 0]).all()
+    bpy.ops.leaflight.stage()
+    obj.leaflight.error, obj.leaflight.resolution = 20.0, N
+    obj.leaflight.bake_folder = str(tmp_path / "bakes")
+    bpy.ops.leaflight.bake()
+    assert len(cache.bake_of(obj).volumes) == 1
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+
+
+def check_both_signs_can_be_left_off(tmp_path):
+    bpy.ops.leaflight.import_volume(**_orbital(tmp_path / "p.raw"), both_signs=False)
+    (obj,) = [obj for obj in bpy.data.objects if obj.leaflight.is_volume]
+    assert obj.leaflight.texture_volume is None and not obj.leaflight.absolute

@@ -5,7 +5,7 @@ import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
@@ -15,6 +15,7 @@ import numpy as np
 from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...arrays import Array
 from ...progress_bar import with_progress
+from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
 from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
@@ -48,14 +49,25 @@ class StoredOptions(TypedDict, total=False):
     skip: int | None
 
 
+class ValueOptions(TypedDict, total=False):
+    """The options that change the values; read_volume() explains them."""
+
+    downsample: int | None
+    smooth: float | None
+    smooth_normals: float | None
+    absolute: bool | None
+
+
+class ReadOptions(StoredOptions, ValueOptions, total=False):
+    """The options of read_volume() that are given by name."""
+
+
 # Options of read_volume() in addition to the path.
 OPTIONS = (
     *StoredOptions.__annotations__,
     "frame",
     "channel",
-    "downsample",
-    "smooth",
-    "smooth_normals",
+    *ValueOptions.__annotations__,
 )
 
 
@@ -65,15 +77,12 @@ def read_volume(
     *,
     frame: int | None = None,
     channel: int | None = None,
-    downsample: int | None = None,
-    smooth: float | None = None,
-    smooth_normals: float | None = None,
     progress: Progress | None = None,
-    **stored: "Unpack[StoredOptions]",
+    **options: "Unpack[ReadOptions]",
 ) -> Volume:
     """Reads a scalar volume from a file of one of SUFFIXES or from a folder of slices.
 
-    stored: StoredOptions by name, for facts that a format does not store, as follows.
+    options: ReadOptions by name, as follows. Some are for facts that a format does not store.
     dims: Size of a .raw, (nx, ny, nz). For scattered points the nodes along x, y and z, or one
         number along the longest side.
     type: Type of the values in a .raw: "uint8", "float32", ... With dims and type any file is read
@@ -89,20 +98,16 @@ def read_volume(
     smooth: Standard deviation of a Gaussian on the values, in voxels after downsampling. 0 is the
         default.
     smooth_normals: The same for the normals alone (see Volume).
+    absolute: True takes the values without their sign, for orbitals and other values around 0.
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
     remedy.
     """
     assert progress is not None
-    _check_names(stored)
+    _check_names(options, OPTIONS)
     path = Path(path)
-    if downsample is not None and downsample not in DOWNSAMPLE:
-        raise SettingError(
-            f"{path}: downsample is {downsample}; choose one of {', '.join(map(str, DOWNSAMPLE))}.",
-            "downsample",
-        )
-    smooth = checked(smooth or 0.0, "smooth", path)
-    smooth_normals = checked(smooth_normals or 0.0, "smooth_normals", path)
+    wanted = _wanted(path, options)
+    stored: Any = {k: v for k, v in options.items() if k in StoredOptions.__annotations__}
     with _sentences(path, stored) as kind:
         opened = _opened(path, kind(), stored)
         # Earlier versions read channels by `frame`, if the file had no frames.
@@ -110,30 +115,67 @@ def read_volume(
             frame, channel = None, frame
         frame = choose(path, "frame", frame, opened.frames)
         channel = choose(path, "channel", channel, opened.channels)
-        step = downsample or 1
-        _check_memory(path, opened, step)
+        _check_memory(path, opened, wanted.step)
         volume = opened.load(frame, channel, progress)
-        values, offset, notes = usable(volume.values, opened.missing, step, progress)
-        matrix = volume.index_to_world
-        if step > 1:
-            values = downsampled(path, values, step, progress)
-            matrix = matrix @ _from_downsampled(step)
-        values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
-        volume = replace(
-            volume,
-            values=values,
-            index_to_world=matrix,
-            name=f"{volume.name} less {offset:.15g}" if offset else volume.name,
-            source=source_of(path, smooth, smooth_normals, offset),
-            unit=opened.unit,
-            patient=opened.patient,
-            smooth_normals=smooth_normals,
-            notes=(*opened.notes, *volume.notes, *notes),
-        )
+        volume = _processed(path, opened, volume, wanted, progress)
     progress.begin("Examining values")
     progress.check()
     volume.field()
-    return volume if smooth > 0 or step > 1 else volume.noted(*about_labels(volume))
+    if wanted.smooth > 0 or wanted.step > 1:
+        return volume
+    return volume.noted(*about_labels(volume))
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """ValueOptions with their defaults. step: voxels along each axis that are averaged."""
+
+    step: int
+    smooth: float
+    smooth_normals: float
+    absolute: bool
+
+
+def _wanted(path: Path, options: ReadOptions) -> _Wanted:
+    """Raises SettingError for values of options that do not exist."""
+    downsample = options.get("downsample")
+    if downsample is not None and downsample not in DOWNSAMPLE:
+        raise SettingError(
+            f"{path}: downsample is {downsample}; choose one of {', '.join(map(str, DOWNSAMPLE))}.",
+            "downsample",
+        )
+    return _Wanted(
+        downsample or 1,
+        checked(options.get("smooth") or 0.0, "smooth", path),
+        checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
+        bool(options.get("absolute")),
+    )
+
+
+def _processed(
+    path: Path, opened: StoredVolume, volume: Volume, wanted: _Wanted, progress: Progress
+) -> Volume:
+    """Returns a loaded volume with the values that are wanted. Raises LeaflightError, Cancelled."""
+    step, smooth = wanted.step, wanted.smooth
+    values, offset, notes = usable(volume.values, opened.missing, step, progress)
+    matrix = volume.index_to_world
+    if step > 1:
+        values = downsampled(path, values, step, progress)
+        matrix = matrix @ _from_downsampled(step)
+    values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
+    if wanted.absolute:
+        values = unsigned(values)
+    return replace(
+        volume,
+        values=values,
+        index_to_world=matrix,
+        name=f"{volume.name} less {offset:.15g}" if offset else volume.name,
+        source=source_of(path, smooth, wanted.smooth_normals, offset),
+        unit=opened.unit,
+        patient=opened.patient,
+        smooth_normals=wanted.smooth_normals,
+        notes=(*opened.notes, *volume.notes, *notes),
+    )
 
 
 def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> StoredVolume:
@@ -143,16 +185,16 @@ def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> St
         list to choose from.
     Raises LeaflightError.
     """
-    _check_names(stored)
+    _check_names(stored, tuple(StoredOptions.__annotations__))
     path = Path(path)
     with _sentences(path, stored) as kind:
         return _opened(path, kind(), stored)
 
 
-def _check_names(stored: StoredOptions) -> None:
+def _check_names(options: StoredOptions | ReadOptions, known: tuple[str, ...]) -> None:
     """Raises TypeError for an option of no format, as Python does for a wrong keyword."""
-    for name in stored:
-        if name not in StoredOptions.__annotations__:
+    for name in options:
+        if name not in known:
             raise TypeError(
                 f"read_volume() has no option {name!r}; choose one of {', '.join(OPTIONS)}."
             )
