@@ -120,7 +120,7 @@ class LEAFLIGHT_OT_import_volume(
         _, stored, _ = self._facts()
         return list(stored.datasets) if stored is not None else []
 
-    # Those of source_files.CHOICES that the resolution and the values set later.
+    # Choices of source_files.CHOICES that the resolution and the values set later.
     downsample, absolute = 1, False
     _patience = 0.3
 

@@ -52,6 +52,9 @@ MESSAGES = {
     "The file has no orientation: choose Up and Front": (
         "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
     ),
+    "Both Signs": "Beide Vorzeichen",
+    "Color By": "Farbe nach",
+    "Color Map": "Farbskala",
     "Smooth: %s voxels": "Geglättet: %s Voxel",
     "Smooth Normals: %s": "Normalen geglättet: %s",
     "Pick in Histogram": "Im Histogramm wählen",

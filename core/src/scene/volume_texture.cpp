@@ -42,7 +42,7 @@ double interpolated(const Voxels& values, const Index<D>& dims, const Neighborho
       weight *= upper ? near.weight[a] : 1 - near.weight[a];
       voxel[a] = upper ? near.high[a] : near.low[a];
     }
-    if (weight > 0) sum += weight * value_at(values, linear_number<D>(voxel, dims));
+    if (weight > 0) sum += weight * leaflight::value_at(values, linear_number<D>(voxel, dims));
   }
   return sum;
 }

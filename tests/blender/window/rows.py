@@ -130,6 +130,14 @@ ROWS = (
     ),
     Row(
         "bake",
+        "colored",
+        "lit",
+        held="pass",
+        without=dict.fromkeys((CANCELLED, NEW, CLOSED), "It is that of one volume."),
+        also="colored by another volume",
+    ),
+    Row(
+        "bake",
         "walled",
         "lit",
         held="pass",

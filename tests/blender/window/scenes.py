@@ -15,7 +15,7 @@ import leaflight
 import seen
 from leaflight import blender
 from leaflight_addon.bake import bake
-from leaflight_addon.show import isovalues
+from leaflight_addon.show import display, isovalues
 from leaflight_addon.store import cache
 
 # Target errors of small volumes: one that the first passes reach, and one out of reach.
@@ -100,6 +100,16 @@ def _two(scenes):
     _stage(scenes)
     for obj in seen.volumes():
         _limit_time(obj)
+
+
+def _color(scenes):
+    """Imports a second volume in the place of the first, whose isosurfaces it colors."""
+    obj = seen.volume()
+    _import(scenes, "other.nii.gz", size_from="SAME", partner=obj.name)
+    (other,) = (one for one in seen.volumes() if one != obj)
+    display.select(bpy.context, [obj], obj)
+    obj.leaflight.texture_volume = other
+    _stage(scenes)
 
 
 def _frames(scenes):
@@ -195,6 +205,7 @@ _SCENES = {
     "baking": ("staged", _nothing),
     "stopped": ("staged", _nothing),
     "two": ("imported", _two),
+    "colored": ("imported", _color),
     "frames": ("home", _frames),
     "graph": ("home", _graph),
 }
