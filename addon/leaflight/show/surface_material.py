@@ -13,7 +13,7 @@ import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache
-from . import display, isosurfaces, lamps, look, preview, shader, shader_graph
+from . import display, isosurfaces, lamps, look, preview, shader, shader_graph, texture
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # Property of a material: the label for which it was built.
@@ -125,6 +125,8 @@ def shading_in_use(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture would hold only one frame"
     if lamps.factors_of(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
+    if texture.volume_that_colors(settings.id_data) is not None:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture would blur the colors"
     if settings.atlas_columns > 0:
         return "ATLAS", ""
     size = atlases.LARGEST_ATLAS

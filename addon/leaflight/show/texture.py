@@ -94,7 +94,11 @@ def _colors_of(volume):
 
 
 def begin(obj):
-    """Prepares a volume object as the colors of another: hides it, and returns its data range."""
+    """Prepares a volume object as the colors of another: hides it, and returns its data range.
+
+    Its isovalue no longer moves with others, because its isosurfaces are not seen.
+    """
+    obj.leaflight.linked = False
     obj.hide_render = True
     obj.hide_set(True)
     for added in display.added_to(obj):

@@ -6,7 +6,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.scene.volume_texture import color_map
-from leaflight_addon.show import surface_object, texture
+from leaflight_addon.show import surface_material, surface_object, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from tools import close, colors_of, mesh_arrays, vertices_of
@@ -56,6 +56,7 @@ def _expected(obj, key="CET_D1"):
 
 def check_unlit_isosurfaces_have_the_colors(colored):
     obj, other = colored
+    assert not other.leaflight.linked
     assert other.hide_render and (obj.leaflight.texture_low, obj.leaflight.texture_high) == (0, 1)
     close(colors_of(obj, "texture"), _expected(obj), 2e-3)
     (material,) = obj.data.materials
@@ -65,7 +66,9 @@ def check_unlit_isosurfaces_have_the_colors(colored):
 
 def check_a_bake_has_the_colors(colored):
     obj, _ = colored
+    obj.leaflight.shading = "ATLAS"
     bpy.ops.leaflight.bake()
+    assert surface_material.shading_in_use(obj.leaflight)[0] == "ATTRIBUTE"
     bake = cache.bake_of(obj)
     assert len(bake.volumes) == 1 and bake.scene.isosurfaces[0].texture is not None
     assert staleness.change_since_bake(bpy.context, obj) == ""
