@@ -10,7 +10,7 @@ from ..flatland import isolines
 from ..importing import import_volume, open_example, smooth_volume
 from ..operators import jobs
 from ..operators.checks import active_volume
-from ..show import display, distribution, isovalues, look, surface_material, surface_object
+from ..show import display, distribution, isovalues, look, surface_material, surface_object, texture
 from ..store import cache, frame_bakes
 from ..translations import iface_
 from . import clip_outline
@@ -32,7 +32,8 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
             return
         layout.label(text=obj.name, icon="VOLUME_DATA", translate=False)
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
-        if any(other != obj for other in isovalues.volumes(context.scene)):
+        volumes = set(isovalues.volumes(context.scene))
+        if volumes - set(map(texture.volume_that_colors, volumes)) - {obj}:
             self._draw_partners(context, obj)
         progress = cache.progress_of(obj)
         if progress is not None:

@@ -9,6 +9,8 @@ from leaflight.scene.volume_texture import color_map
 from leaflight_addon.show import surface_material, surface_object, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
+from leaflight_addon.ui import volume_panel
+from passes import drawn
 from tools import close, colors_of, mesh_arrays, vertices_of
 
 N = 24
@@ -57,6 +59,7 @@ def _expected(obj, key="CET_D1"):
 def check_unlit_isosurfaces_have_the_colors(colored):
     obj, other = colored
     assert not other.leaflight.linked
+    assert "linked" not in drawn(volume_panel.LEAFLIGHT_PT_volume)
     assert other.hide_render and (obj.leaflight.texture_low, obj.leaflight.texture_high) == (0, 1)
     close(colors_of(obj, "texture"), _expected(obj), 2e-3)
     (material,) = obj.data.materials
