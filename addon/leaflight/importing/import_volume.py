@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """File > Import > Volume for Leaflight."""
 
+from dataclasses import dataclass, replace
+from itertools import cycle
+
 import bpy
 import leaflight
 from bpy_extras.io_utils import ImportHelper
@@ -24,6 +27,11 @@ _BY_NAME = readers.name_patterns()
 
 # Color map of values below and above 0.
 _OF_SIGNS = "CET_D1"
+# Albedos of the channels of a file: red, green, blue, magenta, cyan and yellow.
+_OF_CHANNELS = (
+    *((0.85, 0.1, 0.08), (0.08, 0.6, 0.12), (0.12, 0.25, 0.9)),
+    *((0.75, 0.12, 0.75), (0.08, 0.65, 0.7), (0.85, 0.7, 0.08)),
+)
 _OF_THE_FILE = ("FILE", "As in the File", "Orientation of the file, or +Z up and -Y to the front")
 
 
@@ -91,6 +99,12 @@ class LEAFLIGHT_OT_import_volume(
         "Show values of both signs, such as those of an orbital, at the isovalue and at "
         "its negative, in two colors",
         True,
+    )
+    all_channels: BoolProperty(
+        "All Channels",
+        "Import each channel as a separate volume in the same place, with its own isovalue "
+        "and color",
+        options={"SKIP_SAVE"},
     )
     use_spacing: BoolProperty(
         "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
@@ -171,7 +185,7 @@ class LEAFLIGHT_OT_import_volume(
         open_choices = (
             len(stored.datasets) > 1 and not self.dataset,
             stored.frames > 1 and self.frame < 0 and not self.animate,
-            stored.channels > 1 and self.channel < 0,
+            stored.channels > 1 and self.channel < 0 and not self.all_channels,
         )
         if any(open_choices):
             layout.label(text="Several volumes: choose one", icon="QUESTION")
@@ -185,7 +199,10 @@ class LEAFLIGHT_OT_import_volume(
             row.active = not self.animate
             row.prop(self, "frame", text=iface_("Frame (0 to %d)") % (stored.frames - 1))
         if stored.channels > 1:
-            layout.prop(self, "channel", text=iface_("Channel (0 to %d)") % (stored.channels - 1))
+            layout.prop(self, "all_channels")
+            row = layout.row()
+            row.active = not self.all_channels
+            row.prop(self, "channel", text=iface_("Channel (0 to %d)") % (stored.channels - 1))
 
     def ask(self, context, event):
         return ImportHelper.invoke(self, context, event)
@@ -199,8 +216,27 @@ class LEAFLIGHT_OT_import_volume(
         return {"CANCELLED"}
 
 
+@dataclass(frozen=True, eq=False)
+class _Read:
+    """A volume that was read with these source_files.CHOICES, and its isovalues."""
+
+    volume: leaflight.Volume
+    choices: dict
+    range: tuple
+    isovalue_range: tuple
+    isovalue: float
+    why_both_sides: str
+
+    @classmethod
+    def of_volume(cls, volume, choices):
+        isovalue_range = leaflight.default_isovalue_range(volume)
+        isovalue = leaflight.default_isovalue(volume)
+        why = why_both_sides(volume, isovalue_range)
+        return cls(volume, choices, volume.field().range, isovalue_range, isovalue, why)
+
+
 class ImportJob(jobs.Job):
-    """The reading of a file, and the object that shows its volume."""
+    """The reading of a file, and the objects that show its volumes."""
 
     name = "Import"
     cancelled = "The import was cancelled; nothing has changed"
@@ -213,7 +249,7 @@ class ImportJob(jobs.Job):
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
-        self._both_signs, self._signed = operator.both_signs, None
+        self._both_signs, self._all_channels = operator.both_signs, operator.all_channels
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -223,34 +259,45 @@ class ImportJob(jobs.Job):
         if self._animate and self._stored.frames > 1:
             choices["frame"] = max(choices["frame"], 0)
         choices["downsample"] = stored_facts.step_of(self._resolution, self._stored)
-        self._volume = source_files.read_volume(path, progress=progress, **choices)
-        if self._both_signs and self._stored.frames == 1 and has_lobes(self._volume):
-            self._signed, self._volume = self._volume, without_sign(self._volume)
-            choices["absolute"] = True
-        self._range = self._volume.field().range
-        self._isovalue_range = leaflight.default_isovalue_range(self._volume)
-        self._isovalue = leaflight.default_isovalue(self._volume)
-        self._why_both_sides = why_both_sides(self._volume, self._isovalue_range)
-        progress.check()
+        channels = [choices["channel"]]
+        if self._all_channels and self._stored.channels > 1:
+            channels = list(range(self._stored.channels))
+        self._read, self._signed = [], None
+        for channel in channels:
+            chosen = {**choices, "channel": channel}
+            volume = source_files.read_volume(path, progress=progress, **chosen)
+            if self._has_lobes(volume, channels):
+                self._signed = _Read.of_volume(volume, chosen)
+                volume, chosen = without_sign(volume), {**chosen, "absolute": True}
+            self._read.append(_Read.of_volume(volume, chosen))
+            progress.check()
+
+    def _has_lobes(self, volume, channels):
+        """True if a single volume has lobes that are shown together."""
+        is_single = self._both_signs and len(channels) == 1 and self._stored.frames == 1
+        return is_single and has_lobes(volume)
 
     def apply(self):
-        context, volume = bpy.context, self._volume
+        context, first = bpy.context, self._read[0]
+        volume = first.volume
         self.warnings = volume.notes
-        obj = self._add(context, volume, self._choices)
-        settings = obj.leaflight
-        if self._animate and settings.frames > 1:
+        obj = self._add(context, first)
+        if self._animate and obj.leaflight.frames > 1:
             blender.animate_frames(obj)
 
         self._stand(context, obj)
         if self._signed is not None:
             self._color_by_sign(context, obj)
+        if len(self._read) > 1:
+            self._add_channels(context, obj)
         display.select(context, [obj], obj)
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
-        low, high = figures(*self._range)
+        low, high = figures(*first.range)
         step = self._choices["downsample"]
         return (
             f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low} to {high}"
+            + (f", {len(self._read)} channels" if len(self._read) > 1 else "")
             + (f", read at 1/{step} of its resolution" if step > 1 else "")
             + (
                 "; the file has no orientation: choose Up and Front under Stage"
@@ -259,8 +306,9 @@ class ImportJob(jobs.Job):
             )
         )
 
-    def _add(self, context, volume, choices):
+    def _add(self, context, read):
         """Returns a new object that shows a volume of the file. Raises LeaflightError."""
+        volume = read.volume
         obj = surface_object.create(context, volume, self._size)
         try:
             obj.leaflight.unit = self._stored.unit or self._unit
@@ -271,32 +319,48 @@ class ImportJob(jobs.Job):
 
         settings = obj.leaflight
         settings.source = self._path
-        for name, value in choices.items():
+        for name, value in read.choices.items():
             setattr(settings, name, value)
         settings.frames = self._stored.frames
         settings.shown_frame = max(settings.frame, 0)
-        settings.low, settings.high = self._isovalue_range
-        if self._why_both_sides:
+        settings.low, settings.high = read.isovalue_range
+        if read.why_both_sides:
             settings.both_sides = True
-            self.warnings += (f"{self._why_both_sides}, so Both Sides is on for the bake.",)
+            self.warnings += (f"{read.why_both_sides}, so Both Sides is on for the bake.",)
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
-        settings["isovalue"] = self._isovalue
-        settings.limit_isovalue(self._range, self._isovalue_range, self._isovalue)
-        surface_object.update(obj, self._isovalue)
+        settings["isovalue"] = read.isovalue
+        settings.limit_isovalue(read.range, read.isovalue_range, read.isovalue)
+        surface_object.update(obj, read.isovalue)
         return obj
+
+    def _add_over(self, context, obj, read, name):
+        """Returns a new object in the place of another one of the same file."""
+        other = self._add(context, read)
+        other.name, other.matrix_world = name, obj.matrix_world
+        orientation.take_over(other, obj)
+        return other
 
     def _color_by_sign(self, context, obj):
         """Adds the values with their sign as the colors of the isosurfaces."""
-        signed = self._add(context, self._signed, {**self._choices, "absolute": False})
-        signed.name = iface_("%s sign") % obj.name
-        signed.matrix_world = obj.matrix_world
-        orientation.take_over(signed, obj)
-        settings, width = obj.leaflight, SIGN_WIDTH * self._range[1]
+        # Only the isosurfaces of the absolute values are shown.
+        self._signed = replace(self._signed, why_both_sides="")
+        signed = self._add_over(context, obj, self._signed, iface_("%s sign") % obj.name)
+        settings, width = obj.leaflight, SIGN_WIDTH * self._read[0].range[1]
         settings.texture_map = _OF_SIGNS
         settings.texture_volume = signed
         settings.texture_low, settings.texture_high = -width, width
+
+    def _add_channels(self, context, obj):
+        """Adds the other channels, and gives each channel a color."""
+        name, channels = obj.name, [obj]
+        for number, read in enumerate(self._read[1:], 1):
+            text = iface_("%s channel %d") % (name, number)
+            channels.append(self._add_over(context, obj, read, text))
+        obj.name = iface_("%s channel %d") % (name, 0)
+        for channel, color in zip(channels, cycle(_OF_CHANNELS)):
+            channel.leaflight.isosurface_albedo = color
 
     def _stand(self, context, obj):
         """Orients a volume and places it among the others."""
@@ -305,7 +369,7 @@ class ImportJob(jobs.Job):
             return
         partner = placing.registered(context, obj, self._stored.patient)
         if partner and not any(self._axes):
-            placing.place(context, obj, self._volume, "SAME", partner)
+            placing.place(context, obj, self._read[0].volume, "SAME", partner)
             orientation.take_over(obj, context.scene.objects[partner])
         else:
             placing.put_beside(context, obj)

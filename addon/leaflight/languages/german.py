@@ -52,6 +52,7 @@ MESSAGES = {
     "The file has no orientation: choose Up and Front": (
         "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
     ),
+    "All Channels": "Alle Kanäle",
     "Both Signs": "Beide Vorzeichen",
     "Color By": "Farbe nach",
     "Color Map": "Farbskala",

@@ -35,9 +35,15 @@ def _can_color(settings, obj):
 
 def _texture_chosen(settings, _context):
     """Hides the volume of the colors, and shows its whole range."""
-    other = texture.volume_that_colors(settings.id_data)
-    if other is not None:
-        settings["texture_low"], settings["texture_high"] = texture.begin(other)
+    others = texture.volumes_that_color(settings.id_data)
+    if others:
+        settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
+    _texture_changed(settings, _context)
+
+
+def _channel_chosen(settings, _context):
+    for other in texture.volumes_that_color(settings.id_data)[1:]:
+        texture.begin(other)
     _texture_changed(settings, _context)
 
 
@@ -92,10 +98,29 @@ class Isosurfaces:
         1.0,
         update=_texture_changed,
     )
-    texture_labels: BoolProperty(
-        "Labels",
-        "Give each whole number its own color, without colors between them",
+    texture_kind: EnumProperty(
+        "Colors",
+        "Meaning of the values",
+        [
+            ("MAP", "Color Map", "A color map over the values"),
+            ("LABELS", "Labels", "Each whole number has its own color, without colors between"),
+            ("CHANNELS", "Red, Green, Blue", "Three volumes are red, green and blue"),
+        ],
         update=_texture_changed,
+    )
+    texture_green: PointerProperty(
+        bpy.types.Object,
+        "Green",
+        "Volume whose values are green. It is hidden",
+        poll=_can_color,
+        update=_channel_chosen,
+    )
+    texture_blue: PointerProperty(
+        bpy.types.Object,
+        "Blue",
+        "Volume whose values are blue. It is hidden",
+        poll=_can_color,
+        update=_channel_chosen,
     )
     isosurface_ior: FloatProperty(
         "IOR",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volume whose values color the isosurfaces of another volume."""
+"""The volumes whose values color the isosurfaces of another volume."""
 
 import numpy as np
 from leaflight import LeaflightError
@@ -13,31 +13,42 @@ from . import display
 _colors = session.cache()
 
 
-def volume_that_colors(obj):
-    """Returns the object whose volume colors the isosurfaces of another volume, or None."""
-    other = obj.leaflight.texture_volume
+def volumes_that_color(obj):
+    """Returns the objects whose volumes color the isosurfaces of another volume.
+
+    There is one, or three for red, green and blue, or none.
+    """
+    settings = obj.leaflight
+    others = [settings.texture_volume]
+    if settings.texture_kind == "CHANNELS":
+        others += [settings.texture_green, settings.texture_blue]
     # A deleted object is in no scene, but lives on while a property refers to it.
-    is_usable = other is not None and other.users_scene and other.leaflight.is_volume
-    return other if is_usable and other != obj else None
+    usable = [
+        other
+        for other in others
+        if other is not None and other.users_scene and other.leaflight.is_volume and other != obj
+    ]
+    return usable if len(usable) == len(others) else []
 
 
 def label_of(obj):
     """Returns a text that differs for different textures, or an empty text without one."""
-    other = volume_that_colors(obj)
-    if other is None:
+    others = volumes_that_color(obj)
+    if not others:
         return ""
-    settings, source = obj.leaflight, other.leaflight
+    settings, sources = obj.leaflight, []
+    for other in others:
+        source = other.leaflight
+        place = [round(x, 6) for row in _between(obj, other) for x in row]
+        read = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
+        sources.append(f"{read} {place}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r}"
-    chosen = f"{settings.texture_map} {settings.texture_labels} {numbers}"
-    part = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
-    place = [round(x, 6) for row in _between(obj, other) for x in row]
-    return f"{chosen} {part} {place}"
+    return f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
 
 
 def world_texture(obj):
     """Returns the VolumeTexture of a volume in world space, or None. Raises LeaflightError."""
-    other = volume_that_colors(obj)
-    return None if other is None else _texture(obj, other, cache.world_volume(other))
+    return _texture(obj, cache.world_volume)
 
 
 def texture_on(obj, field):
@@ -59,30 +70,33 @@ def colors_at(obj, points):
 
 
 def _local_texture(obj):
-    other = volume_that_colors(obj)
-    if other is None:
-        return None
-    volume = cache.volume_of(other)
-    index_to_local = _between(obj, other) @ volume.index_to_world
-    return _texture(obj, other, cache.placed(volume, index_to_local))
+    def local(other):
+        volume = cache.volume_of(other)
+        return cache.placed(volume, _between(obj, other) @ volume.index_to_world)
+
+    return _texture(obj, local)
 
 
 def _between(obj, other):
     """Returns the matrix from the coordinates of the other object to those of the first."""
-    matrices = (np.array(one.matrix_world, np.float64) for one in (obj, other))
-    to_world, from_other = matrices
+    to_world, from_other = (np.array(one.matrix_world, np.float64) for one in (obj, other))
     return np.linalg.inv(to_world) @ from_other
 
 
-def _texture(obj, other, volume):
-    settings = obj.leaflight
+def _texture(obj, volume_of):
+    """Returns the VolumeTexture of an object, or None. volume_of: function from its others."""
+    others, settings = volumes_that_color(obj), obj.leaflight
+    if not others:
+        return None
+    volumes = [volume_of(other) for other in others]
     try:
-        if settings.texture_labels:
-            return VolumeTexture((volume,), _colors_of(volume), nearest=True)
+        if settings.texture_kind == "LABELS":
+            return VolumeTexture(tuple(volumes), _colors_of(volumes[0]), nearest=True)
         limits = settings.texture_low, settings.texture_high
-        return texture_of(volume, settings.texture_map, limits)
+        return texture_of(volumes, settings.texture_map if len(volumes) == 1 else None, limits)
     except LeaflightError as error:
-        raise LeaflightError(f'"{obj.name}" cannot be colored by "{other.name}": {error}') from None
+        names = " and ".join(f'"{other.name}"' for other in others)
+        raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
 
 
 def _colors_of(volume):

@@ -7,7 +7,7 @@ from leaflight import LeaflightError
 from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..operators.checks import active_volume
-from ..show import data_faces, display, look, surface_material, texture
+from ..show import data_faces, display, look, surface_material
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline
@@ -45,14 +45,7 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         buttons.operator(looks.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
         if settings.isosurface_stops:
             buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
-        layout.prop(settings, "texture_volume")
-        if texture.volume_that_colors(volume) is not None:
-            layout.prop(settings, "texture_labels")
-            if not settings.texture_labels:
-                layout.prop(settings, "texture_map")
-                column = layout.column(align=True)
-                column.prop(settings, "texture_low")
-                column.prop(settings, "texture_high")
+        _draw_texture(layout, settings)
         column = layout.column(align=True)
         column.prop(settings, "isosurface_emission")
         column.prop(settings, "isosurface_emission_strength")
@@ -66,6 +59,23 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         layout.prop(volume.leaflight_look, "dust")
         if surface_material.is_recolored(volume):
             sentence(context, layout, look.NEW_COLOR, icon="INFO")
+
+
+def _draw_texture(layout, settings):
+    layout.prop(settings, "texture_volume")
+    if settings.texture_volume is None:
+        return
+    layout.prop(settings, "texture_kind")
+    if settings.texture_kind == "LABELS":
+        return
+    if settings.texture_kind == "CHANNELS":
+        layout.prop(settings, "texture_green")
+        layout.prop(settings, "texture_blue")
+    else:
+        layout.prop(settings, "texture_map")
+    column = layout.column(align=True)
+    column.prop(settings, "texture_low")
+    column.prop(settings, "texture_high")
 
 
 class LEAFLIGHT_UL_stops(bpy.types.UIList):

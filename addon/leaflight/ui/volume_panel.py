@@ -33,7 +33,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         layout.label(text=obj.name, icon="VOLUME_DATA", translate=False)
         layout.prop(obj.leaflight, '["isovalue"]', text="Isovalue", slider=True)
         volumes = set(isovalues.volumes(context.scene))
-        if volumes - set(map(texture.volume_that_colors, volumes)) - {obj}:
+        if volumes.difference([obj], *map(texture.volumes_that_color, volumes)):
             self._draw_partners(context, obj)
         progress = cache.progress_of(obj)
         if progress is not None:

@@ -102,24 +102,40 @@ def check_another_map_shows_at_once(colored):
 def check_labels_have_separate_colors(boxed, tmp_path):
     labels = np.broadcast_to(np.arange(N, dtype=np.uint8) // 8, (N, N, N))
     other = _import(boxed, np.ascontiguousarray(labels), tmp_path / "labels.raw", "uint8")
-    boxed.leaflight.texture_labels = True
+    boxed.leaflight.texture_kind = "LABELS"
     boxed.leaflight.texture_volume = other
     bpy.context.view_layer.update()
     assert len(np.unique(colors_of(boxed, "texture").round(3), axis=0)) == 3
 
 
+def check_three_channels_are_red_green_and_blue(colored, tmp_path):
+    obj, red = colored
+    y = np.broadcast_to(np.linspace(0.0, 1.0, N, dtype="<f4")[:, None], (N, N, N))
+    green = _import(obj, np.ascontiguousarray(y), tmp_path / "along_y.raw", "float32")
+    obj.leaflight.texture_kind = "CHANNELS"
+    # Without all three there is no color.
+    assert "texture" not in obj.data.attributes
+    obj.leaflight.texture_green = green
+    obj.leaflight.texture_blue = red
+    bpy.context.view_layer.update()
+    colors, shares = colors_of(obj, "texture"), _shares(obj)
+    close(colors[:, 0], shares, 2e-3)
+    close(colors[:, 2], shares, 2e-3)
+    assert np.abs(colors[:, 1] - shares).max() > 0.2 and green.hide_render
+
+
 def check_fractions_are_no_labels(colored):
     obj, other = colored
-    obj.leaflight.texture_labels = True
+    obj.leaflight.texture_kind = "LABELS"
     assert "are not whole numbers" in surface_object.problems[obj.name_full]
-    obj.leaflight.texture_labels = False
+    obj.leaflight.texture_kind = "MAP"
     assert not surface_object.problems
 
 
 def check_a_deleted_volume_no_longer_colors(colored):
     obj, other = colored
     bpy.data.objects.remove(other)
-    assert texture.volume_that_colors(obj) is None
+    assert texture.volumes_that_color(obj) == []
     obj.leaflight.isovalue += 1.0
     assert "texture" not in obj.data.attributes
 
