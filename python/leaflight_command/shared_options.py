@@ -136,10 +136,9 @@ def _add_value_options(parser: argparse._ArgumentGroup) -> None:
         help="smooth only the normals; isosurfaces do not change (0)",
     )
     parser.add_argument(
-        "--absolute",
-        action="store_true",
-        default=None,
-        help="take the values without their sign, to show both lobes of an orbital",
+        "--field",
+        choices=("absolute", "labels"),
+        help="values without their sign, for both lobes of an orbital; or boundary of labels",
     )
 
 

@@ -51,7 +51,7 @@ def test_the_lowest_integer_has_an_absolute_value():
 def test_a_file_is_read_without_sign(tmp_path):
     volume = sampled(p_orbital, 9)
     np.save(tmp_path / "p.npy", volume.values)
-    read = read_volume(tmp_path / "p.npy", absolute=True)
+    read = read_volume(tmp_path / "p.npy", field="absolute")
     np.testing.assert_array_equal(read.values, np.abs(volume.values))
     assert (read_volume(tmp_path / "p.npy").values < 0).any()
 

@@ -10,8 +10,9 @@ from bpy_extras.io_utils import ImportHelper
 from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
+from leaflight.io.readers.reading import FIELDS
 from leaflight.scene.volume_texture import SIGN_WIDTH
-from leaflight.volume.lobes import has_lobes, without_sign
+from leaflight.volume.lobes import has_lobes
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
@@ -27,6 +28,8 @@ _BY_NAME = readers.name_patterns()
 
 # Color map of values below and above 0.
 _OF_SIGNS = "CET_D1"
+# Isovalue range of the boundary of labels.
+_AROUND_BOUNDARY = (0.4, 0.6)
 # Albedos of the channels of a file: red, green, blue, magenta, cyan and yellow.
 _OF_CHANNELS = (
     *((0.85, 0.1, 0.08), (0.08, 0.6, 0.12), (0.12, 0.25, 0.9)),
@@ -100,6 +103,11 @@ class LEAFLIGHT_OT_import_volume(
         "its negative, in two colors",
         True,
     )
+    labels: BoolProperty(
+        "Labels as Surfaces",
+        "Show labels as closed surfaces, each in its own color",
+        True,
+    )
     all_channels: BoolProperty(
         "All Channels",
         "Import each channel as a separate volume in the same place, with its own isovalue "
@@ -135,7 +143,7 @@ class LEAFLIGHT_OT_import_volume(
         return list(stored.datasets) if stored is not None else []
 
     # Choices of source_files.CHOICES that the resolution and the values set later.
-    downsample, absolute = 1, False
+    downsample, field = 1, ""
     _patience = 0.3
 
     def draw(self, context):
@@ -160,6 +168,7 @@ class LEAFLIGHT_OT_import_volume(
         layout.prop(self, "smooth")
         layout.prop(self, "smooth_normals")
         layout.prop(self, "both_signs")
+        layout.prop(self, "labels")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
@@ -249,7 +258,8 @@ class ImportJob(jobs.Job):
         self._size_from = operator.size_from
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
-        self._both_signs, self._all_channels = operator.both_signs, operator.all_channels
+        self._both_signs, self._labels = operator.both_signs, operator.labels
+        self._all_channels = operator.all_channels
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -262,20 +272,29 @@ class ImportJob(jobs.Job):
         channels = [choices["channel"]]
         if self._all_channels and self._stored.channels > 1:
             channels = list(range(self._stored.channels))
-        self._read, self._signed = [], None
+        self._read, self._colors = [], None
         for channel in channels:
             chosen = {**choices, "channel": channel}
             volume = source_files.read_volume(path, progress=progress, **chosen)
-            if self._has_lobes(volume, channels):
-                self._signed = _Read.of_volume(volume, chosen)
-                volume, chosen = without_sign(volume), {**chosen, "absolute": True}
-            self._read.append(_Read.of_volume(volume, chosen))
+            field = self._field_of(volume, channels)
+            if field:
+                self._colors = _Read.of_volume(volume, chosen)
+                volume = replace(volume, values=FIELDS[field](volume.values))
+            read = _Read.of_volume(volume, {**chosen, "field": field})
+            if field == "labels":
+                read = replace(read, isovalue=0.5, isovalue_range=_AROUND_BOUNDARY)
+            self._read.append(read)
             progress.check()
 
-    def _has_lobes(self, volume, channels):
-        """True if a single volume has lobes that are shown together."""
-        is_single = self._both_signs and len(channels) == 1 and self._stored.frames == 1
-        return is_single and has_lobes(volume)
+    def _field_of(self, volume, channels):
+        """Returns the key of FIELDS for a single volume of both signs or of labels, or ""."""
+        if len(channels) > 1 or self._stored.frames > 1:
+            return ""
+        if self._both_signs and has_lobes(volume):
+            return "absolute"
+        found = volume.distribution
+        is_map = self._labels and found.are_labels and len(found.levels[0]) > 2
+        return "labels" if is_map and min(found.levels[0]) == 0 else ""
 
     def apply(self):
         context, first = bpy.context, self._read[0]
@@ -286,8 +305,8 @@ class ImportJob(jobs.Job):
             blender.animate_frames(obj)
 
         self._stand(context, obj)
-        if self._signed is not None:
-            self._color_by_sign(context, obj)
+        if self._colors is not None:
+            self._color(context, obj, first.choices["field"])
         if len(self._read) > 1:
             self._add_channels(context, obj)
         display.select(context, [obj], obj)
@@ -342,14 +361,16 @@ class ImportJob(jobs.Job):
         orientation.take_over(other, obj)
         return other
 
-    def _color_by_sign(self, context, obj):
-        """Adds the values with their sign as the colors of the isosurfaces."""
-        # Only the isosurfaces of the absolute values are shown.
-        self._signed = replace(self._signed, why_both_sides="")
-        signed = self._add_over(context, obj, self._signed, iface_("%s sign") % obj.name)
+    def _color(self, context, obj, field):
+        """Adds the values of the file as the colors of the isosurfaces of a field."""
+        # Only the isosurfaces of the field are shown.
+        read = replace(self._colors, why_both_sides="")
+        name = iface_("%s sign") if field == "absolute" else iface_("%s labels")
+        other = self._add_over(context, obj, read, name % obj.name)
         settings, width = obj.leaflight, SIGN_WIDTH * self._read[0].range[1]
+        settings.texture_kind = "LABELS" if field == "labels" else "MAP"
         settings.texture_map = _OF_SIGNS
-        settings.texture_volume = signed
+        settings.texture_volume = other
         settings.texture_low, settings.texture_high = -width, width
 
     def _add_channels(self, context, obj):

@@ -53,6 +53,7 @@ MESSAGES = {
         "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
     ),
     "All Channels": "Alle Kanäle",
+    "Labels as Surfaces": "Bezeichnungen als Flächen",
     "Both Signs": "Beide Vorzeichen",
     "Color By": "Farbe nach",
     "Color Map": "Farbskala",

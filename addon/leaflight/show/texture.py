@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The volumes whose values color the isosurfaces of another volume."""
 
+from dataclasses import replace
+
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.volume_texture import VolumeTexture, label_colors, texture_of
+from leaflight.scene.volume_texture import label_texture, texture_of
 
 from .. import session
 from ..store import cache
 from . import display
 
-# Cache: address of labels -> (labels, their colors).
-_colors = session.cache()
+# Cache: address of labels -> (labels, their VolumeTexture).
+_labels = session.cache()
 
 
 def volumes_that_color(obj):
@@ -91,7 +93,7 @@ def _texture(obj, volume_of):
     volumes = [volume_of(other) for other in others]
     try:
         if settings.texture_kind == "LABELS":
-            return VolumeTexture(tuple(volumes), _colors_of(volumes[0]), nearest=True)
+            return _label_texture(volumes[0])
         limits = settings.texture_low, settings.texture_high
         return texture_of(volumes, settings.texture_map if len(volumes) == 1 else None, limits)
     except LeaflightError as error:
@@ -99,12 +101,14 @@ def _texture(obj, volume_of):
         raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
 
 
-def _colors_of(volume):
+def _label_texture(volume):
     key = id(volume.values)
-    if key not in _colors:
+    if key not in _labels:
         # Keep the array, so that no other gets its address.
-        _colors[key] = volume.values, label_colors(volume.data())
-    return _colors[key][1]
+        _labels[key] = volume.values, label_texture(volume)
+    found = _labels[key][1]
+    channel = replace(found.channels[0], index_to_world=volume.index_to_world)
+    return replace(found, channels=(channel,))
 
 
 def begin(obj):

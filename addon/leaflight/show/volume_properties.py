@@ -123,7 +123,7 @@ class VolumeSource(ReadingChoices):
     frame_bakes: StringProperty("Bakes of the Other Frames")
     dataset: StringProperty("Dataset")
     downsample: IntProperty("Downsample", default=1, min=1, max=8)
-    absolute: BoolProperty("Without Sign")
+    field: StringProperty("Field")
     smooth: FloatProperty(
         "Smooth",
         "Standard deviation, in voxels, of the Gaussian that smooths the values",

@@ -31,14 +31,14 @@ CHOICES = (
     "level",
     "dataset",
     "downsample",
-    "absolute",
+    "field",
     "smooth",
     "smooth_normals",
 )
 # Largest value of each property that has no effect.
 _NONE = {
     **{"frame": -1, "channel": -1, "downsample": 1},
-    **{"absolute": False, "smooth": 0, "smooth_normals": 0},
+    **{"field": "", "smooth": 0, "smooth_normals": 0},
 }
 # Properties for the smoothing of values and of normals alone.
 SMOOTHING = CHOICES[-2:]

@@ -35,7 +35,7 @@ _OF_CONTINUED = {"previous", "out", "error", "time", "walls"}
 _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
-    *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "absolute"),
+    *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "field"),
     "memory",
 }
 

@@ -121,8 +121,28 @@ def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
     return VolumeTexture((volume,), [(-width, stops[0][1]), (width, stops[-1][1])])
 
 
+def label_texture(volume: Volume) -> VolumeTexture:
+    """Returns the texture of labels. Raises LeaflightError.
+
+    Each label extends to the next voxels without one, where isosurfaces of its boundary lie.
+    """
+    colors = label_colors(volume.values)
+    return VolumeTexture((replace(volume, values=_extended(volume.values)),), colors, nearest=True)
+
+
+def _extended(labels: Array) -> Array:
+    """Returns labels in which voxels without a label have that of a neighbor."""
+    extended = labels.copy()
+    for axis in range(3):
+        before, after = (np.moveaxis(each, axis, 0) for each in (extended.copy(), extended))
+        for to, source in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
+            free = ~(after[to] > 0)
+            after[to][free] = before[source][free]
+    return extended
+
+
 def label_colors(values: Array) -> Stops:
-    """Returns stops for labels, in 0..65535: gray for 0, and a separate color for each other.
+    """Returns stops for labels, in 0..65535: white for 0, and a separate color for each other.
 
     Raises LeaflightError for other values.
     """
@@ -137,7 +157,7 @@ def label_colors(values: Array) -> Stops:
     return [
         (float(n), _linear_of(colorsys.hsv_to_rgb(n * 0.618034 % 1.0, 0.55 + 0.3 * (n % 2), 0.9)))
         if n
-        else (0.0, (0.8, 0.8, 0.8))
+        else (0.0, (1.0, 1.0, 1.0))
         for n in labels.tolist()
     ]
 

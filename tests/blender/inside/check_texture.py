@@ -37,6 +37,7 @@ def _import(obj, values, path, kind):
         spacing=(1.0, 1.0, 0.8),
         size_from="SAME",
         partner=obj.name,
+        labels=False,
     )
     other = bpy.context.object
     bpy.context.view_layer.objects.active = obj
@@ -170,7 +171,8 @@ def check_lobes_of_both_signs_have_two_colors(tmp_path):
     bpy.ops.leaflight.import_volume(**_orbital(tmp_path / "p.raw"))
     obj = bpy.context.object
     signed = obj.leaflight.texture_volume
-    assert signed.hide_render and obj.leaflight.absolute and not signed.leaflight.absolute
+    assert signed.hide_render
+    assert obj.leaflight.field == "absolute" and not signed.leaflight.field
     assert not obj.leaflight.both_sides and obj.leaflight.low >= 0.0
     assert np.allclose(signed.matrix_world, obj.matrix_world)
     heights, colors = vertices_of(obj)[:, 2], colors_of(obj, "texture")
@@ -188,4 +190,23 @@ def check_lobes_of_both_signs_have_two_colors(tmp_path):
 def check_both_signs_can_be_left_off(tmp_path):
     bpy.ops.leaflight.import_volume(**_orbital(tmp_path / "p.raw"), both_signs=False)
     (obj,) = [obj for obj in bpy.data.objects if obj.leaflight.is_volume]
-    assert obj.leaflight.texture_volume is None and not obj.leaflight.absolute
+    assert obj.leaflight.texture_volume is None and not obj.leaflight.field
+
+
+def check_labels_are_closed_surfaces_in_their_colors(tmp_path):
+    """Checks two touching balls with the labels 3 and 7."""
+    z, y, x = np.mgrid[:N, :N, :N] - 0.5 * (N - 1)
+    labels = np.zeros((N, N, N), np.uint8)
+    labels[(x - 4) ** 2 + y**2 + z**2 < 25] = 7
+    labels[(x + 4) ** 2 + y**2 + z**2 < 25] = 3
+    np.save(tmp_path / "regions.npy", labels)
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "regions.npy"))
+    obj = bpy.context.object
+    other = obj.leaflight.texture_volume
+    assert obj.leaflight.isovalue == 0.5 and other.name == "regions labels" and other.hide_render
+    places, colors = vertices_of(obj)[:, 0], colors_of(obj, "texture")
+    left, right = colors[places < -0.2], colors[places > 0.2]
+    assert np.ptp(left, axis=0).max() < 1e-3 and np.ptp(right, axis=0).max() < 1e-3
+    assert np.abs(left[0] - right[0]).max() > 0.1
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "regions.npy"), labels=False)
+    assert bpy.context.object.leaflight.texture_volume is None

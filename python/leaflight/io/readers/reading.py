@@ -15,6 +15,7 @@ import numpy as np
 from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...arrays import Array
 from ...progress_bar import with_progress
+from ...volume.label_field import label_field
 from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
 from ...volume.setting_error import SettingError
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 DOWNSAMPLE = (1, 2, 4, 8)
+# Names of fields made of the values.
+FIELDS = {"absolute": unsigned, "labels": label_field}
 
 
 class StoredOptions(TypedDict, total=False):
@@ -55,7 +58,7 @@ class ValueOptions(TypedDict, total=False):
     downsample: int | None
     smooth: float | None
     smooth_normals: float | None
-    absolute: bool | None
+    field: str | None
 
 
 class ReadOptions(StoredOptions, ValueOptions, total=False):
@@ -98,7 +101,8 @@ def read_volume(
     smooth: Standard deviation of a Gaussian on the values, in voxels after downsampling. 0 is the
         default.
     smooth_normals: The same for the normals alone (see Volume).
-    absolute: True takes the values without their sign, for orbitals and other values around 0.
+    field: "absolute" takes the values without their sign, for orbitals and other values around 0.
+        "labels" takes the field whose isosurface at 0.5 is the boundary of labels (label_field.py).
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
     remedy.
@@ -121,7 +125,7 @@ def read_volume(
     progress.begin("Examining values")
     progress.check()
     volume.field()
-    if wanted.smooth > 0 or wanted.step > 1:
+    if wanted.smooth > 0 or wanted.step > 1 or wanted.field:
         return volume
     return volume.noted(*about_labels(volume))
 
@@ -133,7 +137,7 @@ class _Wanted:
     step: int
     smooth: float
     smooth_normals: float
-    absolute: bool
+    field: str | None
 
 
 def _wanted(path: Path, options: ReadOptions) -> _Wanted:
@@ -144,11 +148,16 @@ def _wanted(path: Path, options: ReadOptions) -> _Wanted:
             f"{path}: downsample is {downsample}; choose one of {', '.join(map(str, DOWNSAMPLE))}.",
             "downsample",
         )
+    field = options.get("field")
+    if field not in (None, *FIELDS):
+        raise SettingError(
+            f"{path}: the field is {field}; choose one of {', '.join(FIELDS)}.", "field"
+        )
     return _Wanted(
         downsample or 1,
         checked(options.get("smooth") or 0.0, "smooth", path),
         checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
-        bool(options.get("absolute")),
+        field,
     )
 
 
@@ -163,8 +172,8 @@ def _processed(
         values = downsampled(path, values, step, progress)
         matrix = matrix @ _from_downsampled(step)
     values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
-    if wanted.absolute:
-        values = unsigned(values)
+    if wanted.field is not None:
+        values = FIELDS[wanted.field](values)
     return replace(
         volume,
         values=values,

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The field whose isosurface at one half is the boundary of labels.
+
+Labels are numbers above 0. The boundary is smooth, encloses the volume of the labels' voxels, and
+lies between the same two voxels as that of the labels, so it moves by less than half a voxel.
+"""
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import LeaflightError
+from ..arrays import Array
+
+# Number of binomial filters (1, 2, 1) / 4 along each axis.
+_FILTERS = 2
+# Least distance of the field from one half, at which labels would touch their outside.
+_APART = 0.02
+# Number of bisections of the offset that keeps the volume, to 1/4096 of the range of the field.
+_BISECTIONS = 12
+
+
+def label_field(values: Array) -> Array:
+    """Returns the field, float32 in 0..1, of labels [z, y, x]. NaN is outside.
+
+    Raises LeaflightError if there are no labels, or nothing else.
+    """
+    inside = values > 0
+    count = int(np.count_nonzero(inside))
+    if count in (0, inside.size):
+        raise LeaflightError("There are no labels above 0, or nothing around them.")
+    smooth = inside.astype(np.float32)
+    for _ in range(_FILTERS):
+        smooth = _filtered(smooth)
+    low, high = -0.5, 0.5
+    for _ in range(_BISECTIONS):
+        offset = 0.5 * (low + high)
+        if _enclosed(_apart(smooth, inside, offset)) < count:
+            low = offset
+        else:
+            high = offset
+    return _apart(smooth, inside, 0.5 * (low + high))
+
+
+def _apart(smooth: Array, inside: Array, offset: float) -> Array:
+    """Returns the field with an offset, on the right side of one half at each voxel."""
+    field = np.clip(smooth + np.float32(offset), 0.0, 1.0)
+    outside = np.minimum(field, np.float32(0.5 - _APART))
+    found: Array = np.where(inside, np.maximum(field, np.float32(0.5 + _APART)), outside)
+    return found
+
+
+def _filtered(values: Array) -> Array:
+    for axis in range(3):
+        values = np.moveaxis(values, axis, 0)
+        padded = np.concatenate([values[:1], values, values[-1:]])
+        values = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+        values = np.moveaxis(values, 0, axis)
+    return np.ascontiguousarray(values, np.float32)
+
+
+def _enclosed(field: Array) -> float:
+    """Returns the volume within the isosurface at one half, in voxels. The border closes it."""
+    closed = np.pad(field, 1, constant_values=0.0)
+    vertices, _, triangles = _core.contour(_core.Field(closed, np.eye(4)), 0.5)
+    a, b, c = np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0

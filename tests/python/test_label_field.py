@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests the smooth boundary of labels, and their colors on it."""
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import Volume, _core, read_volume
+from leaflight.scene.volume_texture import label_texture
+from leaflight.volume.label_field import label_field
+from outcomes import refused
+
+N = 40
+Z, Y, X = np.mgrid[:N, :N, :N] - 0.5 * (N - 1) + 0.13
+
+
+def ball(radius):
+    return X**2 + Y**2 + Z**2 < radius**2
+
+
+SHAPES = {
+    "small ball": ball(2.5),
+    "ball": ball(8.0),
+    "large ball": ball(15.0),
+    "cube": (abs(X) < 5) & (abs(Y) < 5) & (abs(Z) < 5),
+    "plate of one voxel": (abs(X) < 12) & (abs(Y) < 12) & (np.abs(Z - 0.4) < 0.5),
+    "at the border": X < -10.0,
+}
+
+
+def contour(field):
+    """Returns vertices and triangles of the boundary, which the border of the volume closes."""
+    closed = np.pad(field, 1)
+    vertices, _, triangles = _core.contour(_core.Field(closed, np.eye(4)), 0.5)
+    return vertices - 1.0, triangles
+
+
+def corners_of(field):
+    vertices, triangles = contour(field)
+    return np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_volume_is_that_of_the_voxels(name):
+    inside = SHAPES[name]
+    a, b, c = corners_of(label_field(inside.astype(np.uint8)))
+    volume = abs(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+    assert abs(volume / inside.sum() - 1.0) < 0.01
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_boundary_stays_between_the_same_voxels(name):
+    inside = SHAPES[name]
+    np.testing.assert_array_equal(label_field(inside.astype(np.int16)) > 0.5, inside)
+
+
+def test_the_boundary_is_smooth():
+    """Checks the area of a ball; the stairs of its voxels have 8 % more."""
+    for radius in (8.0, 15.0):
+        a, b, c = corners_of(label_field(ball(radius).astype(np.uint8)))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
+        assert abs(area / (4.0 * np.pi * radius**2) - 1.0) < 0.02
+
+
+def test_the_boundary_has_the_color_of_the_label_within():
+    labels = np.zeros((N, N, N), np.uint8)
+    labels[ball(12.0)] = 3
+    labels[ball(12.0) & (X > 0)] = 7
+    texture = label_texture(Volume(labels, name="two"))
+    vertices, _ = contour(label_field(labels))
+    colors = texture.at(vertices)
+    expected = dict(texture.colors)
+    middle = 0.5 * (N - 1) - 0.13
+    for side, number in ((vertices[:, 0] < middle - 1, 3.0), (vertices[:, 0] > middle + 1, 7.0)):
+        np.testing.assert_allclose(colors[side], np.tile(expected[number], (side.sum(), 1)), 1e-5)
+
+
+def test_a_file_of_labels_is_read_as_their_boundary(tmp_path):
+    np.save(tmp_path / "labels.npy", 5 * ball(8.0).astype(np.uint8))
+    volume = read_volume(tmp_path / "labels.npy", field="labels")
+    assert volume.values.dtype == np.float32 and 0.0 <= volume.values.min() < 0.4
+    refused("choose one of absolute, labels", read_volume, tmp_path / "labels.npy", field="both")
+
+
+def test_volumes_without_labels_are_refused(tmp_path):
+    np.save(tmp_path / "none.npy", np.zeros((4, 4, 4), np.uint8))
+    refused("no labels above 0", read_volume, tmp_path / "none.npy", field="labels")
+    halves = leaflight.Volume(np.linspace(0.0, 1.0, 64, dtype=np.float32).reshape(4, 4, 4))
+    refused("not whole numbers", label_texture, halves)
