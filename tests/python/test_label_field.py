@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 from leaflight import Volume, _core, read_volume
 from leaflight.scene.volume_texture import label_texture
-from leaflight.volume.label_field import label_field
+from leaflight.volume import label_field as boundary
 from outcomes import refused
 
 N = 40
 Z, Y, X = np.mgrid[:N, :N, :N] - 0.5 * (N - 1) + 0.13
+
+
+def label_field(labels):
+    return boundary.label_field(labels, _core.Progress())
 
 
 def ball(radius):
@@ -81,8 +85,10 @@ def test_a_file_of_labels_is_read_as_their_boundary(tmp_path):
     refused("choose one of absolute, labels", read_volume, tmp_path / "labels.npy", field="both")
 
 
-def test_volumes_without_labels_are_refused(tmp_path):
+def test_missing_values_are_no_labels_and_others_are_refused(tmp_path):
     np.save(tmp_path / "none.npy", np.zeros((4, 4, 4), np.uint8))
     refused("no labels above 0", read_volume, tmp_path / "none.npy", field="labels")
+    holes = np.where(ball(8.0), np.float32(2.0), np.float32(np.nan))
+    assert [number for number, _ in label_texture(Volume(holes)).colors] == [0.0, 2.0]
     halves = leaflight.Volume(np.linspace(0.0, 1.0, 64, dtype=np.float32).reshape(4, 4, 4))
     refused("not whole numbers", label_texture, halves)

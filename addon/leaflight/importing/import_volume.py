@@ -279,7 +279,7 @@ class ImportJob(jobs.Job):
             field = self._field_of(volume, channels)
             if field:
                 self._colors = _Read.of_volume(volume, chosen)
-                volume = replace(volume, values=FIELDS[field](volume.values))
+                volume = replace(volume, values=FIELDS[field](volume.values, progress))
             read = _Read.of_volume(volume, {**chosen, "field": field})
             if field == "labels":
                 read = replace(read, isovalue=0.5, isovalue_range=_AROUND_BOUNDARY)

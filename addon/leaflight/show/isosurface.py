@@ -2,7 +2,6 @@
 """An isosurface of an object's volume, with the radiance of its bake."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import leaflight._core as _core
 import numpy as np
@@ -32,7 +31,7 @@ class Isosurface:
     halvings: Number of times that the resolution is halved. None is the full detail, to which light
         adds vertices.
     dust: Length below which connected parts are left out.
-    colors: Function from points (n, 3) to the colors (n, 3) of a texture, or None.
+    colors: A VolumeTexture, or None.
     """
 
     volume: object
@@ -64,7 +63,7 @@ class Isosurface:
         return found
 
     def _texture(self, points):
-        return {} if self.colors is None else {TEXTURE: self.colors(points)}
+        return {} if self.colors is None else {TEXTURE: self.colors.at(points)}
 
     def made(self):
         """Returns (vertices, triangles, {name of an attribute: radiance}, count).
@@ -142,16 +141,13 @@ def isosurface_of(obj, isovalue, halvings=None):
     except LeaflightError:
         lit = False
     shape = halvings, obj.leaflight_look.dust * _voxel_size(volume)
-    owner, colors = display.volume_object(obj), None
-    on_volume = texture.texture_on(owner, volume.field())
-    if on_volume is not None:
-        colors = partial(texture.colors_at, owner)
+    colors = texture.local_texture(display.volume_object(obj))
     if not lit:
         return Isosurface(volume, isovalue, None, np.inf, *shape, colors)
     bake, index = lit_by(obj)
     grid = bake.grids[index]
-    if on_volume is not None:
-        grid = grid.with_texture(on_volume)
+    if colors is not None:
+        grid = grid.with_texture(colors.core().on(volume.field()))
     return Isosurface(volume, isovalue, grid, bake.largest_step, *shape, colors)
 
 

@@ -53,25 +53,12 @@ def world_texture(obj):
     return _texture(obj, cache.world_volume)
 
 
-def texture_on(obj, field):
-    """Returns the texture for the grids of a volume, and None without one. Raises LeaflightError.
+def local_texture(obj):
+    """Returns the VolumeTexture of a volume in the object's coordinates, or None.
 
-    field: of the volume, in the object's coordinates.
+    The result works in any thread. Raises LeaflightError.
     """
-    texture = _local_texture(obj)
-    return None if texture is None else texture.core().on(field)
 
-
-def colors_at(obj, points):
-    """Returns the colors (n, 3) at points in the object's coordinates, or None.
-
-    Raises LeaflightError.
-    """
-    texture = _local_texture(obj)
-    return None if texture is None else texture.at(points)
-
-
-def _local_texture(obj):
     def local(other):
         volume = cache.volume_of(other)
         return cache.placed(volume, _between(obj, other) @ volume.index_to_world)

@@ -7,6 +7,7 @@ import os
 import bpy
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.srgb import linear_from_srgb
 
 from .. import session
 
@@ -107,15 +108,10 @@ def _read(what, image):
         if image.channels == 4 and image.alpha_mode == "STRAIGHT":
             colors = colors * raw[..., 3:]
         if image.colorspace_settings.name == "sRGB":
-            colors = _linear_from_srgb(colors)
+            colors = linear_from_srgb(colors)
     if not np.isfinite(colors).all():
         raise LeaflightError(
             f'{what} uses the image "{image.name}", which holds pixels that are not finite '
             "numbers: repair or replace it."
         )
     return np.ascontiguousarray(colors, np.float32)
-
-
-def _linear_from_srgb(encoded):
-    curved = ((encoded + 0.055) / 1.055) ** 2.4
-    return np.where(encoded <= 0.04045, encoded / 12.92, curved)

@@ -50,8 +50,8 @@ double interpolated(const Voxels& values, const Index<D>& dims, const Neighborho
 }  // namespace
 
 template <int D>
-Rgb VolumeTexture<D>::at(const Vec<D>& index_position) const {
-  std::optional<Neighborhood<D>> near = around<D>(to_texture.point(index_position), dims);
+Rgb VolumeTexture<D>::at(const Vec<D>& position) const {
+  std::optional<Neighborhood<D>> near = around<D>(to_texture.point(position), dims);
   if (!near) return Rgb(1);
   if (nearest) {
     for (int a = 0; a < D; ++a) near->weight[a] = near->weight[a] < 0.5 ? 0 : 1;

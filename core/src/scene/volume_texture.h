@@ -20,13 +20,13 @@ struct VolumeTexture {
   // One channel, or red, green and blue. Each of three takes its component of the colors.
   std::vector<Channel> channels;
   Index<D> dims{};
-  Affine<D> to_texture;  // from index positions of the lit volume
+  Affine<D> to_texture;  // from positions for at(), in a scene index positions of the lit volume
   ColorRamp colors;      // over the values, in [0,1]
   bool nearest = false;  // value of the nearest voxel, as for labels; false: interpolates
 
-  // Returns the color at an index position of the lit volume. It is white where there is no value:
-  // farther than half a voxel outside the grid, and next to NaN.
-  Rgb at(const Vec<D>& index_position) const;
+  // Returns the color at a position. It is white where there is no value: farther than half a voxel
+  // outside the grid, and next to NaN.
+  Rgb at(const Vec<D>& position) const;
 };
 
 }  // namespace leaflight

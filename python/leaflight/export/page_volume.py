@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..bake.baked import Bake
+from ..io.images import display_colors
 from ..scene.scene import Ramp, core_scene, is_color
 from ..scene.volume_texture import VolumeTexture
 from ..stills.still import back_side
@@ -140,18 +141,11 @@ def colors_data(
     to_voxels = np.linalg.inv(np.asarray(texture.channels[0].index_to_world, np.float64))
     return {
         "nodes": nodes.tolist(),
-        "colors": data.add(srgb_of(texture.colors_of_nodes(fineness))),
+        "colors": data.add(display_colors(texture.colors_of_nodes(fineness), 1.0)),
         "fromIndex": (to_unit @ to_voxels @ volume.index_to_world).ravel().tolist(),
         "margin": (0.5 * (fineness - 1) / nodes).tolist(),
         "nearest": texture.nearest,
     }
-
-
-def srgb_of(colors: Array) -> Array:
-    """Returns sRGB colors, uint8, of linear ones in 0..1."""
-    low, high = 12.92 * colors, 1.055 * np.power(colors, 1.0 / 2.4) - 0.055
-    bytes_: Array = np.rint(255.0 * np.where(colors <= 0.0031308, low, high)).astype(np.uint8)
-    return bytes_
 
 
 def coded(values: Array) -> tuple[Array, float, float]:

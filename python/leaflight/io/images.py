@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..srgb import linear_from_srgb
 from .output import replaced
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
@@ -56,8 +57,7 @@ def read_texture(path: str | os.PathLike[str]) -> Array:
     pixels = read_pixels(path)
     if np.issubdtype(pixels.dtype, np.integer):
         encoded = pixels.astype(np.float32) / np.iinfo(pixels.dtype).max
-        curve = ((encoded + 0.055) / 1.055) ** 2.4
-        pixels = np.where(encoded <= 0.04045, encoded / 12.92, curve)
+        pixels = linear_from_srgb(encoded)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
     return np.ascontiguousarray(pixels[::-1], dtype=np.float32)

@@ -11,6 +11,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..color_maps import MAPS
+from ..srgb import linear_from_srgb
 from ..volume.volume import Volume
 from ..volume.voxels import as_voxels
 
@@ -144,9 +145,10 @@ def _extended(labels: Array) -> Array:
 def label_colors(values: Array) -> Stops:
     """Returns stops for labels, in 0..65535: white for 0, and a separate color for each other.
 
-    Raises LeaflightError for other values.
+    NaN is no label. Raises LeaflightError for other values.
     """
-    if values.dtype.kind == "f" and not (np.nan_to_num(values) % 1 == 0).all():
+    values = np.nan_to_num(values)
+    if not (values % 1 == 0).all():
         raise LeaflightError("The values are not labels, because they are not whole numbers.")
     if values.min() < 0 or values.max() > MOST_LABELS:
         raise LeaflightError(
@@ -155,7 +157,7 @@ def label_colors(values: Array) -> Stops:
     labels = np.flatnonzero(np.bincount(values.ravel().astype(np.int64)))
     # Hues of the golden ratio, so that near numbers have different ones.
     return [
-        (float(n), _linear_of(colorsys.hsv_to_rgb(n * 0.618034 % 1.0, 0.55 + 0.3 * (n % 2), 0.9)))
+        (float(n), _linear(colorsys.hsv_to_rgb(n * 0.618034 % 1.0, 0.55 + 0.3 * (n % 2), 0.9)))
         if n
         else (0.0, (1.0, 1.0, 1.0))
         for n in labels.tolist()
@@ -166,19 +168,12 @@ def color_map(key: str) -> Stops:
     """Returns the stops (share in 0..1, linear color) of a color map. Raises LeaflightError."""
     if key not in MAPS:
         raise LeaflightError(f'There is no color map "{key}": choose one of {", ".join(MAPS)}.')
-    colors = [_linear(text) for text in MAPS[key][2]]
+    colors = [_linear([byte / 255.0 for byte in bytes.fromhex(text)]) for text in MAPS[key][2]]
     return [(i / (len(colors) - 1), color) for i, color in enumerate(colors)]
 
 
-def _linear(text: str) -> Color:
-    """Returns the linear color of six hexadecimal digits of sRGB."""
-    return _linear_of([int(text[i : i + 2], 16) / 255.0 for i in (0, 2, 4)])
-
-
-def _linear_of(color: Sequence[float]) -> Color:
-    srgb = np.array(color)
-    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
-    return tuple(linear.tolist())
+def _linear(srgb: Sequence[float]) -> Color:
+    return tuple(linear_from_srgb(np.array(srgb)).tolist())
 
 
 def _range_of(volume: Volume) -> tuple[float, float]:

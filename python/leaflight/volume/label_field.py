@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The field whose isosurface at one half is the boundary of labels.
 
-Labels are numbers above 0. The boundary is smooth, encloses the volume of the labels' voxels, and
-lies between the same two voxels as that of the labels, so it moves by less than half a voxel.
+Labels are numbers above 0. The boundary is smooth. It encloses as much volume as the voxels with
+labels. It lies between the same voxels as before, so it moves by less than half a voxel.
 """
 
 import leaflight._core as _core
@@ -10,29 +10,32 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .smoothing import smoothed
 
-# Number of binomial filters (1, 2, 1) / 4 along each axis.
-_FILTERS = 2
+# Standard deviation of the Gaussian, in voxels.
+_WIDTH = 1.0
 # Least distance of the field from one half, at which labels would touch their outside.
 _APART = 0.02
 # Number of bisections of the offset that keeps the volume, to 1/4096 of the range of the field.
 _BISECTIONS = 12
 
 
-def label_field(values: Array) -> Array:
+def label_field(values: Array, progress: _core.Progress) -> Array:
     """Returns the field, float32 in 0..1, of labels [z, y, x]. NaN is outside.
 
-    Raises LeaflightError if there are no labels, or nothing else.
+    Raises Cancelled, and LeaflightError if there are no labels, or nothing else.
     """
     inside = values > 0
     count = int(np.count_nonzero(inside))
     if count in (0, inside.size):
         raise LeaflightError("There are no labels above 0, or nothing around them.")
-    smooth = inside.astype(np.float32)
-    for _ in range(_FILTERS):
-        smooth = _filtered(smooth)
+    smooth = smoothed(inside.astype(np.float32), _WIDTH, progress)
     low, high = -0.5, 0.5
+    progress.begin("Keeping the volume")
+    progress.expect(_BISECTIONS)
     for _ in range(_BISECTIONS):
+        progress.check()
+        progress.advance(1)
         offset = 0.5 * (low + high)
         if _enclosed(_apart(smooth, inside, offset)) < count:
             low = offset
@@ -47,15 +50,6 @@ def _apart(smooth: Array, inside: Array, offset: float) -> Array:
     outside = np.minimum(field, np.float32(0.5 - _APART))
     found: Array = np.where(inside, np.maximum(field, np.float32(0.5 + _APART)), outside)
     return found
-
-
-def _filtered(values: Array) -> Array:
-    for axis in range(3):
-        values = np.moveaxis(values, axis, 0)
-        padded = np.concatenate([values[:1], values, values[-1:]])
-        values = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
-        values = np.moveaxis(values, 0, axis)
-    return np.ascontiguousarray(values, np.float32)
 
 
 def _enclosed(field: Array) -> float:

@@ -17,6 +17,7 @@ WAYS = (HAPPY, CANCELLED, DELETED, NEW, UNDONE, CLOSED, BESIDE)
 _INSTANT = dict.fromkeys(
     (CANCELLED, DELETED, NEW), "It is over before Blender takes another event."
 )
+_LIKE_ONE_VOLUME = dict.fromkeys((CANCELLED, NEW, CLOSED), "It is that of one volume.")
 _DIALOG = dict.fromkeys((DELETED, NEW), "Its dialog takes all events until it is closed.")
 
 
@@ -125,7 +126,7 @@ ROWS = (
         "two",
         "lit",
         held="pass",
-        without=dict.fromkeys((CANCELLED, NEW, CLOSED), "It is that of one volume."),
+        without=_LIKE_ONE_VOLUME,
         also="two volumes",
     ),
     Row(
@@ -133,7 +134,7 @@ ROWS = (
         "colored",
         "lit",
         held="pass",
-        without=dict.fromkeys((CANCELLED, NEW, CLOSED), "It is that of one volume."),
+        without=_LIKE_ONE_VOLUME,
         also="colored by another volume",
     ),
     Row(

@@ -54,14 +54,20 @@ LineBake<D>::LineBake(LitScene<D>& scene, std::size_t volume, BakeTexels<D> texe
   indirect_ = std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect),
                                                  texels.spacing, plan_.back, settings_.seed,
                                                  previous ? bounces + previous->blocks() : 0);
-  if (volume_.volume().texture) {
-    const TexelLattice<D>& lattice = indirect_->texels().lattice;
-    texture_.reserve(lattice.active.size());
-    for (const std::uint32_t texel : lattice.active) {
-      texture_.push_back(volume_.volume().texture->at(lattice.center(texel)));
-    }
-  }
+  // Paths look up the texture at their points.
+  if (plan_.lines && volume_.volume().texture) compute_texture();
   if (texels.photon_count > 0) trace_photons(texels);
+}
+
+template <int D>
+void LineBake<D>::compute_texture() {
+  const TexelLattice<D>& lattice = indirect_->texels().lattice;
+  texture_.resize(lattice.active.size());
+  parallel_range(texture_.size(), 2048, 0, progress_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      texture_[s] = volume_.volume().texture->at(lattice.center(lattice.active[s]));
+    }
+  });
 }
 
 template <int D>

@@ -60,6 +60,7 @@ class LineBake final : public Integrator<D> {
   // Computes exact direct light at the texels of a lattice; returns nothing for a side without
   // maps.
   std::vector<Rgb> direct_at(const TexelLattice<D>& lattice, bool back) const;
+  void compute_texture();
   void trace_photons(const BakeTexels<D>& texels);
   void serialize_indirect(Archive& archive);
   std::vector<Average> direct_averages(bool back);

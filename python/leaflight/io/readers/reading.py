@@ -35,8 +35,11 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 DOWNSAMPLE = (1, 2, 4, 8)
-# Names of fields made of the values.
-FIELDS = {"absolute": unsigned, "labels": label_field}
+# Names of fields, and functions that make them of values and a Progress.
+FIELDS: dict[str, Callable[[Array, Progress], Array]] = {
+    "absolute": lambda values, _progress: unsigned(values),
+    "labels": label_field,
+}
 
 
 class StoredOptions(TypedDict, total=False):
@@ -173,7 +176,7 @@ def _processed(
         matrix = matrix @ _from_downsampled(step)
     values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
     if wanted.field is not None:
-        values = FIELDS[wanted.field](values)
+        values = FIELDS[wanted.field](values, progress)
     return replace(
         volume,
         values=values,
