@@ -57,7 +57,7 @@ else:
     from .edit import add_isosurface, animation, data_picture, labels, looks, pick_isovalue
     from .export import export_bake
     from .flatland import isolines
-    from .importing import import_volume, open_example, smooth_volume
+    from .importing import import_volume, open_example, regions, smooth_volume
     from .operators import background, failures
     from .show import look_properties, properties
     from .stage import hidden, orientation, presets, stage
@@ -80,6 +80,7 @@ else:
         import_volume,
         open_example,
         smooth_volume,
+        regions,
         hidden,
         stage,
         bake,

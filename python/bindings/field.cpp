@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
+#include "field/components.h"
 #include "field/texel_lattice.h"
 
 namespace leaflight::python {
@@ -37,6 +38,17 @@ void shade_by(Field<D>& field, const VoxelArray<float>& values) {
   }
   field.shading_owner = kept(values);
   field.shading_values = values.data();
+}
+
+template <int D>
+void cut_by(Field<D>& field, const VoxelArray<float>& ramp, double step) {
+  if (std::vector<py::ssize_t>(ramp.shape(), ramp.shape() + ramp.ndim()) !=
+      array_shape(field.dims)) {
+    throw Error("There must be one value of the ramp for each value of the field.");
+  }
+  field.ramp_owner = kept(ramp);
+  field.ramp = ramp.data();
+  field.ramp_step = step;
 }
 
 template <int D>
@@ -108,6 +120,10 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
            "Uses other values, float32 [z, y, x], for the normals of isosurfaces, such as\n"
            "smoothed ones. They must be NaN at the same voxels. Call it before the field is part\n"
            "of a scene.")
+      .def("cut_by", &cut_by<D>, py::arg("ramp").noconvert(), py::arg("step"),
+           "Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the\n"
+           "distance from the cut, at least the values of the field. step: Its difference a\n"
+           "voxel. Call it before the field is part of a scene.")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")
@@ -158,6 +174,24 @@ void bind_field(py::module_& module) {
       "Returns values at n // 2 + 1 nodes along each axis over the same domain, float32 [z,\n"
       "y, x]. Inside the border, each is a mean over about two voxels along each axis; NaN\n"
       "if one of them is.");
+  module.def(
+      "components",
+      [](const Field<3>& field, float isovalue, Progress& progress) {
+        Components found;
+        {
+          const py::gil_scoped_release unlocked;
+          found = components(field, isovalue, progress);
+        }
+        const auto count = static_cast<py::ssize_t>(found.sizes.size());
+        return py::make_tuple(
+            adopt<std::uint32_t>(std::move(found.of_voxel), array_shape(field.dims)),
+            adopt<std::uint64_t>(std::move(found.sizes), {count}));
+      },
+      py::arg("field"), py::arg("isovalue"), py::arg("progress"),
+      "Returns (numbers, sizes) of the parts of the voxels at or above an isovalue that are\n"
+      "connected across faces of voxels. numbers: uint32 [z, y, x], 0 below the isovalue, from 1\n"
+      "on in descending order of size. sizes: voxels of each number, uint64. Raises Cancelled,\n"
+      "and LeaflightError for more than 2^32 - 1 voxels.");
 }
 
 }  // namespace leaflight::python

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'FixedSettings', 'FixedSettings2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bake_with_fixed_samples', 'bake_with_fixed_samples2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -105,6 +105,12 @@ class Field:
         Raises LeaflightError for constant, all-NaN or infinite values, fewer than two voxels
         along an axis, or a transform that cannot be inverted.
         """
+    def cut_by(self, ramp: numpy.typing.NDArray[numpy.float32], step: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the
+        distance from the cut, at least the values of the field. step: Its difference a
+        voxel. Call it before the field is part of a scene.
+        """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
         Returns interpolated values (n,) at world points (n, D); NaN outside and in masked
@@ -185,6 +191,12 @@ class Field2:
         In the plane [y, x] and 3 x 3.
         Raises LeaflightError for constant, all-NaN or infinite values, fewer than two voxels
         along an axis, or a transform that cannot be inverted.
+        """
+    def cut_by(self, ramp: numpy.typing.NDArray[numpy.float32], step: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the
+        distance from the cut, at least the values of the field. step: Its difference a
+        voxel. Call it before the field is part of a scene.
         """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -1290,6 +1302,13 @@ def coarser_values(field: Field) -> numpy.typing.NDArray[numpy.float32]:
     Returns values at n // 2 + 1 nodes along each axis over the same domain, float32 [z,
     y, x]. Inside the border, each is a mean over about two voxels along each axis; NaN
     if one of them is.
+    """
+def components(field: Field, isovalue: typing.SupportsFloat | typing.SupportsIndex, progress: Progress) -> tuple[numpy.typing.NDArray[numpy.uint32], numpy.typing.NDArray[numpy.uint64]]:
+    """
+    Returns (numbers, sizes) of the parts of the voxels at or above an isovalue that are
+    connected across faces of voxels. numbers: uint32 [z, y, x], 0 below the isovalue, from 1
+    on in descending order of size. sizes: voxels of each number, uint64. Raises Cancelled,
+    and LeaflightError for more than 2^32 - 1 voxels.
     """
 def connected_parts(triangles: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.int32]:
     """

@@ -8,6 +8,7 @@ import argparse
 from typing import Any, NoReturn
 
 from .numbers import integer, memory, number
+from .region_options import add_region_options
 
 # Names of byte orders in the package.
 ENDIANS = ("little", "big")
@@ -140,6 +141,7 @@ def _add_value_options(parser: argparse._ArgumentGroup) -> None:
         choices=("absolute", "labels"),
         help="values without their sign, for both lobes of an orbital; or boundary of labels",
     )
+    add_region_options(parser)
 
 
 def threads_options() -> Parser:

@@ -6,12 +6,11 @@ import tarfile
 
 import nibabel
 import numpy as np
-from scipy import ndimage
+from leaflight import Volume
+from leaflight.volume.regions import LargestPart, changed
 
-# Hounsfield units of bone and air.
-BONE, AIR = 150, -1024
-# Margin around the bones, in voxels.
-KEPT = 6
+# Hounsfield units of bone.
+BONE = 150
 
 
 def write_skull(project, out):
@@ -20,11 +19,8 @@ def write_skull(project, out):
         described = plistlib.load(archive.extractfile(files["main.plist"]))
         matrix = described["matrix"]
         data = archive.extractfile(files[matrix["filename"]]).read()
-    values = np.frombuffer(data, matrix["dtype"]).reshape(matrix["shape"]).copy()
-    labels, _ = ndimage.label(values > BONE)
-    sizes = np.bincount(labels.ravel())
-    head = ndimage.binary_dilation(labels == 1 + np.argmax(sizes[1:]), iterations=KEPT)
-    values[~head & (values > BONE)] = AIR
+    values = np.frombuffer(data, matrix["dtype"]).reshape(matrix["shape"])
+    values = changed(Volume(values), [LargestPart(BONE)]).values
     # y points to the face and z up; the file does not tell left from right.
     image = nibabel.Nifti1Image(values.T, np.diag([*described["spacing"], 1.0]))
     image.header.set_xyzt_units("mm")

@@ -24,6 +24,7 @@ _SETTINGS = (
     "both_sides",
     "light_walls",
     "capped",
+    "regions",
     "smooth",
     "smooth_normals",
 )

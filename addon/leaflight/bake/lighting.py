@@ -8,7 +8,7 @@ import bpy
 from leaflight.bake.outcome import is_limited_by_texels, outcome
 
 from ..show import display, isovalues, lamps, surface_object, walls
-from ..store import bake_files, cache
+from ..store import bake_files, cache, source_files
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_walls = bake.walls is not None
     settings.bake_fingerprint = state.fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
-    settings.bake_smoothing = settings.smooth, bake.volumes[index].smooth_normals
+    settings.bake_changes = source_files.changes_of(settings)
     settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_target = bake.provenance.error or 0

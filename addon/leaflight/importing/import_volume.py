@@ -143,7 +143,7 @@ class LEAFLIGHT_OT_import_volume(
         return list(stored.datasets) if stored is not None else []
 
     # Choices of source_files.CHOICES that the resolution and the values set later.
-    downsample, field = 1, ""
+    downsample, field, regions = 1, "", ""
     _patience = 0.3
 
     def draw(self, context):

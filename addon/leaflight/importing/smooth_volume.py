@@ -3,47 +3,10 @@
 
 import bpy
 
-from ..operators import background, checks, jobs
+from ..operators import background
 from ..operators.checks import active_volume
 from ..props import EnumProperty
-from ..show import display, isovalues
-from ..store import cache, source_files
-
-
-class SmoothJob(jobs.Job):
-    """Reads the file of a volume object again with different smoothing."""
-
-    name = "Smooth"
-    cancelled = "Smoothing was cancelled; nothing has changed"
-
-    def __init__(self, obj, what, amount):
-        self._name, self._what, self._amount = obj.name, what, amount
-        self._path = source_files.path_of(obj.leaflight)
-        self._choices = {**source_files.choices_of(obj.leaflight), what: amount}
-
-    def run(self, progress):
-        self._volume = source_files.read_volume(self._path, progress=progress, **self._choices)
-
-    def apply(self):
-        obj = bpy.data.objects.get((self._name, None))
-        if obj is None or not obj.leaflight.is_volume:
-            return self.cancelled
-        settings, volume = obj.leaflight, self._volume
-        # Set the property without its update, and cache the volume for that update.
-        settings[self._what] = self._amount
-        cache.keep_volume(obj, volume.capped() if settings.capped else volume)
-        setattr(settings, self._what, self._amount)
-        for surface in display.surfaces_of(obj):
-            isovalues.limit(surface)
-        cache.forget_unused()
-        normals = "normals " if self._what == "smooth_normals" else ""
-        return f"{obj.name}: {normals}smoothed by {self._amount:g} voxels"
-
-
-_has_file = checks.needs(
-    lambda c: active_volume(c).library is None and active_volume(c).leaflight.source,
-    "The volume has no volume file: import it",
-)
+from . import read_again
 
 
 class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
@@ -52,7 +15,7 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         "Smooth the values against noise and 8-bit steps, or only the normals, so that "
         "isosurfaces stay where they are. A bake keeps its values, so bake again"
     )
-    conditions = (jobs.is_free, *checks.VOLUME, _has_file)
+    conditions = read_again.CONDITIONS
 
     what: EnumProperty(
         "Apply To",
@@ -75,7 +38,13 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
     )
 
     def start(self, context):
-        return SmoothJob(active_volume(context), self.what, float(self.amount))
+        amount = float(self.amount)
+        normals = "normals " if self.what == "smooth_normals" else ""
+        text = f"{normals}smoothed by {amount:g} voxels"
+        obj = active_volume(context)
+        return read_again.ReadAgainJob(
+            obj, "Smooth", self.what, amount, lambda obj: f"{obj.name}: {text}"
+        )
 
 
 CLASSES = (LEAFLIGHT_OT_smooth,)

@@ -27,7 +27,7 @@ RESOLUTION_ITEMS = [
 _STEPS = {"FULL": 1, "HALF": 2, "QUARTER": 4}
 
 # Choices that do not change the facts in the header.
-_NOT_ASKED = {"frame", "channel", "downsample", *source_files.SMOOTHING}
+_NOT_ASKED = {"frame", "channel", "downsample", *source_files.CHANGES}
 
 # Cache of the last file: (path, state of the file, choices) -> result of read_facts().
 _last = session.cache()

@@ -140,9 +140,9 @@ def _values(data, points):
     return np.where(within, values, np.nan)
 
 
-_OPEN = "NONE"
+OPEN = "NONE"
 CUT_COLORS = [
-    (_OPEN, "Open", "Open cut"),
+    (OPEN, "Open", "Open cut"),
     (GRAY, "Gray", "Slice of the data, from black to white"),
     *COLORS[1:],
 ]
@@ -185,7 +185,7 @@ def update_cut(volume, depsgraph=None):
 
 def _cut_of(volume):
     """Returns the shader_graph.Cut of the isosurfaces, None without a cut or if it stays open."""
-    if volume.leaflight_look.cut_colors == _OPEN:
+    if volume.leaflight_look.cut_colors == OPEN:
         return None
     cuts = (look.view_of(obj).cut for obj in display.surfaces_of(volume))
     return next((cut for cut in cuts if cut is not None), None)

@@ -7,7 +7,7 @@ from leaflight.scene.scene import ramp_at
 from leaflight.volume.backs import MOSTLY, back_shares
 
 from .. import session, versions
-from ..store import cache
+from ..store import cache, source_files
 from ..translations import iface_
 from . import display, isosurface, isosurfaces, shader_graph, texture
 from .isosurface import RADIANCE_BACK, TEXTURE
@@ -107,7 +107,13 @@ def note_on_backs(volume):
         return iface_(
             "The visible back of this isosurface is not baked: turn on Both Sides and bake again"
         )
-    if any(box_of(obj) is not None for obj in surfaces):
+    capped = [
+        region["box"]
+        for region in source_files.regions_of(volume.leaflight)
+        if region["on"] and region.get("cut") == "capped"
+    ]
+    boxes = [box for box in map(box_of, surfaces) if box is not None]
+    if any(box.name not in capped for box in boxes):
         return iface_(
             "The visible backs at the cut are not baked: turn on Both Sides and bake again"
         )

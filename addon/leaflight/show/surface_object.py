@@ -318,7 +318,7 @@ def _wanted(obj, isovalue):
     settings = volume_object.leaflight
     part = f"{settings.frame} {settings.channel} {settings.level} {settings.dataset}"
     smooth = f"{settings.smooth} {settings.smooth_normals}"
-    shape = f"{smooth} {settings.capped} {obj.leaflight_look.dust}"
+    shape = f"{smooth} {settings.regions} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     volume += texture.label_of(volume_object)
     isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)

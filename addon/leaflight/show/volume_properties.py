@@ -124,6 +124,7 @@ class VolumeSource(ReadingChoices):
     dataset: StringProperty("Dataset")
     downsample: IntProperty("Downsample", default=1, min=1, max=8)
     field: StringProperty("Field")
+    regions: StringProperty("Regions", update=shape_changed)
     smooth: FloatProperty(
         "Smooth",
         "Standard deviation, in voxels, of the Gaussian that smooths the values",

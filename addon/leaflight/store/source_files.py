@@ -2,6 +2,7 @@
 """The source files of volumes, and their changes since the bake."""
 
 import hashlib
+import json
 import os
 import sys
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ import numpy as np
 from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
-from leaflight.volume import smoothing
+from leaflight.volume import regions, smoothing
 
 from .. import session
 
@@ -32,16 +33,17 @@ CHOICES = (
     "dataset",
     "downsample",
     "field",
+    "regions",
     "smooth",
     "smooth_normals",
 )
 # Largest value of each property that has no effect.
 _NONE = {
     **{"frame": -1, "channel": -1, "downsample": 1},
-    **{"field": "", "smooth": 0, "smooth_normals": 0},
+    **{"field": "", "regions": "", "smooth": 0, "smooth_normals": 0},
 }
-# Properties for the smoothing of values and of normals alone.
-SMOOTHING = CHOICES[-2:]
+# Properties for changes of the values since the import.
+CHANGES = CHOICES[-3:]
 
 # Cache: key_of() -> hash of the values, so that each file is read only once for it.
 _hashes = session.cache()
@@ -72,8 +74,21 @@ def read_volume(path, progress=None, **choices):
     """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError."""
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
+    if "regions" in options:
+        options["regions"] = _records(options["regions"])
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
+
+
+def _records(text):
+    """Returns the records of the regions that are on (importing/regions.py)."""
+    items = [item for item in json.loads(text or "[]") if item["on"]]
+    return [{k: v for k, v in item.items() if k not in ("on", "box")} for item in items]
+
+
+def regions_of(settings):
+    """Returns the regions of a volume, on or off (importing/regions.py)."""
+    return json.loads(settings.regions or "[]")
 
 
 def probe(path, **choices):
@@ -185,13 +200,18 @@ def source_of(settings):
     """Returns the file of a volume and its smoothing, as text for the record of a bake."""
     if not settings.source:
         return ""
-    return smoothing.source_of(path_of(settings), settings.smooth, settings.smooth_normals)
+    source = smoothing.source_of(path_of(settings), settings.smooth, settings.smooth_normals)
+    return source + regions.titles(regions.as_regions(_records(settings.regions)))
 
 
-def smoothing_changed(settings):
-    """True if the smoothing of values or of normals alone has changed since the bake."""
-    now = [getattr(settings, name) for name in SMOOTHING]
-    return now != list(settings.bake_smoothing)
+def changes_of(settings):
+    """Returns the changes of a volume's values since the import, as text."""
+    return json.dumps([_plain(getattr(settings, name)) for name in CHANGES])
+
+
+def values_changed(settings):
+    """True if the user has changed values or normals since the bake."""
+    return changes_of(settings) != settings.bake_changes
 
 
 def changed_since_bake(obj):

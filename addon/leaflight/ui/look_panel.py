@@ -6,6 +6,7 @@ from leaflight import LeaflightError
 
 from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
+from ..importing import regions
 from ..operators.checks import active_volume
 from ..show import data_faces, display, look, surface_material
 from ..store import source_files
@@ -108,6 +109,7 @@ class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
         for obj in display.surfaces_of(volume):
             text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
             column.prop(obj.leaflight_look, "is_cut", text=text)
+        layout.operator_menu_enum(regions.LEAFLIGHT_OT_cut_data.bl_idname, "cut", text="Cut Data")
         if shown.box.type != "EMPTY" and not shown.box.hide_render:
             text = iface_('"%s" is rendered and baked: hide it in renders') % shown.box.name
             sentence(context, layout, text, icon="ERROR")

@@ -7,11 +7,11 @@ from .. import versions
 from ..bake import continue_bake, load_bake
 from ..edit import add_isosurface, data_picture, pick_isovalue
 from ..flatland import isolines
-from ..importing import import_volume, open_example, smooth_volume
+from ..importing import import_volume, open_example, regions, smooth_volume
 from ..operators import jobs
 from ..operators.checks import active_volume
 from ..show import display, distribution, isovalues, look, surface_material, surface_object, texture
-from ..store import cache, frame_bakes
+from ..store import cache, frame_bakes, source_files
 from ..translations import iface_
 from . import clip_outline
 from .sidebar import SidebarPanel, sentence, split
@@ -121,6 +121,7 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
             self._draw_frames(obj.leaflight)
         layout.operator(pick_isovalue.LEAFLIGHT_OT_pick_isovalue.bl_idname, icon="EYEDROPPER")
         _draw_smooth(layout, obj.leaflight)
+        _draw_regions(layout, obj.leaflight)
         found = distribution.of(obj)
         if found is not None and not obj.leaflight.smooth:
             if found.are_labels:
@@ -149,6 +150,19 @@ def _draw_smooth(layout, settings):
     ):
         text = text % f"{getattr(settings, what):g}"
         layout.operator_menu_enum(name, "amount", text=text, icon="MOD_SMOOTH").what = what
+
+
+def _draw_regions(layout, settings):
+    row = layout.row(align=True)
+    row.operator_menu_enum(regions.LEAFLIGHT_OT_clean_data.bl_idname, "kind", text="Clean Data")
+    row.operator(regions.LEAFLIGHT_OT_remove_part.bl_idname, icon="EYEDROPPER")
+    column, switch = layout.column(align=True), regions.LEAFLIGHT_OT_switch_region.bl_idname
+    for index, item in enumerate(source_files.regions_of(settings)):
+        row = column.row(align=True)
+        icon = "HIDE_OFF" if item["on"] else "HIDE_ON"
+        row.operator(switch, text=regions.title(item), icon=icon, translate=False).index = index
+        remove = row.operator(switch, text="", icon="X")
+        remove.index, remove.action = index, "REMOVE"
 
 
 class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):

@@ -42,18 +42,31 @@ Survey survey(const Value* values, std::size_t n) {
       });
 }
 
+// True if a cut has lowered the value of a voxel to that of the ramp, except for its rounding.
+template <int D>
+bool is_lowered(const Field<D>& field, std::size_t voxel) {
+  constexpr double rounding = 0.005;  // steps
+  return field.ramp != nullptr &&
+         value_at(field.values, voxel) >= field.ramp[voxel] - rounding * field.ramp_step;
+}
+
+// Voxels without data and those that a cut has lowered do not count.
 template <int D, class Value>
 Vec<D> voxel_gradient(const Field<D>& field, const Value* values, const Index<D>& voxel) {
   Vec<D> gradient(0.0);
-  const Value* h = values + field.offset(voxel);
+  const std::size_t offset = field.offset(voxel);
+  const Value* h = values + offset;
   std::size_t stride = 1;
   for (int a = 0; a < D; stride *= field.dims[a], ++a) {
     double low = voxel[a] > 0 ? h[-static_cast<std::ptrdiff_t>(stride)] : h[0];
     double high = voxel[a] < field.dims[a] - 1 ? h[stride] : h[0];
     double span = (voxel[a] > 0) + (voxel[a] < field.dims[a] - 1);
-    if (field.masked) {
-      if (std::isnan(low)) low = h[0], span -= 1;
-      if (std::isnan(high)) high = h[0], span -= 1;
+    if (field.masked || field.ramp != nullptr) {
+      const bool has_low = voxel[a] > 0, has_high = voxel[a] < field.dims[a] - 1;
+      if (std::isnan(low) || (has_low && is_lowered(field, offset - stride))) low = h[0], span -= 1;
+      if (std::isnan(high) || (has_high && is_lowered(field, offset + stride))) {
+        high = h[0], span -= 1;
+      }
       if (span <= 0) continue;
     }
     gradient[a] = (high - low) / span;
@@ -97,6 +110,7 @@ void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
 template <int D, class Value>
 Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPoint<D>& point) {
   Vec<D> gradient(0.0);
+  double weights = 0;
   for (int corner = 0; corner < (1 << D); ++corner) {
     double weight = 1;
     Index<D> voxel;
@@ -106,10 +120,11 @@ Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPo
       voxel[a] = point.cell[a] + bit;
     }
     // On an edge of the grid, where meshes have vertices, two of eight weights are positive.
-    if (weight == 0) continue;
+    if (weight == 0 || is_lowered(field, field.offset(voxel))) continue;
     gradient += voxel_gradient(field, values, voxel) * weight;
+    weights += weight;
   }
-  return gradient;
+  return field.ramp != nullptr && weights > 0 ? gradient * (1 / weights) : gradient;
 }
 
 // Checks the range of values, because differences use single precision.
@@ -227,10 +242,55 @@ Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local) {
   return gradient;
 }
 
+namespace {
+
+template <int D>
+CellCorners<D> ramp_corners(const Field<D>& field, const Index<D>& cell) {
+  CellCorners<D> corners;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    Index<D> voxel = cell;
+    for (int a = 0; a < D; ++a) voxel[a] += (corner >> a) & 1;
+    corners.h[corner] = field.ramp[field.offset(voxel)];
+  }
+  return corners;
+}
+
+// Greatest depth of the dents of a cut, in voxels.
+constexpr double deepest_dent = 0.8;
+
+// Returns how much lower than the ramp a value at a point is, in steps.
+template <int D>
+double below_ramp(const Field<D>& field, const CellPoint<D>& point, double value) {
+  return (interpolate(ramp_corners(field, point.cell), point.local) - value) / field.ramp_step;
+}
+
+}  // namespace
+
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
-  return std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
-                    field.shading_values);
+  if (field.ramp != nullptr) {
+    const double value = interpolate(load_corners(field, point.cell), point.local);
+    if (below_ramp(field, point, value) < deepest_dent) {
+      return geometric_gradient(ramp_corners(field, point.cell), point.local);
+    }
+  }
+  const Vec<D> gradient =
+      std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
+                 field.shading_values);
+  const bool is_within_cut = field.ramp != nullptr && gradient.dot(gradient) == 0;
+  return is_within_cut ? geometric_gradient(ramp_corners(field, point.cell), point.local)
+                       : gradient;
+}
+
+template <int D>
+Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue) {
+  if (field.ramp == nullptr) return index_position;
+  const CellPoint<D> at = locate(field, index_position);
+  const double below = below_ramp(field, at, isovalue);
+  const Vec<D> gradient = geometric_gradient(ramp_corners(field, at.cell), at.local);
+  const double square = gradient.dot(gradient);
+  if (below > deepest_dent || !(square > 0)) return index_position;
+  return index_position - gradient * (below * field.ramp_step / square);
 }
 
 template <int D>
@@ -255,6 +315,8 @@ template double value_at<2>(const Field<2>&, const Vec<2>&);
 template double value_at<3>(const Field<3>&, const Vec<3>&);
 template Vec<2> geometric_gradient<2>(const CellCorners<2>&, const Vec<2>&);
 template Vec<3> geometric_gradient<3>(const CellCorners<3>&, const Vec<3>&);
+template Vec<2> flat_on_cut<2>(const Field<2>&, const Vec<2>&, double);
+template Vec<3> flat_on_cut<3>(const Field<3>&, const Vec<3>&, double);
 template Vec<2> shading_normal<2>(const Field<2>&, const Vec<2>&);
 template Vec<3> shading_normal<3>(const Field<3>&, const Vec<3>&);
 template Vec<2> shading_gradient<2>(const Field<2>&, const CellPoint<2>&);

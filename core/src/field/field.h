@@ -20,6 +20,11 @@ struct Field {
   // Values for the shading gradient: `values`, or smoothed values that are NaN at the same voxels.
   Voxels shading_values;
   std::shared_ptr<const void> shading_owner;
+  // Values of a ramp through plane cuts of the volume, linear in the distance, or null. Each value
+  // of a voxel is at most that of the ramp.
+  const float* ramp = nullptr;
+  std::shared_ptr<const void> ramp_owner;
+  double ramp_step = 0;  // of the ramp, a voxel
   Index<D> dims{};
   Affine<D> index_to_world;
   Affine<D> world_to_index;
@@ -108,9 +113,14 @@ double value_at(const Field<D>& field, const Vec<D>& index_position);
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
+// Moves a point of an isosurface to the plane of a cut if it should lie there. At voxels inside the
+// cut the data may be lower than the ramp. The interpolant is then lower, too, and has dents.
+template <int D>
+Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue);
+
 // Interpolates central differences of the shading values between the voxels, in index coordinates.
 // They are one-sided at the border of the domain and next to masked voxels. Used for the cosine in
-// shading and for the normals of meshes.
+// shading and for the normals of meshes. On a cut it is the gradient of the ramp.
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
 

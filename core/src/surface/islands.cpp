@@ -2,45 +2,19 @@
 #include "surface/islands.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "base/disjoint_sets.h"
 
 namespace leaflight {
-namespace {
-
-// Disjoint sets with path halving (Tarjan and van Leeuwen 1984). The least member names a set.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  std::int32_t find(std::int32_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  void join(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
-
-}  // namespace
 
 std::vector<std::int32_t> connected_parts(const std::array<std::int32_t, 3>* triangles,
                                           std::size_t triangle_count, std::size_t vertex_count) {
-  Sets sets(vertex_count);
+  DisjointSets<std::int32_t> sets(vertex_count);
   for (std::size_t t = 0; t < triangle_count; ++t) {
     sets.join(triangles[t][0], triangles[t][1]);
     sets.join(triangles[t][1], triangles[t][2]);
   }
-  std::vector<std::int32_t> parts(vertex_count);
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    parts[v] = sets.find(static_cast<std::int32_t>(v));
-  }
-  return parts;
+  return sets.names();
 }
 
 LargeParts large_parts(const Vec<3, float>* vertices, std::size_t vertex_count,

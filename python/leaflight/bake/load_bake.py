@@ -10,6 +10,7 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..io.reader_process import ReaderProcess
 from ..io.scene_file import scene_from_json
+from ..volume.regions import cuts_from_record
 from ..volume.units import METERS
 from ..volume.volume import Volume
 from .baked import Bake
@@ -73,6 +74,7 @@ def open_bake(
             record.unit,
             bool(record.patient),
             record.smooth_normals,
+            cuts=cuts_from_record(record.cuts),
         )
         for (values, matrix), record in zip(fields, records)
     ]

@@ -17,6 +17,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..scene.scene import Color, Isosurfaces
 from ..version import __version__
+from ..volume.regions import cuts_to_record
 from ..volume.volume import Volume
 
 _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
@@ -44,6 +45,7 @@ class VolumeRecord:
     capped: bool
     patient: bool
     smooth_normals: float
+    cuts: dict[str, Any] | None
     resolution: tuple[int, ...] = ()
     map_resolution: tuple[int, ...] = ()
 
@@ -149,6 +151,7 @@ def provenance_of(
             material.capped,
             volume.patient,
             volume.smooth_normals,
+            cuts_to_record(volume.cuts),
         )
         for volume, material in zip(volumes, isosurfaces)
     )

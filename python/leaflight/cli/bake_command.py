@@ -36,6 +36,7 @@ _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
     *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "field"),
+    "regions",
     "memory",
 }
 

@@ -15,6 +15,7 @@ from .._core import LeaflightError, Progress
 from ..arrays import Array
 from ..scene.scene import SceneDescription, core_scene
 from ..version import __version__
+from ..volume.cuts import Cuts
 from ..volume.volume import Volume
 
 
@@ -24,7 +25,7 @@ class Recipe:
 
     key: Unique key of the bake.
     arrays: Values of each volume, or the file (.npy) on this machine with them.
-    smooth_normals: As in Volume, for each volume.
+    smooth_normals, cuts: As in Volume, for each volume.
     settings: Settings of the core, by name.
     matrices, scene, isovalues: As in Volume and Bake.
     """
@@ -33,6 +34,7 @@ class Recipe:
     arrays: Sequence[Array | str]
     matrices: Sequence[Array]
     smooth_normals: Sequence[float]
+    cuts: Sequence[Cuts | None]
     scene: SceneDescription
     isovalues: tuple[float, float]
     settings: dict[str, Any]
@@ -40,9 +42,9 @@ class Recipe:
 
     def scene_of_core(self) -> _core.Scene:
         volumes = [
-            Volume(load(array), matrix, f"volume {k}", smooth_normals=smooth)
-            for k, (array, matrix, smooth) in enumerate(
-                zip(self.arrays, self.matrices, self.smooth_normals)
+            Volume(load(array), matrix, f"volume {k}", smooth_normals=smooth, cuts=cuts)
+            for k, (array, matrix, smooth, cuts) in enumerate(
+                zip(self.arrays, self.matrices, self.smooth_normals, self.cuts)
             )
         ]
         return core_scene(self.scene, [volume.field() for volume in volumes], self.isovalues)

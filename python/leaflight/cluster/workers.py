@@ -148,6 +148,7 @@ class Tracing:
             arrays=[workers.shared(volume.values) for volume in volumes],
             matrices=[np.asarray(volume.index_to_world) for volume in volumes],
             smooth_normals=[volume.smooth_normals for volume in volumes],
+            cuts=[volume.cuts for volume in volumes],
             scene=scene,
             isovalues=isovalues,
             settings={**given, "threads": settings.threads or workers.threads},

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..volume.particles import hydrogen, lapr, neuron, nucleons
+from ..volume.regions import as_regions, changed
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, bump_box
 from .readers.reading import read_volume
@@ -38,6 +39,7 @@ def open_volume(
     """
     if not is_generated(source):
         return read_volume(source, dims=dims, **layout)
+    regions = as_regions(layout.pop("regions", None))
     for name, value in layout.items():
         if value is not None:
             raise SettingError(
@@ -48,4 +50,4 @@ def open_volume(
         raise SettingError(
             f"{source}: the size is not one number: give the nodes per side.", "dims"
         )
-    return _GENERATED[str(source)](*(dims or ()))
+    return changed(_GENERATED[str(source)](*(dims or ())), regions)

@@ -19,7 +19,7 @@ _STEPS = 1 << 16
 
 
 class Distribution:
-    """The distribution of the values in an array [z, y, x] that are not NaN.
+    """The distribution of the values in an array [z, y, x] from a lowest one on.
 
     data_range: The lowest and the highest value. count: Number of values.
     """
@@ -47,13 +47,14 @@ class Distribution:
             plane = as_voxels(plane)
             voxels += np.bincount(plane.ravel().astype(np.int64) - least, minlength=voxels.size)
         present = np.flatnonzero(voxels)
+        present = present[present + least >= self._range[0]]
         return (present + least).astype(np.float32), voxels[present]
 
     def _planes(self) -> Iterator[Array]:
-        """Yields the values of each plane, float32, without NaN."""
+        """Yields the values of each plane, float32, without NaN and lower ones."""
         for plane in self._data:
             plane = as_voxels(plane).ravel()
-            known = np.isfinite(plane)
+            known = plane >= self._range[0]
             yield plane if known.all() else plane[known]
 
     def voxels_of(self, value: float) -> int:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from .._core import LeaflightError
 from ..arrays import Array
 from ..words import by, html_table
+from .cuts import Cuts
 from .distribution import Distribution
 from .setting_error import SettingError
 from .smoothing import checked, smoothed
@@ -36,6 +37,7 @@ class Given(AxisAligned, total=False):
     """The arguments of Volume that can only be given by name."""
 
     notes: Sequence[str]
+    cuts: Cuts | None
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -53,6 +55,8 @@ class Volume:
     smooth_normals: Standard deviation in voxels of a Gaussian on the values from which normals are
         computed; 0 is none. The isosurfaces do not change.
     notes: Sentences for the user about choices of the reader, such as a guessed type.
+    cuts: Capped cuts of the values, in index coordinates; or None. Values below the range of the
+        data close isosurfaces there.
 
     Instead of index_to_world you can give spacing, the voxel size (one number or (x, y, z)), and
     origin, the position (x, y, z) of the first node. Their defaults are 1 and 0.
@@ -66,6 +70,7 @@ class Volume:
     patient: bool
     smooth_normals: float
     notes: tuple[str, ...]
+    cuts: Cuts | None
 
     def __init__(
         self,
@@ -80,7 +85,7 @@ class Volume:
     ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
-        notes = tuple(grid.pop("notes", ()))
+        others = {"notes": tuple(grid.pop("notes", ())), "cuts": grid.pop("cuts", None)}
         axis_aligned = _axis_aligned(values.ndim, grid.get("spacing"), grid.get("origin"))
         if index_to_world is None:
             index_to_world = axis_aligned
@@ -97,7 +102,7 @@ class Volume:
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
         self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
-        self.__dict__.update(notes=notes)
+        self.__dict__.update(others)
 
     @cached_property
     def _field(self) -> _core.Field:
@@ -127,6 +132,8 @@ class Volume:
             )
         except LeaflightError as error:
             raise LeaflightError(f"{self.source or self.name}: {error}") from None
+        if self.cuts and self.cuts.cuts:
+            field.cut_by(self.cuts.ramp(self.values.shape), self.cuts.high - self.cuts.low)
         return field
 
     def __repr__(self) -> str:
@@ -183,7 +190,7 @@ class Volume:
         """
         if self._closed:
             return self
-        low, high = self.field().range
+        low, high = self._with_lowest(self.field().range)
         layer = low - CAP_DEPTH * (high - low)
         if layer < float(np.finfo(np.float32).min):
             raise LeaflightError(
@@ -203,7 +210,23 @@ class Volume:
         values = padded
         index_to_world = np.array(self.index_to_world, dtype=np.float64)
         index_to_world[:-1, -1] -= index_to_world[:-1, :-1].sum(axis=1)
-        return replace(self, values=values, index_to_world=index_to_world)
+        capped = replace(self, values=values, index_to_world=index_to_world)
+        return replace(capped, cuts=self._moved_cuts(np.ones(3)))
+
+    def cropped(self, values: Array, first: Sequence[int]) -> "Volume":
+        """Returns the volume with a part of its values.
+
+        first: Index (x, y, z) of the first node of that part.
+        """
+        matrix = np.array(self.index_to_world, np.float64)
+        matrix[:3, 3] += matrix[:3, :3] @ first
+        cuts = self._moved_cuts(-np.asarray(first, np.float64))
+        return replace(self, values=values, index_to_world=matrix, cuts=cuts)
+
+    def _moved_cuts(self, offset: Array) -> Cuts | None:
+        matrix = np.eye(4)
+        matrix[:3, 3] = offset
+        return self.cuts.moved(matrix) if self.cuts else None
 
     @cached_property
     def _closed(self) -> bool:
@@ -244,6 +267,7 @@ class Volume:
             values=values,
             index_to_world=self.index_to_world @ from_coarser,
             smooth_normals=0.5 * self.smooth_normals,
+            cuts=self.cuts and replace(self.cuts, cuts=()),
         )
 
     @cached_property
@@ -275,8 +299,13 @@ class Volume:
         return self._within_layer[0] if self._within_layer else self.values
 
     def data_range(self) -> tuple[float, float]:
-        """Returns (lowest, highest) of data(), in data units."""
-        return self._within_layer[1] if self._within_layer else self.field().range
+        """Returns (lowest, highest) of data(), in data units, without values that close a cut."""
+        return self._with_lowest(
+            self._within_layer[1] if self._within_layer else self.field().range
+        )
+
+    def _with_lowest(self, found: tuple[float, float]) -> tuple[float, float]:
+        return found if self.cuts is None else (self.cuts.low, found[1])
 
 
 def _least(integer_type: DTypeLike) -> int:

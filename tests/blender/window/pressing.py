@@ -66,7 +66,7 @@ class Pressing:
         yield from self._press()
         yield from self._answer()
         if self._row.held == "modal":
-            yield from hand.drag(0.5, 0.6, 0.1)
+            yield from hand.drag(*self._row.drag)
             yield from hand.key("RET")
         yield from self._settle()
         after = self._see()
@@ -221,7 +221,7 @@ class Pressing:
             yield from self._until(lambda: gate.reached and jobs.running() is not None)
             yield from hand.steps(_FEW)
         elif row.held == "modal":
-            yield from hand.drag(0.5, 0.6, 0.1)
+            yield from hand.drag(*self._row.drag)
 
     def _until(self, is_so):
         """Waits for a condition while work runs; raises Failed after many steps without work."""

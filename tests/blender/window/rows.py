@@ -34,6 +34,7 @@ class Row:
     held: the point halfway: before the "work" in the background, after its first "pass", while
     its "dialog" or browser is open, or while it takes events ("modal")
     without: {way: reason} for the ways that make no sense
+    drag: start, end and height of the drag in its "modal", as shares of the viewport
     also: words that distinguish it from another row of the same operator
     short: True if the short suite includes it
     undone: True if undo restores the state from before
@@ -47,6 +48,7 @@ class Row:
     file: str = ""
     held: str = ""
     without: dict = field(default_factory=dict)
+    drag: tuple = (0.5, 0.6, 0.1)
     also: str = ""
     short: bool = False
     undone: bool = True
@@ -177,6 +179,10 @@ ROWS = (
     Row("export_page", "baked", "exported", asks="browser", held="work"),
     Row("pick_isovalue", "imported", "isovalue", held="modal"),
     Row("smooth", "imported", "smoothing", {"what": "smooth", "amount": "1"}, held="work"),
+    Row("cut_data", "clipped", "regions", {"cut": "capped"}, held="work"),
+    Row("clean_data", "parts", "regions", {"kind": "largest_part"}, held="work"),
+    Row("remove_part", "parts", "regions", held="modal", drag=(0.5, 0.5, 0.5)),
+    Row("switch_region", "cleaned", "regions", {"index": 0}, held="work"),
     _instant("isosurface_preset", "baked", "look", options={"preset": "COPPER"}, short=True),
     _instant("add_stop", "baked", "stops"),
     _instant("remove_stop", "stops", "stops"),

@@ -112,6 +112,19 @@ def _color(scenes):
     _stage(scenes)
 
 
+def _parts(scenes):
+    """Imports a volume with two parts."""
+    _import(scenes, "parts.nii.gz")
+
+
+def _clean(_scenes):
+    bpy.ops.leaflight.clean_data(kind="largest_part")
+
+
+def _add_clip_box(_scenes):
+    bpy.ops.leaflight.add_clip_box()
+
+
 def _frames(scenes):
     _import(scenes, "beating.nii.gz", frame=0)
     _stage(scenes)
@@ -206,6 +219,9 @@ _SCENES = {
     "stopped": ("staged", _nothing),
     "two": ("imported", _two),
     "colored": ("imported", _color),
+    "parts": ("home", _parts),
+    "cleaned": ("parts", _clean),
+    "clipped": ("imported", _add_clip_box),
     "frames": ("home", _frames),
     "graph": ("home", _graph),
 }

@@ -92,6 +92,7 @@ SEEN = {
     "clipboard": lambda: bpy.context.window_manager.clipboard,
     "isovalue": lambda: round(volume().leaflight.isovalue, 3),
     "smoothing": lambda: volume().leaflight.smooth,
+    "regions": lambda: volume().leaflight.regions,
     "look": _look,
     "stops": lambda: len(volume().leaflight.isosurface_stops),
     "isosurfaces": lambda: [obj.name for obj in display.added_to(volume())],

@@ -18,6 +18,7 @@ from ...progress_bar import with_progress
 from ...volume.label_field import label_field
 from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
+from ...volume.regions import Region, as_regions, changed
 from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
@@ -62,6 +63,7 @@ class ValueOptions(TypedDict, total=False):
     smooth: float | None
     smooth_normals: float | None
     field: str | None
+    regions: Sequence[Any] | None
 
 
 class ReadOptions(StoredOptions, ValueOptions, total=False):
@@ -106,6 +108,7 @@ def read_volume(
     smooth_normals: The same for the normals alone (see Volume).
     field: "absolute" takes the values without their sign, for orbitals and other values around 0.
         "labels" takes the field whose isosurface at 0.5 is the boundary of labels (label_field.py).
+    regions: Cuts and removed parts (volume/regions.py), regions or records. They come last.
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
     remedy.
@@ -124,11 +127,13 @@ def read_volume(
         channel = choose(path, "channel", channel, opened.channels)
         _check_memory(path, opened, wanted.step)
         volume = opened.load(frame, channel, progress)
-        volume = _processed(path, opened, volume, wanted, progress)
+        volume = changed(
+            _processed(path, opened, volume, wanted, progress), wanted.regions, progress
+        )
     progress.begin("Examining values")
     progress.check()
     volume.field()
-    if wanted.smooth > 0 or wanted.step > 1 or wanted.field:
+    if wanted.smooth > 0 or wanted.step > 1 or wanted.field or wanted.regions:
         return volume
     return volume.noted(*about_labels(volume))
 
@@ -141,6 +146,7 @@ class _Wanted:
     smooth: float
     smooth_normals: float
     field: str | None
+    regions: tuple[Region, ...]
 
 
 def _wanted(path: Path, options: ReadOptions) -> _Wanted:
@@ -161,6 +167,7 @@ def _wanted(path: Path, options: ReadOptions) -> _Wanted:
         checked(options.get("smooth") or 0.0, "smooth", path),
         checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
         field,
+        as_regions(options.get("regions")),
     )
 
 

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that cut a volume and remove parts of it, before it is baked.
+
+Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
+keys "on" and, for a cut by the clip box, "box", the name of the box. Their positions are in the
+coordinates of the file, so they stay where they are in the volume when the object moves.
+"""
+
+import json
+
+import bpy
+import numpy as np
+from bpy_extras import view3d_utils
+from leaflight import LeaflightError
+
+from ..operators import background, checks
+from ..operators.checks import active_volume
+from ..props import EnumProperty, IntProperty
+from ..show import data_faces, look
+from ..store import source_files
+from ..translations import iface_
+from . import read_again
+
+# Names of kinds of regions in panels.
+_TITLES = {
+    "box": "Cut",
+    "largest_part": "Largest Part",
+    "part": "Removed Part",
+    "dust": "Removed Dust",
+}
+
+
+def title(item):
+    """Returns the name of a region in the panel."""
+    text = iface_(_TITLES[item["kind"]])
+    if item["kind"] == "box":
+        return f"{text}: {item['box']}"
+    return iface_("%s at %s") % (text, f"{item['isovalue']:g}")
+
+
+def _job(obj, regions, text, then=lambda _obj: None):
+    """Returns the job that reads a volume again with regions.
+
+    text: What was done. then: Function of the object for the end.
+    """
+
+    def done(obj):
+        then(obj)
+        return f"{obj.name}: {iface_(text)}"
+
+    value = json.dumps(regions) if regions else ""
+    return read_again.ReadAgainJob(obj, "Change Data", "regions", value, done)
+
+
+def _show_cut(obj):
+    """Shows the cut data in place of a slice on the faces of the clip box."""
+    obj.leaflight_look.cut_colors = data_faces.OPEN
+
+
+class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Cut Data"
+    bl_description = (
+        "Cut the data itself by the clip box, so that a bake lights the cut. Press it again after "
+        "the box has moved"
+    )
+    conditions = (
+        *read_again.CONDITIONS,
+        checks.needs(
+            lambda c: look.box_of(active_volume(c)) is not None, "Add a clip box that cuts first"
+        ),
+    )
+
+    cut: EnumProperty(
+        "Cut",
+        items=[
+            ("capped", "Capped", "Isosurfaces are closed by a flat face, which is lit as such"),
+            ("open", "Open", "Isosurfaces are open, so light falls in and their backs are seen"),
+        ],
+    )
+
+    def start(self, context):
+        obj = active_volume(context)
+        box = look.box_of(obj)
+        low, high = np.array(look.bounds_of(box))
+        matrix = np.diag([*(0.5 * (high - low)), 1.0])
+        matrix[:3, 3] = 0.5 * (low + high)
+        to_file = np.linalg.inv(source_files.place_of_file(obj))
+        region = {
+            "kind": "box",
+            "matrix": (to_file @ np.array(box.matrix_world, np.float64) @ matrix).tolist(),
+            "keep": obj.leaflight_look.keep.lower(),
+            "cut": self.cut,
+            "box": box.name,
+            "on": True,
+        }
+        others = [
+            item for item in source_files.regions_of(obj.leaflight) if item.get("box") != box.name
+        ]
+        return _job(obj, [*others, region], "cut; bake to light the cut", _show_cut)
+
+
+class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Clean Data"
+    bl_description = (
+        "Remove parts of the data that are not connected at the shown isovalue, with their shadows"
+    )
+    conditions = read_again.CONDITIONS
+
+    kind: EnumProperty(
+        "Remove",
+        items=[
+            ("largest_part", "All but the Largest Part", "Keep only the part with most voxels"),
+            ("dust", "Dust", "Remove parts with fewer voxels than the smallest part"),
+        ],
+    )
+    voxels: IntProperty("Smallest Part", "Voxels of the smallest part to keep", 1000, min=1)
+
+    def start(self, context):
+        obj = active_volume(context)
+        region = {"kind": self.kind, "isovalue": obj.leaflight.isovalue, "on": True}
+        if self.kind == "dust":
+            region["voxels"] = self.voxels
+        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "small parts removed")
+
+
+class LEAFLIGHT_OT_remove_part(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Remove Part"
+    bl_description = (
+        "Click on a part, such as a head rest, to remove all that is connected with it at the "
+        "shown isovalue. Esc ends it"
+    )
+    conditions = read_again.CONDITIONS
+
+    point: bpy.props.FloatVectorProperty(
+        name="Point", description="Point of the part, in Blender's coordinates", size=3
+    )
+
+    def invoke(self, context, _event):
+        if context.area is None or context.area.type != "VIEW_3D":
+            self.report({"ERROR"}, "Remove Part works only in the 3D viewport: call it there.")
+            return {"CANCELLED"}
+        self._picks, self._picked = True, active_volume(context).name
+        context.window.cursor_modal_set("EYEDROPPER")
+        context.workspace.status_text_set(iface_("Click on the part to remove. Esc: cancel"))
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if not getattr(self, "_picks", False):
+            return super().modal(context, event)
+        is_gone = self._picked not in bpy.data.objects
+        if is_gone or (event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS"):
+            self._end_picking(context)
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            # Pass other events through, so that the view can be rotated.
+            return {"PASS_THROUGH"}
+        point = _surface_point(context, event)
+        if point is None:
+            self.report({"WARNING"}, "There is no isosurface: click on a part, or press Esc.")
+            return {"RUNNING_MODAL"}
+        self._end_picking(context)
+        self.point = point
+        return self._begin(context, self.start)
+
+    def cancel(self, context):
+        if getattr(self, "_picks", False):
+            self._end_picking(context)
+        else:
+            super().cancel(context)
+
+    def _end_picking(self, context):
+        self._picks = False
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+
+    def start(self, context):
+        obj = active_volume(context)
+        to_file = np.linalg.inv(source_files.place_of_file(obj))
+        point = to_file[:3, :3] @ np.array(self.point) + to_file[:3, 3]
+        isovalue = obj.leaflight.isovalue
+        region = {"kind": "part", "point": point.tolist(), "isovalue": isovalue, "on": True}
+        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "part removed")
+
+
+def _surface_point(context, event):
+    """Returns the world point of the volume's isosurface under the mouse, or None."""
+    at = event.mouse_region_x, event.mouse_region_y
+    origin = view3d_utils.region_2d_to_origin_3d(context.region, context.region_data, at)
+    direction = view3d_utils.region_2d_to_vector_3d(context.region, context.region_data, at)
+    obj = active_volume(context)
+    from_world = obj.matrix_world.inverted_safe()
+    hit, place, *_ = obj.ray_cast(from_world @ origin, from_world.to_3x3() @ direction)
+    return tuple(obj.matrix_world @ place) if hit else None
+
+
+class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Switch or Remove"
+    bl_description = "Turn this change of the data on or off, or remove it"
+    conditions = read_again.CONDITIONS
+
+    index: IntProperty("Number", "Number of the change, from 0", min=0)
+    action: EnumProperty(
+        "Action",
+        items=[
+            ("SWITCH", "Switch", "Turn the change on or off"),
+            ("REMOVE", "Remove", "Remove the change"),
+        ],
+    )
+
+    def start(self, context):
+        obj = active_volume(context)
+        regions = source_files.regions_of(obj.leaflight)
+        if self.index >= len(regions):
+            raise LeaflightError(
+                f'"{obj.name}" has {len(regions)} changes of its data: choose one of them.'
+            )
+        if self.action == "REMOVE":
+            del regions[self.index]
+        else:
+            regions[self.index]["on"] = not regions[self.index]["on"]
+        return _job(obj, regions, "data changed")
+
+
+CLASSES = (
+    LEAFLIGHT_OT_cut_data,
+    LEAFLIGHT_OT_clean_data,
+    LEAFLIGHT_OT_remove_part,
+    LEAFLIGHT_OT_switch_region,
+)

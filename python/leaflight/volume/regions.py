@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Regions: cuts and removed parts that change a volume before it is baked, one after the other.
+
+Positions are in the world coordinates of the volume, and isovalues in data units. A record is a
+region as JSON holds it: {"kind": "part", "point": [0, 0, 0], "isovalue": 300}.
+"""
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import leaflight._core as _core
+import numpy as np
+
+from .._core import LeaflightError
+from ..arrays import Array
+from . import cuts, parts
+from .cuts import Ball, Box, Cuts, HalfSpace, Point
+from .first_isovalue import default_isovalue
+from .volume import Volume
+
+
+@dataclass(frozen=True)
+class LargestPart:
+    """Keeps the part with most voxels. isovalue: None is default_isovalue() of the volume."""
+
+    isovalue: float | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """Removes the part next to a point, or keeps it alone. keep: "inside" or "outside"."""
+
+    point: Point
+    isovalue: float | None = None
+    keep: str = "outside"
+
+
+@dataclass(frozen=True)
+class Dust:
+    """Removes parts with fewer voxels than this."""
+
+    voxels: int
+    isovalue: float | None = None
+
+
+Region = Box | Ball | HalfSpace | LargestPart | Part | Dust
+KINDS: dict[str, Callable[..., Region]] = {
+    "box": Box,
+    "ball": Ball,
+    "half_space": HalfSpace,
+    "largest_part": LargestPart,
+    "part": Part,
+    "dust": Dust,
+}
+_CHOICES = {"keep": ("inside", "outside"), "cut": ("capped", "open")}
+_SHAPES = {"matrix": (4, 4), "point": (3,), "normal": (3,)}
+
+
+def changed(
+    volume: Volume, regions: Iterable[Region], progress: _core.Progress | None = None
+) -> Volume:
+    """Returns a volume that the regions have changed in their order.
+
+    Raises LeaflightError if nothing is left, and Cancelled.
+    """
+    regions, progress = tuple(regions), progress or _core.Progress()
+    has_cut = False
+    for region in regions:
+        check(region)
+        progress.check()
+        if isinstance(region, (LargestPart, Part, Dust)):
+            volume = replace(volume, values=_without_parts(volume, region, progress))
+        else:
+            volume, has_cut = _cut(volume, region, progress), True
+    if has_cut:
+        values, first = cuts.trimmed(volume.values, volume.data_range()[0])
+        volume = volume.cropped(values, first)
+    return replace(volume, source=volume.source + titles(regions))
+
+
+def _cut(volume: Volume, region: cuts.Cut, progress: _core.Progress) -> Volume:
+    cut = region.moved(np.linalg.inv(volume.index_to_world))
+    found = volume.cuts or Cuts(*volume.data_range(), ())
+    values = cuts.cut_values(volume.values, cut, (found.low, found.high), progress.check)
+    if not any((plane > found.low).any() for plane in values):
+        raise LeaflightError(
+            f"{volume.source or volume.name}: the {title(region)} leaves nothing of the volume: "
+            "move it, or keep its other side."
+        )
+    if region.cut == "open":
+        return replace(volume, values=values)
+    return replace(volume, values=values, cuts=replace(found, cuts=(*found.cuts, cut)))
+
+
+def _without_parts(
+    volume: Volume, region: LargestPart | Part | Dust, progress: _core.Progress
+) -> Array:
+    isovalue = default_isovalue(volume) if region.isovalue is None else region.isovalue
+    numbers, sizes = parts.parts_of(volume.values, isovalue, progress)
+    if isinstance(region, Dust):
+        large = int(np.count_nonzero(sizes >= region.voxels))
+        goes = numbers > large
+    elif isinstance(region, LargestPart):
+        goes = numbers > 1
+    else:
+        chosen = numbers == _part_at(volume, region, isovalue, numbers)
+        goes = ~chosen & (numbers > 0) if region.keep == "inside" else chosen
+    return parts.without(volume.values, goes, (numbers > 0) & ~goes, progress.check)
+
+
+def _part_at(volume: Volume, region: Part, isovalue: float, numbers: Array) -> int:
+    world_to_index = np.linalg.inv(volume.index_to_world)
+    part = parts.part_at(numbers, world_to_index[:3, :3] @ region.point + world_to_index[:3, 3])
+    if part == 0:
+        place = ", ".join(f"{x:g}" for x in region.point)
+        raise LeaflightError(
+            f"There is nothing at or above the isovalue {isovalue:g} at ({place}): give a point of "
+            "the part."
+        )
+    return part
+
+
+def title(region: Region) -> str:
+    return _kind(region).replace("_", " ")
+
+
+def titles(regions: Iterable[Region]) -> str:
+    """Returns the end of the source of a volume that regions have changed."""
+    return "".join(f", {title(region)}" for region in regions)
+
+
+def _kind(region: Region) -> str:
+    return next(name for name, kind in KINDS.items() if type(region) is kind)
+
+
+def check(region: Region) -> None:
+    """Raises LeaflightError for numbers or words that a region cannot have."""
+    for name, value in dataclasses.asdict(region).items():
+        if name in _CHOICES:
+            if value not in _CHOICES[name]:
+                raise LeaflightError(
+                    f"The {title(region)}'s {name} is {value!r}: choose "
+                    f"{' or '.join(_CHOICES[name])}."
+                )
+        elif value is not None:
+            _check_numbers(region, name, value)
+
+
+def _check_numbers(region: Region, name: str, value: Any) -> None:
+    shape = _SHAPES.get(name, ())
+    try:
+        numbers = np.asarray(value, np.float64)
+    except (TypeError, ValueError):
+        numbers = np.full(1, np.nan)
+    if numbers.shape != shape or not np.isfinite(numbers).all():
+        count = int(np.prod(shape))
+        what = "a number" if count == 1 else f"{count} numbers"
+        raise LeaflightError(f"The {title(region)}'s {name} is {value!r}: give {what}.")
+    is_flat = name == "matrix" and abs(np.linalg.det(numbers[:3, :3])) < 1e-30
+    if is_flat or (name == "normal" and not numbers.any()) or (name == "voxels" and numbers <= 0):
+        raise LeaflightError(f"The {title(region)} is empty: its {name} must not be 0.")
+
+
+def region_of(record: Any) -> Region:
+    """Returns the Region of a record. Raises LeaflightError."""
+    if not isinstance(record, dict) or record.get("kind") not in KINDS:
+        raise LeaflightError(
+            f"{record!r} is no region: give one with a kind of {', '.join(KINDS)}."
+        )
+    fields = {name: _tuples(value) for name, value in record.items() if name != "kind"}
+    kind = KINDS[record["kind"]]
+    try:
+        region = kind(**fields)
+    except TypeError:
+        known = ", ".join(inspect.signature(kind).parameters)
+        raise LeaflightError(
+            f"The region {record!r} is incomplete or has another field: give {known}."
+        ) from None
+    check(region)
+    return region
+
+
+def record_of(region: Region) -> dict[str, Any]:
+    """Returns the record of a region."""
+    return {"kind": _kind(region), **dataclasses.asdict(region)}
+
+
+def as_regions(regions: Iterable[Any] | None) -> tuple[Region, ...]:
+    """Returns regions for regions, records or a mix of both. Raises LeaflightError."""
+    return tuple(region_of(one) if isinstance(one, dict) else one for one in regions or ())
+
+
+def cuts_to_record(found: Cuts | None) -> dict[str, Any] | None:
+    """Returns the cuts of a volume as JSON holds them, or None."""
+    if found is None:
+        return None
+    return {"low": found.low, "high": found.high, "cuts": tuple(map(record_of, found.cuts))}
+
+
+def cuts_from_record(record: dict[str, Any] | None) -> Cuts | None:
+    """Returns the cuts of a record of cuts_to_record(). Raises LeaflightError, KeyError."""
+    if record is None:
+        return None
+    found: Any = as_regions(record["cuts"])
+    return Cuts(record["low"], record["high"], found)
+
+
+def sphere(center: Point, radius: float, keep: str = "outside", cut: str = "capped") -> Ball:
+    """Returns the Ball with a center and a radius."""
+    matrix = np.diag([radius, radius, radius, 1.0])
+    matrix[:3, 3] = center
+    return Ball(_tuples(matrix.tolist()), keep, cut)
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options that cut volumes and remove their parts. They add records of regions, in their order."""
+
+import argparse
+from collections.abc import Callable
+from typing import Any
+
+from .numbers import number
+
+Record = dict[str, Any]
+
+
+class _AddRegion(argparse.Action):
+    """Adds the record that `make` returns for the numbers of the option."""
+
+    def __init__(self, option_strings: Any, dest: str, **options: Any) -> None:
+        self._make: Callable[[list[float]], Record] = options.pop("make")
+        super().__init__(option_strings, "regions", **options)
+
+    def __call__(
+        self, parser: Any, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        before = getattr(namespace, "regions", None) or []
+        namespace.regions = [*before, self._make(values)]
+
+
+class _OpenCuts(argparse.Action):
+    """Opens the cuts that were given before."""
+
+    def __call__(
+        self, parser: Any, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        for record in getattr(namespace, "regions", None) or []:
+            if "cut" in record:
+                record["cut"] = "open"
+
+
+def _box(keep: str) -> Callable[[list[float]], Record]:
+    def make(ends: list[float]) -> Record:
+        low, high = ends[:3], ends[3:]
+        rows = [
+            [0.5 * (high[a] - low[a]) if a == b else 0.0 for b in range(3)]
+            + [0.5 * (low[a] + high[a])]
+            for a in range(3)
+        ]
+        rows.append([0.0, 0.0, 0.0, 1.0])
+        return {"kind": "box", "matrix": rows, "keep": keep, "cut": "capped"}
+
+    return make
+
+
+def _half_space(numbers: list[float]) -> Record:
+    return {"kind": "half_space", "point": numbers[:3], "normal": numbers[3:], "cut": "capped"}
+
+
+def _part(numbers: list[float]) -> Record:
+    return {"kind": "part", "point": numbers[:3], "isovalue": numbers[3]}
+
+
+def add_region_options(parser: argparse._ArgumentGroup) -> None:
+    box = ("X", "Y", "Z", "X", "Y", "Z")
+    for name, count, metavar, make, help in (
+        ("--crop", 6, box, _box("inside"), "keep a box between two corners"),
+        ("--cut-away", 6, box, _box("outside"), "remove a box between two corners"),
+        (
+            *("--cut-plane", 6, ("X", "Y", "Z", "NX", "NY", "NZ"), _half_space),
+            "remove what a normal points to, from a point on",
+        ),
+        (
+            *("--keep-largest", 1, "ISOVALUE"),
+            lambda found: {"kind": "largest_part", "isovalue": found[0]},
+            "keep the largest part at or above this isovalue",
+        ),
+        (
+            *("--remove-part", 4, ("X", "Y", "Z", "ISOVALUE"), _part),
+            "remove the part at a point",
+        ),
+        (
+            *("--remove-dust", 2, ("VOXELS", "ISOVALUE")),
+            lambda found: {"kind": "dust", "voxels": int(found[0]), "isovalue": found[1]},
+            "remove parts with fewer voxels",
+        ),
+    ):
+        parser.add_argument(
+            name, action=_AddRegion, type=number, nargs=count, metavar=metavar, make=make, help=help
+        )
+    parser.add_argument(
+        "--open-cuts",
+        action=_OpenCuts,
+        nargs=0,
+        dest="regions",
+        help="let light into the cuts that were given before",
+    )

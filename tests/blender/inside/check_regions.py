@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks cuts by the clip box and removed parts: shown, baked, switched, saved and refused."""
+
+import bpy
+import leaflight
+import mathutils
+import numpy as np
+import pytest
+from blends import reopened
+from leaflight_addon.show import data_faces, look
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import cache, source_files
+from tools import close, colors_of, vertices_of
+
+N = 24
+
+
+@pytest.fixture
+def boxed_with_clip_box(boxed):
+    """Returns the bump box and a clip box over the half towards +x."""
+    bpy.ops.leaflight.add_clip_box()
+    box = boxed.leaflight_look.box
+    low, high = np.asarray(cache.volume_of(boxed).field().bounds)
+    size = high - low
+    box.matrix_world = boxed.matrix_world @ _matrix(0.5 * (low + high) + [size[0] / 2, 0, 0], size)
+    # Half the size along x: from the middle to beyond the end.
+    box.scale[0] *= 0.5
+    bpy.context.view_layer.update()
+    return boxed, box
+
+
+def _matrix(middle, size):
+    matrix = mathutils.Matrix.Diagonal((*(0.6 * size), 1.0))
+    matrix.translation = middle
+    return matrix
+
+
+def _records(obj):
+    return source_files.regions_of(obj.leaflight)
+
+
+def check_a_cut_by_the_clip_box_is_flat_and_can_be_switched(boxed_with_clip_box):
+    obj, _ = boxed_with_clip_box
+    before, values = vertices_of(obj), cache.volume_of(obj).values
+    assert bpy.ops.leaflight.cut_data(cut="capped") == {"FINISHED"}
+    cut = vertices_of(obj)
+    reach = cut[:, 0].max()
+    assert reach < before[:, 0].max() - 0.2
+    # Many vertices lie on the plane of the cut.
+    assert np.sum(np.abs(cut[:, 0] - reach) < 1e-4) > 50
+    assert obj.leaflight_look.cut_colors == data_faces.OPEN
+    assert look.note_on_backs(obj) == ""
+    bpy.ops.leaflight.switch_region(index=0)
+    close(vertices_of(obj), before, 0)
+    assert not _records(obj)[0]["on"]
+    bpy.ops.leaflight.switch_region(index=0)
+    close(vertices_of(obj), cut, 0)
+    bpy.ops.leaflight.switch_region(index=0, action="REMOVE")
+    assert not _records(obj)
+    np.testing.assert_array_equal(cache.volume_of(obj).values, values)
+
+
+def check_the_cut_follows_the_box_when_pressed_again(boxed_with_clip_box):
+    obj, box = boxed_with_clip_box
+    bpy.ops.leaflight.cut_data(cut="capped")
+    first = vertices_of(obj)[:, 0].max()
+    box.location[0] -= 0.1
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert len(_records(obj)) == 1
+    moved = vertices_of(obj)[:, 0].max()
+    assert abs(first - moved - 0.1 / obj.matrix_world.median_scale) < 0.01
+
+
+def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
+    obj, _ = boxed_with_clip_box
+    obj.leaflight.shading = "ATTRIBUTE"
+    bpy.ops.leaflight.cut_data(cut="capped")
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    vertices = vertices_of(obj)
+    on_cut = np.abs(vertices[:, 0] - vertices[:, 0].max()) < 1e-4
+    assert colors_of(obj, "radiance")[on_cut, :3].mean() > 0.02
+    obj = reopened(tmp_path / "scene.blend")
+    close(vertices_of(obj), vertices, 0)
+    obj.leaflight.isovalue *= 1.001
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.switch_region(index=0)
+    assert "cut since the bake" in staleness.change_since_bake(bpy.context, obj)
+
+
+def check_an_open_cut_shows_the_inside(boxed_with_clip_box):
+    obj, _ = boxed_with_clip_box
+    bpy.ops.leaflight.cut_data(cut="open")
+    assert np.isnan(cache.volume_of(obj).values).any()
+    assert "Both Sides" in look.note_on_backs(obj) or not obj.leaflight.bake_id
+
+
+@pytest.fixture
+def balls(tmp_path):
+    """Returns an object with a large and a small ball."""
+    z, y, x = np.mgrid[:N, :N, :N]
+    values = np.maximum(
+        1 - np.sqrt((x - 8.0) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2) / 8,
+        0.9 - np.sqrt((x - 20.0) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2) / 4,
+    )
+    np.save(tmp_path / "balls.npy", np.float32(np.maximum(0, 100 * values)))
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "balls.npy"))
+    obj = bpy.context.object
+    obj.leaflight.isovalue = 40.0
+    return obj
+
+
+def check_only_the_largest_part_stays(balls):
+    whole = vertices_of(balls)
+    bpy.ops.leaflight.clean_data(kind="largest_part")
+    left = vertices_of(balls)
+    middle = 0.5 * (whole[:, 0].min() + whole[:, 0].max())
+    assert 0 < len(left) < len(whole) and left[:, 0].max() < middle + 0.1 * np.ptp(whole[:, 0])
+    bpy.ops.leaflight.switch_region(index=0, action="REMOVE")
+    close(vertices_of(balls), whole, 0)
+    bpy.ops.leaflight.clean_data(kind="dust", voxels=300)
+    close(vertices_of(balls), left, 0)
+
+
+def check_a_part_is_removed_by_a_point_on_it(balls):
+    whole = vertices_of(balls)
+    end = balls.matrix_world @ mathutils.Vector(whole[np.argmax(whole[:, 0])])
+    bpy.ops.leaflight.remove_part(point=end)
+    assert vertices_of(balls)[:, 0].max() < 0.5 * whole[:, 0].max()
+    assert balls.leaflight.isovalue == pytest.approx(40.0)
+
+
+def check_what_leaves_nothing_is_refused(balls, boxed_with_clip_box):
+    obj, box = boxed_with_clip_box
+    vertices = vertices_of(obj)
+    box.scale = (9, 9, 9)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="the box leaves nothing of the volume"):
+        bpy.ops.leaflight.cut_data(cut="capped")
+    assert not _records(obj)
+    close(vertices_of(obj), vertices, 0)
+    with pytest.raises(RuntimeError, match="0 changes of its data: choose one of them"):
+        bpy.ops.leaflight.switch_region(index=3)
+    with pytest.raises(RuntimeError, match="nothing at or above the isovalue"):
+        bpy.ops.leaflight.remove_part(point=(50.0, 0.0, 0.0))
+
+
+def check_the_box_is_in_the_coordinates_of_the_file(boxed_with_clip_box):
+    obj, _ = boxed_with_clip_box
+    bpy.ops.leaflight.cut_data(cut="capped")
+    values = cache.volume_of(obj).values
+    obj.location[1] += 3.0
+    bpy.context.view_layer.update()
+    path, choices = source_files.path_of(obj.leaflight), source_files.choices_of(obj.leaflight)
+    again = source_files.read_volume(path, **choices)
+    np.testing.assert_array_equal(again.values, values)
+    assert isinstance(again, leaflight.Volume) and again.cuts is not None

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Regions: where cuts lie, how flat they are, and which parts go."""
+
+import json
+
+import leaflight
+import numpy as np
+import pytest
+from leaflight import LeaflightError, Progress, Volume
+from leaflight._core import contour
+from leaflight.volume import regions
+from leaflight.volume.regions import Box, Dust, HalfSpace, LargestPart, Part, changed, sphere
+
+N = 48
+
+
+def turn(angle, tilt):
+    """Returns a rotation matrix (3, 3)."""
+    c, s, d, t = np.cos(angle), np.sin(angle), np.cos(tilt), np.sin(tilt)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, 0], [0, d, -t], [0, t, d]]
+    )
+
+
+def balls(matrix=None, centers=((0.0, 0.0, 0.0),), radii=(0.8,), dtype=np.float32):
+    """Returns a Volume on -1..1 with 1000 at centers, 0 from the radii on."""
+    axis = np.linspace(-1, 1, N)
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    values = np.zeros((N, N, N))
+    for (a, b, c), radius in zip(centers, radii):
+        distance = np.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2)
+        values = np.maximum(values, 1000 * (1 - distance / radius))
+    own = np.diag([2 / (N - 1)] * 3 + [1.0])
+    own[:3, 3] = -1
+    return Volume(values.astype(dtype), own if matrix is None else matrix @ own)
+
+
+def cut(volume, *regions):
+    return changed(volume, regions, Progress())
+
+
+def vertices_of(volume, isovalue):
+    found, *_ = contour(volume.field(), isovalue)
+    return np.asarray(found, np.float64)
+
+
+# World coordinates of tests: turned, scaled along each axis, and sheared.
+MATRICES = {
+    "cube": np.eye(4),
+    "sheared": np.array(
+        [[3.0, 0.2, 0.0, 5.0], [0.0, 1.0, 0.3, -2.0], [0.1, 0.0, 0.6, 1.0], [0, 0, 0, 1.0]]
+    ),
+}
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.int16, np.uint8])
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_turned_caps_are_flat_and_within_a_voxel(matrix, dtype):
+    whole = balls(matrix)
+    if dtype is np.uint8:
+        values = (whole.values / 4).astype(dtype)
+        whole = Volume(values, whole.index_to_world)
+    else:
+        whole = balls(matrix, dtype=dtype)
+    normal = turn(0.4, 0.7) @ [1.0, 0.0, 0.0]
+    point = (matrix @ [0.1, 0.05, -0.1, 1.0])[:3]
+    halved = cut(whole, HalfSpace(tuple(point), tuple(normal)))
+    # Length of a voxel along the normal.
+    voxel = np.linalg.norm(normal @ whole.index_to_world[:3, :3])
+    low, high = whole.data_range()
+    for share in (0.2, 0.5, 0.8):
+        isovalue = low + share * (high - low)
+        vertices, normals, *_ = contour(halved.field(), isovalue)
+        vertices, normals = np.asarray(vertices, np.float64), np.asarray(normals)
+        inside = (vertices - point) @ -normal / voxel
+        is_cap = whole.field().sample(vertices) > isovalue + 0.1 * (high - low)
+        assert is_cap.sum() > 10
+        # The cap is a plane at this share of a voxel.
+        assert abs(inside[is_cap] - share).max() < 0.01
+        outward = normal if np.linalg.det(matrix) > 0 else -normal
+        assert (normals[is_cap] @ outward).min() > 0.9999
+        assert inside.min() > -0.01
+
+
+def test_values_inside_keep_their_bits_and_types():
+    whole = balls(dtype=np.int16)
+    halved = cut(whole, HalfSpace((0, 0, 0), (0, 0, 1)))
+    assert halved.values.dtype == np.int16
+    assert halved.data_range()[0] == 0
+    inside = int(np.ceil((N - 1) / 2)) - 1
+    assert (halved.values[:inside] == whole.values[:inside]).all()
+    assert len(halved.values) < len(whole.values)
+    assert (
+        cut(whole, Box(tuple(map(tuple, np.diag([0.5, 0.5, 0.5, 1.0]))))).values.shape == (28,) * 3
+    )
+
+
+def test_default_isovalues_ignore_what_closes_a_cut():
+    whole = balls()
+    halved = cut(whole, HalfSpace((0, 0, 0), (0.2, 0.1, 1)))
+    assert halved.field().range[0] < whole.field().range[0]
+    assert leaflight.default_isovalue_range(halved)[0] >= 0
+    assert halved.distribution.count < whole.distribution.count
+    low, _ = halved.distribution.histogram(10)[1][[0, -1]]
+    assert low == 0
+    capped = halved.capped()
+    assert capped.data_range() == halved.data_range()
+    assert capped.field().range[0] == halved.field().range[0]
+
+
+def test_an_open_cut_has_no_values_beyond_it():
+    whole = balls()
+    opened = cut(whole, HalfSpace((0, 0, 0), (0, 0, 1), cut="open"))
+    reach = vertices_of(opened, 300.0)[:, 2].max()
+    assert 0 < reach < 2 * 2 / (N - 1)
+    known = np.isfinite(opened.values)
+    assert (opened.values[known] == whole.values[: len(opened.values)][known]).all()
+
+
+def test_a_sphere_and_a_box_remove_their_inside_or_outside():
+    whole = balls()
+    drilled = vertices_of(cut(whole, sphere((0.4, 0, 0), 0.3)), 500.0)
+    assert np.linalg.norm(drilled - [0.4, 0, 0], axis=1).min() > 0.3 - 1e-3
+    alone = vertices_of(cut(whole, sphere((0.4, 0, 0), 0.3, keep="inside")), 100.0)
+    assert np.linalg.norm(alone - [0.4, 0, 0], axis=1).max() < 0.3 + 1e-3
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn(0.5, 0.3) * 0.3
+    rows = tuple(map(tuple, matrix.tolist()))
+    corner = vertices_of(cut(whole, Box(rows)), 100.0) @ np.linalg.inv(matrix[:3, :3]).T
+    assert 0.9 < abs(corner).max() < 1.001
+    hollow = vertices_of(cut(whole, Box(rows, "outside")), 500.0) @ np.linalg.inv(matrix[:3, :3]).T
+    assert abs(hollow).max(axis=1).min() > 0.999
+
+
+def two_balls(dtype=np.float32):
+    return balls(centers=((-0.4, 0, 0), (0.7, 0, 0)), radii=(0.5, 0.25), dtype=dtype)
+
+
+@pytest.mark.parametrize(
+    "region",
+    [LargestPart(300), Part((0.7, 0, 0.1), 300), Part((-0.4, 0, 0), 300, "inside"), Dust(400, 300)],
+    ids=lambda region: type(region).__name__,
+)
+@pytest.mark.parametrize("dtype", [np.float32, np.int16])
+def test_a_part_goes_without_a_shell(region, dtype):
+    whole = two_balls(dtype)
+    left = cut(whole, region)
+    assert left.values.dtype == dtype and left.cuts is None
+    for isovalue in (50.0, 300.0, 600.0):
+        assert vertices_of(whole, isovalue)[:, 0].max() > 0.5
+        assert vertices_of(left, isovalue)[:, 0].max() < 0.3
+    kept = vertices_of(left, 300.0)
+    before = vertices_of(whole, 300.0)
+    np.testing.assert_array_equal(kept, before[before[:, 0] < 0.3])
+
+
+def test_regions_follow_one_another():
+    left = cut(two_balls(), LargestPart(300), HalfSpace((-0.4, 0, 0), (1, 0, 0)), Dust(2, 300))
+    assert vertices_of(left, 300.0)[:, 0].max() < -0.36
+    assert left.source == ", largest part, half space, dust"
+
+
+def test_a_thousand_parts():
+    values = np.zeros((40, 40, 40), np.uint8)
+    values[::4, ::4, ::4] = 100
+    values[1:4, 1:4, 1:4] = 200
+    left = cut(Volume(values), Dust(2, 50))
+    assert np.count_nonzero(left.values) == 27
+
+
+def test_a_region_outside_changes_nothing():
+    whole = balls()
+    left = cut(whole, sphere((9, 0, 0), 1), Box(tuple(map(tuple, np.diag([9.0, 9, 9, 1])))))
+    np.testing.assert_array_equal(left.values, whole.values)
+    np.testing.assert_array_equal(left.index_to_world, whole.index_to_world)
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ({"kind": "disk"}, "is no region"),
+        ("largest", "is no region"),
+        ({"kind": "ball", "radius": 1}, "is incomplete or has another field: give matrix, keep"),
+        ({"kind": "ball", "matrix": [[0, 0], [1, 1]]}, "give 16 numbers"),
+        ({"kind": "dust", "voxels": 0}, "is empty: its voxels"),
+        ({"kind": "dust", "voxels": "many"}, "give a number"),
+        ({"kind": "half_space", "point": [0, 0, 0], "normal": [0, 0, 0]}, "is empty: its normal"),
+        ({"kind": "box", "matrix": np.zeros((4, 4)).tolist()}, "is empty: its matrix"),
+        ({"kind": "box", "matrix": np.eye(4).tolist(), "keep": "all"}, "choose inside or outside"),
+        ({"kind": "half_space", "point": [0, 0, float("nan")], "normal": [0, 0, 1]}, "3 numbers"),
+    ],
+)
+def test_wrong_records_are_named(record, message):
+    with pytest.raises(LeaflightError, match=message):
+        regions.region_of(record)
+
+
+def test_a_cut_that_leaves_nothing_is_named():
+    with pytest.raises(LeaflightError, match="the half space leaves nothing of the volume"):
+        cut(balls(), HalfSpace((0, 0, -5), (0, 0, 1)))
+    with pytest.raises(LeaflightError, match="nothing at or above the isovalue 500 at"):
+        cut(balls(), Part((0.9, 0.9, 0.9), 500))
+    with pytest.raises(LeaflightError, match="nothing at or above the isovalue 5000"):
+        cut(balls(), LargestPart(5000))
+
+
+def test_records_are_json():
+    for region in (Box(tuple(map(tuple, np.eye(4).tolist()))), Dust(3), Part((1.0, 2.0, 3.0), 4.0)):
+        record = json.loads(json.dumps(regions.record_of(region)))
+        assert regions.region_of(record) == region
+
+
+def test_a_bake_keeps_its_regions(tmp_path):
+    halved = cut(balls(), HalfSpace((0, 0, 0), (0.2, 0.1, 1)))
+    bake = leaflight.bake(halved, resolution=16, error=20)
+    bake.save(tmp_path / "halved.vdb")
+    again = leaflight.load_bake(tmp_path / "halved.vdb")
+    assert again.volume.cuts == halved.cuts
+    assert again.volume.data_range() == halved.data_range()
+    assert again.id == bake.id
+
+
+def test_reading_takes_regions(tmp_path):
+    path = tmp_path / "balls.npy"
+    np.save(path, two_balls().values)
+    record = {"kind": "largest_part", "isovalue": 300}
+    read = leaflight.read_volume(path, regions=[record])
+    assert read.values[24, 24, 40] == 0
+    with pytest.raises(LeaflightError, match=r"balls\.npy: There is nothing at or above"):
+        leaflight.read_volume(path, regions=[{**record, "isovalue": 2000}])
