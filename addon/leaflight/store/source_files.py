@@ -28,6 +28,7 @@ CHOICES = (
     "spacing",
     "frame",
     "channel",
+    "brightest",
     "level",
     "dataset",
     "downsample",
@@ -37,7 +38,7 @@ CHOICES = (
 )
 # Largest value of each property that has no effect.
 _NONE = {
-    **{"frame": -1, "channel": -1, "downsample": 1},
+    **{"frame": -1, "channel": -1, "brightest": (-1, -1, -1), "downsample": 1},
     **{"field": "", "smooth": 0, "smooth_normals": 0},
 }
 # Properties for the smoothing of values and of normals alone.
@@ -72,6 +73,8 @@ def read_volume(path, progress=None, **choices):
     """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError."""
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
+    if "brightest" in options:
+        options["channel"] = options.pop("brightest")
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 
