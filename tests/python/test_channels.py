@@ -213,6 +213,24 @@ def test_imaris(tmp_path):
     reads(PIXELS[2], path, channel="Cy5")
 
 
+def test_components_of_vtk(tmp_path):
+    vtk = pytest.importorskip("vtkmodules.all")
+    support = pytest.importorskip("vtkmodules.util.numpy_support")
+    image, path = vtk.vtkImageData(), tmp_path / "x.vti"
+    image.SetDimensions(7, 6, 5)
+    array = support.numpy_to_vtk(PIXELS[:2].reshape(2, -1).T.copy(), deep=True)
+    array.SetName("flow")
+    for number, name in enumerate(("along", "across")):
+        array.SetComponentName(number, name)
+    image.GetPointData().AddArray(array)
+    writer = vtk.vtkXMLImageDataWriter()
+    writer.SetFileName(str(path))
+    writer.SetInputData(image)
+    writer.Write()
+    assert [channel.name for channel in probe(path).channel_list] == ["along", "across"]
+    assert reads(PIXELS[1], path, channel="across").name == "x across"
+
+
 def needs(package):
     if not has_package(package):
         pytest.skip(f"{package} is not installed")

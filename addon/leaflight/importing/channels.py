@@ -202,7 +202,7 @@ def draw(layout, operator, stored):
             row = column.row(align=True)
             text = stored.channel(number).name or iface_("Channel %d") % number
             row.prop(operator, "channels", index=number, text=text, translate=False)
-            row.label(icon_value=_swatch(albedo))
+            row.label(text="", icon_value=_swatch(albedo))
     if stored.channels >= 3:
         layout.prop(operator, "as_rgb")
     if choice.is_rgb(stored) and not operator.as_rgb:

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks the import of files with several channels."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
+import passes
 import tifffile
 from boxes import build_cornell_box
+from leaflight.io.readers import probe
 from leaflight_addon.importing import channels
 from leaflight_addon.show import texture
 from leaflight_addon.store import cache
@@ -57,6 +61,28 @@ def check_four_channels_have_their_names_and_colors(tmp_path):
     bpy.ops.leaflight.bake()
     assert len(cache.bake_of(found[0]).volumes) == 4
     assert len({obj.leaflight.bake_id for obj in _volumes()}) == 1
+
+
+def _drawn(path, **chosen):
+    """Returns what the file dialog draws for the channels of a file."""
+    no_choice = {"channel": -1, "channels": _ticked(), "all_channels": False, "as_rgb": False}
+    found, operator = [], SimpleNamespace(**{**no_choice, **chosen})
+    channels.draw(passes.Layout(found), operator, probe(path))
+    return found
+
+
+def check_the_dialog_lists_channels(tmp_path):
+    _four_channels(tmp_path / "x.ome.tif")
+    names = ["channels", ""] * 4
+    assert _drawn(tmp_path / "x.ome.tif") == ["all_channels", *names, "as_rgb"]
+    # A property of Blender has at most 32 numbers.
+    many = np.zeros((5, 40, 6, 7), np.uint8)
+    tifffile.imwrite(tmp_path / "many.tif", many, imagej=True)
+    assert _drawn(tmp_path / "many.tif") == ["all_channels", "channel", "as_rgb"]
+    colors = np.arange(5 * 6 * 7 * 3, dtype=np.uint16).astype(np.uint8).reshape(5, 6, 7, 3)
+    tifffile.imwrite(tmp_path / "rgb.tif", colors, photometric="rgb", metadata={"axes": "ZYXS"})
+    assert _drawn(tmp_path / "rgb.tif")[-1] == "In the colors of the picture"
+    assert _drawn(tmp_path / "rgb.tif", channels=_ticked(1))[-1] == "as_rgb"
 
 
 def check_some_channels_are_chosen(tmp_path):
