@@ -264,7 +264,8 @@ class ImportJob(jobs.Job):
         self._read, self._colors, self._left_out = [], None, []
         for one in of_each:
             chosen = {**choices, **one}
-            volume = channels.read(path, self._stored, chosen, len(of_each) == 1, progress)
+            is_needed = one is of_each[-1] and not self._read
+            volume = channels.read(path, self._stored, chosen, is_needed, progress)
             if volume is None:
                 self._left_out.append(channels.why_left_out(self._stored, one["channel"]))
                 self._read += [None] if self._is_rgb else []
@@ -282,6 +283,10 @@ class ImportJob(jobs.Job):
             self._read.append(read)
             progress.check()
 
+        if self._is_rgb and len(self._left_out) == 2:
+            # A single channel gives a color, but no texture.
+            self._is_rgb, self._read = False, [read for read in self._read[1:] if read]
+
     def _field_of(self, volume):
         """Returns the key of FIELDS for a single volume of both signs or of labels, or ""."""
         if self._stored.frames > 1:
@@ -297,15 +302,15 @@ class ImportJob(jobs.Job):
         volume = first.volume
         self.warnings = (*volume.notes, *self._left_out)
         obj = self._add(context, first)
-        if self._animate and obj.leaflight.frames > 1:
-            blender.animate_frames(obj)
-
         self._stand(context, obj)
         if self._colors is not None:
             self._color(context, obj, first.choices["field"])
         others = [read and self._add_over(context, obj, read, "") for read in self._read[1:]]
-        if self._stored.channels > 1:
+        if self._stored.channels > 1 and self._colors is None:
             channels.dress(obj, others, self._stored, self._is_rgb)
+        if self._animate and obj.leaflight.frames > 1:
+            for each in filter(None, (obj, *others)):
+                blender.animate_frames(each)
         display.select(context, [obj], obj)
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape

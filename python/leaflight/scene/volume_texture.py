@@ -116,7 +116,10 @@ def texture_of(
 
 
 def picture_stops(low: float, high: float) -> Stops:
-    """Returns the stops of red, green and blue of a picture, whose values are sRGB."""
+    """Returns the stops of red, green and blue of a picture, whose values are sRGB.
+
+    low, high: Values of black and white.
+    """
     shares = np.linspace(0.0, 1.0, 256)
     linear = linear_from_srgb(shares).tolist()
     values = (low + shares * (high - low)).tolist()

@@ -6,9 +6,11 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import passes
+import pytest
 import tifffile
 from boxes import build_cornell_box
 from leaflight.io.readers import probe
+from leaflight.io.readers.channels import Channel
 from leaflight_addon.importing import channels
 from leaflight_addon.show import texture
 from leaflight_addon.store import cache
@@ -129,6 +131,54 @@ def check_three_channels_color_one_volume(tmp_path):
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     obj = bpy.data.objects["cells.ome"]
     close(cache.volume_of(obj).values, values[:3].max(axis=0), 0)
+
+
+def check_a_red_picture_is_a_red_volume(tmp_path):
+    (red,) = _balls((0.0,))
+    picture = np.stack([red, np.zeros_like(red), np.zeros_like(red)], axis=-1)
+    path = tmp_path / "x.tif"
+    tifffile.imwrite(path, picture, photometric="rgb", metadata={"axes": "ZYXS"})
+    bpy.ops.leaflight.import_volume(filepath=str(path))
+    (obj,) = _volumes()
+    close(obj.leaflight.isosurface_albedo, (0.85, 0, 0), 1e-5)
+    picture[:] = 3, 4, 5
+    tifffile.imwrite(path, picture, photometric="rgb", metadata={"axes": "ZYXS"})
+    assert "same value" in error_of(
+        bpy.ops.leaflight.import_volume, filepath=str(path), channels=_ticked(0, 1)
+    )
+
+
+def check_equal_colors_are_replaced():
+    def stored(*colors):
+        listed = tuple(Channel(str(number), color) for number, color in enumerate(colors))
+        return SimpleNamespace(channels=len(listed), channel=listed.__getitem__)
+
+    green = (0.0, 1.0, 0.0)
+    assert len(set(channels.albedos(stored(green, green, green)))) == 3
+    assert channels.albedos(stored(None, green))[1] == (0.0, 0.85, 0.0)
+
+
+@pytest.mark.parametrize("as_rgb", [False, True])
+def check_all_channels_play(tmp_path, as_rgb):
+    """Checks two frames with three channels, of which the second frame has other balls."""
+    values = np.stack([_balls((-0.6, 0.0, 0.6)), _balls((0.6, 0.0, -0.6))])
+    order = {"axes": "TZCYX"}
+    frames = np.ascontiguousarray(values.swapaxes(1, 2))
+    tifffile.imwrite(tmp_path / "x.tif", frames, imagej=True, metadata=order)
+    bpy.ops.leaflight.import_volume(
+        filepath=str(tmp_path / "x.tif"), channels=_ticked(0, 1, 2), as_rgb=as_rgb, animate=True
+    )
+    obj = bpy.context.object
+    for frame in (0, 1, 0):
+        bpy.context.scene.frame_set(1 + frame)
+        for each in _volumes():
+            channel = each.leaflight.channel
+            expected = values[frame].max(axis=0) if channel < 0 else values[frame, channel]
+            close(cache.volume_of(each).values, expected, 0)
+        if as_rgb:
+            colors, right = colors_of(obj, "texture"), vertices_of(obj)[:, 0] > 3
+            is_red = colors[right, 0] > colors[right, 2]
+            assert right.any() and (is_red == (frame == 1)).all()
 
 
 def check_a_picture_is_imported_in_its_colors(tmp_path):
