@@ -57,7 +57,7 @@ else:
     from .edit import add_isosurface, animation, data_picture, labels, looks, pick_isovalue
     from .export import export_bake
     from .flatland import isolines
-    from .importing import import_volume, open_example, regions, smooth_volume
+    from .importing import channels, import_volume, open_example, regions, smooth_volume
     from .operators import background, failures
     from .show import look_properties, properties
     from .stage import hidden, orientation, presets, stage
@@ -77,6 +77,7 @@ else:
         isolines,
         failures,
         background,
+        channels,
         import_volume,
         open_example,
         smooth_volume,

@@ -17,6 +17,11 @@ def integer(text: str) -> int:
     return value
 
 
+def channel(text: str) -> int | str:
+    """Returns the number of a channel, or its name."""
+    return integer(text) if re.fullmatch("-?[0-9]+", text) else text
+
+
 def memory(text: str) -> int:
     """Returns a number of bytes from text such as 4GiB, 800MiB or 16G."""
     units = {"M": 1 << 20, "G": 1 << 30, "T": 1 << 40, "MB": 10**6, "GB": 10**9, "TB": 10**12}

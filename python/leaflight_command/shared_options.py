@@ -7,7 +7,7 @@ Like parser.py, it does not import the package.
 import argparse
 from typing import Any, NoReturn
 
-from .numbers import integer, memory, number
+from .numbers import channel, integer, memory, number
 from .region_options import add_region_options
 
 # Names of byte orders in the package.
@@ -104,7 +104,10 @@ def layout_options() -> Parser:
     )
     parser.add_argument("--frame", type=integer, metavar="K", help="4D data: frame to read, from 0")
     parser.add_argument(
-        "--channel", type=integer, metavar="K", help="several values per voxel: channel, from 0"
+        "--channel",
+        type=channel,
+        metavar="K",
+        help="several values per voxel: number of the channel, from 0, or its name",
     )
     parser.add_argument(
         "--level", type=integer, metavar="K", help="OME-Zarr, HDF5: resolution, 0 is the finest"

@@ -15,11 +15,18 @@ from leaflight.io import reader_process
 STEPS = {"X": 0.5e-6, "Y": 0.25e-6, "Z": 2e-6}
 
 
-def czi(path, pixels, scenes=1, without=()):
+def czi(path, pixels, scenes=1, without=(), names=(), colors=()):
     """Writes a CZI file. pixels: [t, c, z, y, x], or with red, green and blue; without: (t, c, z)
-    of planes to leave out.
+    of planes to leave out; names, colors: of the channels.
     """
-    with _of_zeiss().create_czi(str(path)) as file:
+    library = _of_zeiss()
+    shown = {
+        number: library.ChannelDisplaySettingsDataClass(
+            True, library.TintingMode.Color, library.Rgb8Color(*np.uint8(color)), 0.0, 1.0
+        )
+        for number, color in enumerate(colors)
+    }
+    with library.create_czi(str(path)) as file:
         for scene in range(scenes):
             for t, c, z in np.ndindex(pixels.shape[:3]):
                 if (t, c, z) not in without:
@@ -32,7 +39,9 @@ def czi(path, pixels, scenes=1, without=()):
                         location=(scene * 100, 0),
                         **({"scene": scene} if scenes > 1 else {}),
                     )
-        file.write_metadata("x", scale_x=STEPS["X"], scale_y=STEPS["Y"], scale_z=STEPS["Z"])
+        sizes = {f"scale_{axis.lower()}": step for axis, step in STEPS.items()}
+        described = {"channel_names": dict(enumerate(names)), "display_settings": shown}
+        file.write_metadata("x", **sizes, **described)
 
 
 def _of_zeiss():
@@ -48,16 +57,19 @@ def _of_zeiss():
 _LIF_AXES = {"X": 1, "Y": 2, "Z": 3, "T": 4, "M": 10}
 
 
-def lif(path, images):
-    """Writes a LIF file. images: {name: (axes, slowest first, such as "TZCYX", pixels)}."""
+def lif(path, images, names=(), tables=()):
+    """Writes a LIF file. images: {name: (axes, slowest first, such as "TZCYX", pixels)}; names,
+    tables: dyes and lookup tables of the channels.
+    """
     described, blocks = [], []
     for k, (name, (axes, pixels)) in enumerate(images.items()):
         steps = dict(zip(axes, pixels.strides))
         counts = dict(zip(axes, pixels.shape))
         channels = "".join(
             f'<ChannelDescription DataType="0" ChannelTag="0" Resolution="{8 * pixels.itemsize}" '
-            f'NameOfMeasuredQuantity="" Min="0" Max="1" Unit="" LUTName="Gray" IsLUTInverted="0" '
-            f'BytesInc="{c * steps.get("C", 0)}" BitInc="0"/>'
+            f'NameOfMeasuredQuantity="" Min="0" Max="1" Unit="" IsLUTInverted="0" '
+            f'LUTName="{tables[c] if tables else "Gray"}" '
+            f'BytesInc="{c * steps.get("C", 0)}" BitInc="0">{_dye(names, c)}</ChannelDescription>'
             for c in range(counts.get("C", 1))
         )
         dimensions = "".join(
@@ -83,12 +95,19 @@ def lif(path, images):
     path.write_bytes(struct.pack("<II", 0x70, len(head)) + head + b"".join(blocks))
 
 
+def _dye(names, channel):
+    """Returns the property of a channel with its name."""
+    if not names:
+        return ""
+    return f"<ChannelProperty><Key>DyeName</Key><Value>{names[channel]}</Value></ChannelProperty>"
+
+
 _LOOPS = {"T": 1, "P": 2, "Z": 4}
 
 
-def nd2(path, axes, pixels, without=()):
+def nd2(path, axes, pixels, without=(), names=(), colors=()):
     """Writes an ND2 file. axes: such as "TPZYXC", where Y, X and C are pixels; without: frames to
-    leave out.
+    leave out; names, colors: of the channels.
     """
     outer = axes[:-3]
     height, width, channels = pixels.shape[-3:]
@@ -105,6 +124,9 @@ def nd2(path, axes, pixels, without=()):
     }
     probe = {"pFluorescentProbe": {"m_ExcitationSpectrum": {"uiCount": 0}}}
     planes = {f"a{c}": {"uiCompCount": 1, **probe} for c in range(channels)}
+    for name, color, plane in zip(names, colors, planes.values()):
+        red, green, blue = color
+        plane |= {"sDescription": name, "uiColor": red | green << 8 | blue << 16}
     picture = {
         "sPicturePlanes": {"uiCount": channels, "sPlaneNew": planes},
         "dCalibration": STEPS["X"] * 1e6,

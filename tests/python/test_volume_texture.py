@@ -11,7 +11,7 @@ from leaflight.cluster.workers import Workers
 from leaflight.io.scene_file import cornell_box, scene_from_json, scene_to_json
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
-from leaflight.scene.volume_texture import VolumeTexture, texture_of
+from leaflight.scene.volume_texture import VolumeTexture, picture_stops, texture_of
 from outcomes import refused
 
 ISOVALUES = (40.0, 70.0)
@@ -51,6 +51,12 @@ TEXTURES = {
         value_range=(-120.0, 120.0),
     ),
 }
+
+
+def test_values_of_a_picture_are_srgb():
+    volumes = [on_box(lambda x, y, z, i=i: 127.5 + 127.5 * (x, y, z)[i], 9) for i in range(3)]
+    colors = texture_of(volumes, picture_stops(0.0, 255.0)).at(np.array([[-1.0, 0.0, 1.0]]))
+    np.testing.assert_allclose(colors, [[0.0, ((0.5 + 0.055) / 1.055) ** 2.4, 1.0]], atol=1e-5)
 
 
 def scene_with(texture, **material):

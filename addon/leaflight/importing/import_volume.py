@@ -2,7 +2,6 @@
 """File > Import > Volume for Leaflight."""
 
 from dataclasses import dataclass, replace
-from itertools import cycle
 
 import bpy
 import leaflight
@@ -21,7 +20,7 @@ from ..show import display, isovalues, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
-from . import placing, stored_facts
+from . import channels, placing, stored_facts
 
 # Name patterns of the files that the browser lists.
 _BY_NAME = readers.name_patterns()
@@ -30,11 +29,6 @@ _BY_NAME = readers.name_patterns()
 _OF_SIGNS = "CET_D1"
 # Isovalue range of the boundary of labels.
 _AROUND_BOUNDARY = (0.4, 0.6)
-# Albedos of the channels of a file: red, green, blue, magenta, cyan and yellow.
-_OF_CHANNELS = (
-    *((0.85, 0.1, 0.08), (0.08, 0.6, 0.12), (0.12, 0.25, 0.9)),
-    *((0.75, 0.12, 0.75), (0.08, 0.65, 0.7), (0.85, 0.7, 0.08)),
-)
 _OF_THE_FILE = ("FILE", "As in the File", "Orientation of the file, or +Z up and -Y to the front")
 
 
@@ -46,6 +40,7 @@ def _list_files(operator, context):
 
 class LEAFLIGHT_OT_import_volume(
     volume_properties.ReadingChoices,
+    channels.Choices,
     background.AskingOperator,
     bpy.types.Operator,
     ImportHelper,
@@ -108,12 +103,6 @@ class LEAFLIGHT_OT_import_volume(
         "Show labels as closed surfaces, each in its own color",
         True,
     )
-    all_channels: BoolProperty(
-        "All Channels",
-        "Import each channel as a separate volume in the same place, with its own isovalue "
-        "and color",
-        options={"SKIP_SAVE"},
-    )
     use_spacing: BoolProperty(
         "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
     )
@@ -143,7 +132,7 @@ class LEAFLIGHT_OT_import_volume(
         return list(stored.datasets) if stored is not None else []
 
     # Choices of source_files.CHOICES that the resolution and the values set later.
-    downsample, field, regions = 1, "", ""
+    downsample, field, regions, brightest = 1, "", "", (-1, -1, -1)
     _patience = 0.3
 
     def draw(self, context):
@@ -194,7 +183,7 @@ class LEAFLIGHT_OT_import_volume(
         open_choices = (
             len(stored.datasets) > 1 and not self.dataset,
             stored.frames > 1 and self.frame < 0 and not self.animate,
-            stored.channels > 1 and self.channel < 0 and not self.all_channels,
+            channels.Choice.of(self).is_open(stored),
         )
         if any(open_choices):
             layout.label(text="Several volumes: choose one", icon="QUESTION")
@@ -208,10 +197,7 @@ class LEAFLIGHT_OT_import_volume(
             row.active = not self.animate
             row.prop(self, "frame", text=iface_("Frame (0 to %d)") % (stored.frames - 1))
         if stored.channels > 1:
-            layout.prop(self, "all_channels")
-            row = layout.row()
-            row.active = not self.all_channels
-            row.prop(self, "channel", text=iface_("Channel (0 to %d)") % (stored.channels - 1))
+            channels.draw(layout, self, stored)
 
     def ask(self, context, event):
         return ImportHelper.invoke(self, context, event)
@@ -259,7 +245,7 @@ class ImportJob(jobs.Job):
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
         self._both_signs, self._labels = operator.both_signs, operator.labels
-        self._all_channels = operator.all_channels
+        self._chosen = channels.Choice.of(operator)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -269,26 +255,41 @@ class ImportJob(jobs.Job):
         if self._animate and self._stored.frames > 1:
             choices["frame"] = max(choices["frame"], 0)
         choices["downsample"] = stored_facts.step_of(self._resolution, self._stored)
-        channels = [choices["channel"]]
-        if self._all_channels and self._stored.channels > 1:
-            channels = list(range(self._stored.channels))
-        self._read, self._colors = [], None
-        for channel in channels:
-            chosen = {**choices, "channel": channel}
-            volume = source_files.read_volume(path, progress=progress, **chosen)
-            field = self._field_of(volume, channels)
+        self._is_rgb = self._chosen.is_rgb(self._stored)
+        if self._is_rgb:
+            numbers = self._chosen.red_green_blue(path, self._stored)
+            of_each = [{"brightest": tuple(numbers)}, *({"channel": k} for k in numbers)]
+        else:
+            of_each = [{"channel": k} for k in self._chosen.numbers(self._stored)]
+        self._read, self._colors, self._left_out = [], None, []
+        for one in of_each:
+            chosen = {**choices, **one}
+            is_needed = one is of_each[-1] and not self._read
+            volume = channels.read(path, self._stored, chosen, is_needed, progress)
+            if volume is None:
+                self._left_out.append(channels.why_left_out(self._stored, one["channel"]))
+                self._read += [None] if self._is_rgb else []
+                continue
+            field = self._field_of(volume) if len(of_each) == 1 else ""
             if field:
                 self._colors = _Read.of_volume(volume, chosen)
                 volume = replace(volume, values=FIELDS[field](volume.values, progress))
             read = _Read.of_volume(volume, {**chosen, "field": field})
+            if self._is_rgb and self._read:
+                # Only the isosurfaces of the first are shown.
+                read = replace(read, why_both_sides="")
             if field == "labels":
                 read = replace(read, isovalue=0.5, isovalue_range=_AROUND_BOUNDARY)
             self._read.append(read)
             progress.check()
 
-    def _field_of(self, volume, channels):
+        if self._is_rgb and len(self._left_out) == 2:
+            # A single channel gives a color, but no texture.
+            self._is_rgb, self._read = False, [read for read in self._read[1:] if read]
+
+    def _field_of(self, volume):
         """Returns the key of FIELDS for a single volume of both signs or of labels, or ""."""
-        if len(channels) > 1 or self._stored.frames > 1:
+        if self._stored.frames > 1:
             return ""
         if self._both_signs and has_lobes(volume):
             return "absolute"
@@ -299,16 +300,17 @@ class ImportJob(jobs.Job):
     def apply(self):
         context, first = bpy.context, self._read[0]
         volume = first.volume
-        self.warnings = volume.notes
+        self.warnings = (*volume.notes, *self._left_out)
         obj = self._add(context, first)
-        if self._animate and obj.leaflight.frames > 1:
-            blender.animate_frames(obj)
-
         self._stand(context, obj)
         if self._colors is not None:
             self._color(context, obj, first.choices["field"])
-        if len(self._read) > 1:
-            self._add_channels(context, obj)
+        others = [read and self._add_over(context, obj, read, "") for read in self._read[1:]]
+        if self._stored.channels > 1 and self._colors is None:
+            channels.dress(obj, others, self._stored, self._is_rgb)
+        if self._animate and obj.leaflight.frames > 1:
+            for each in filter(None, (obj, *others)):
+                blender.animate_frames(each)
         display.select(context, [obj], obj)
         isovalues.lock_interface(context.scene)
         nz, ny, nx = volume.values.shape
@@ -316,7 +318,7 @@ class ImportJob(jobs.Job):
         step = self._choices["downsample"]
         return (
             f"{volume.name}: {nx} x {ny} x {nz} voxels, values {low} to {high}"
-            + (f", {len(self._read)} channels" if len(self._read) > 1 else "")
+            + channels.about(others, self._stored, self._is_rgb)
             + (f", read at 1/{step} of its resolution" if step > 1 else "")
             + (
                 "; the file has no orientation: choose Up and Front under Stage"
@@ -372,16 +374,6 @@ class ImportJob(jobs.Job):
         settings.texture_map = _OF_SIGNS
         settings.texture_volume = other
         settings.texture_low, settings.texture_high = -width, width
-
-    def _add_channels(self, context, obj):
-        """Adds the other channels, and gives each channel a color."""
-        name, channels = obj.name, [obj]
-        for number, read in enumerate(self._read[1:], 1):
-            text = iface_("%s channel %d") % (name, number)
-            channels.append(self._add_over(context, obj, read, text))
-        obj.name = iface_("%s channel %d") % (name, 0)
-        for channel, color in zip(channels, cycle(_OF_CHANNELS)):
-            channel.leaflight.isosurface_albedo = color
 
     def _stand(self, context, obj):
         """Orients a volume and places it among the others."""

@@ -53,6 +53,10 @@ MESSAGES = {
         "Die Datei hat keine Ausrichtung: Oben und Vorne wählen"
     ),
     "All Channels": "Alle Kanäle",
+    "As RGB": "Als RGB",
+    "Channel %d": "Kanal %d",
+    "%s channel %d": "%s Kanal %d",
+    "In the colors of the picture": "In den Farben des Bildes",
     "Labels as Surfaces": "Bezeichnungen als Flächen",
     "Both Signs": "Beide Vorzeichen",
     "Color By": "Farbe nach",

@@ -122,6 +122,11 @@ class Isosurfaces:
         poll=_can_color,
         update=_channel_chosen,
     )
+    texture_srgb: BoolProperty(
+        "sRGB",
+        "Take the values for those of a picture, whose bytes follow the curve of sRGB",
+        update=_texture_changed,
+    )
     isosurface_ior: FloatProperty(
         "IOR",
         "Index of refraction of the inside of the isosurfaces",

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.volume_texture import label_texture, texture_of
+from leaflight.scene.volume_texture import label_texture, picture_stops, texture_of
 
 from .. import session
 from ..store import cache
@@ -16,35 +16,41 @@ _labels = session.cache()
 
 
 def volumes_that_color(obj):
-    """Returns the objects whose volumes color the isosurfaces of another volume.
+    """Returns the objects whose volumes color the isosurfaces of another volume."""
+    return [other for other in _colors(obj) if other is not None]
 
-    There is one, or three for red, green and blue, or none.
-    """
+
+def _colors(obj):
+    """Returns an object, or three for red, green and blue of which None is black, or none."""
     settings = obj.leaflight
-    others = [settings.texture_volume]
+    others, needed = [settings.texture_volume], 1
     if settings.texture_kind == "CHANNELS":
-        others += [settings.texture_green, settings.texture_blue]
+        others, needed = [*others, settings.texture_green, settings.texture_blue], 2
     # A deleted object is in no scene, but lives on while a property refers to it.
     usable = [
         other
-        for other in others
         if other is not None and other.users_scene and other.leaflight.is_volume and other != obj
+        else None
+        for other in others
     ]
-    return usable if len(usable) == len(others) else []
+    return usable if len(usable) - usable.count(None) >= needed else []
 
 
 def label_of(obj):
     """Returns a text that differs for different textures, or an empty text without one."""
-    others = volumes_that_color(obj)
+    others = _colors(obj)
     if not others:
         return ""
     settings, sources = obj.leaflight, []
     for other in others:
+        if other is None:
+            sources.append("black")
+            continue
         source = other.leaflight
         place = [round(x, 6) for row in _between(obj, other) for x in row]
         read = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
         sources.append(f"{read} {place}")
-    numbers = f"{settings.texture_low!r} {settings.texture_high!r}"
+    numbers = f"{settings.texture_low!r} {settings.texture_high!r} {settings.texture_srgb}"
     return f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
 
 
@@ -77,15 +83,26 @@ def _texture(obj, volume_of):
     others, settings = volumes_that_color(obj), obj.leaflight
     if not others:
         return None
-    volumes = [volume_of(other) for other in others]
+    volumes = [None if other is None else volume_of(other) for other in _colors(obj)]
+    if None in volumes:
+        volumes = _with_black(volumes, settings.texture_low)
     try:
         if settings.texture_kind == "LABELS":
             return _label_texture(volumes[0])
         limits = settings.texture_low, settings.texture_high
+        if len(volumes) == 3 and settings.texture_srgb:
+            return texture_of(volumes, picture_stops(*limits))
         return texture_of(volumes, settings.texture_map if len(volumes) == 1 else None, limits)
     except LeaflightError as error:
         names = " and ".join(f'"{other.name}"' for other in others)
         raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
+
+
+def _with_black(volumes, low):
+    """Returns volumes with the lowest value of the colors in place of None."""
+    one = next(volume for volume in volumes if volume is not None)
+    black = replace(one, values=np.full(one.values.shape, low, np.float32))
+    return [black if volume is None else volume for volume in volumes]
 
 
 def _label_texture(volume):

@@ -122,6 +122,7 @@ class VolumeSource(ReadingChoices):
     )
     frame_bakes: StringProperty("Bakes of the Other Frames")
     dataset: StringProperty("Dataset")
+    brightest: IntVectorProperty("Channels", size=3, default=(-1, -1, -1), min=-1)
     downsample: IntProperty("Downsample", default=1, min=1, max=8)
     field: StringProperty("Field")
     regions: StringProperty("Regions", update=shape_changed)

@@ -29,6 +29,7 @@ CHOICES = (
     "spacing",
     "frame",
     "channel",
+    "brightest",
     "level",
     "dataset",
     "downsample",
@@ -39,7 +40,7 @@ CHOICES = (
 )
 # Largest value of each property that has no effect.
 _NONE = {
-    **{"frame": -1, "channel": -1, "downsample": 1},
+    **{"frame": -1, "channel": -1, "brightest": (-1, -1, -1), "downsample": 1},
     **{"field": "", "regions": "", "smooth": 0, "smooth_normals": 0},
 }
 # Properties for changes of the values since the import.
@@ -76,6 +77,8 @@ def read_volume(path, progress=None, **choices):
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     if "regions" in options:
         options["regions"] = _records(options["regions"])
+    if "brightest" in options:
+        options["channel"] = options.pop("brightest")
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 

@@ -64,7 +64,7 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
 
 def _draw_texture(layout, settings):
     layout.prop(settings, "texture_volume")
-    if settings.texture_volume is None:
+    if settings.texture_volume is None and settings.texture_kind != "CHANNELS":
         return
     layout.prop(settings, "texture_kind")
     if settings.texture_kind == "LABELS":
@@ -72,6 +72,7 @@ def _draw_texture(layout, settings):
     if settings.texture_kind == "CHANNELS":
         layout.prop(settings, "texture_green")
         layout.prop(settings, "texture_blue")
+        layout.prop(settings, "texture_srgb")
     else:
         layout.prop(settings, "texture_map")
     column = layout.column(align=True)

@@ -9,6 +9,7 @@ Ctrl-C; no file is written then.
 import warnings
 from argparse import Namespace
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -32,13 +33,17 @@ from ..flatland.flatland import (
 from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
+from ..io.readers.channels import Channel
+from ..io.readers.checks import listed
+from ..io.readers.reading import StoredOptions, probe
+from ..io.sources import is_generated
 from ..measure.compare import compare
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
 from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
 from .export_command import run_export
-from .lighting import bake_options, open_with, to_light
+from .lighting import bake_options, given_options, open_with, to_light
 from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
@@ -82,13 +87,24 @@ def _print_warning(
     print_error(str(message))
 
 
+def _channels(options: Namespace) -> list[Channel]:
+    """Returns the channels of a file; none if there is only one, or if it is generated."""
+    if is_generated(options.volume):
+        return []
+    names = StoredOptions.__annotations__
+    stored = probe(options.volume, **given_options(options, **{name: name for name in names}))
+    return [stored.channel(k) for k in range(stored.channels)] if stored.channels > 1 else []
+
+
 def _info(options: Namespace) -> Output:
     volume = open_with(options.volume, options)
+    channels = _channels(options)
     field = volume.field()
     low, high = field.range
     lo, hi = default_isovalue_range(volume)
     isovalue = default_isovalue(volume)
     least, most, first, last, shown = figures(low, high, lo, hi, isovalue)
+    numbered = [f"{k} {channel.name}".strip() for k, channel in enumerate(channels)]
     result = {
         "source": volume.source,
         "name": volume.name,
@@ -101,6 +117,7 @@ def _info(options: Namespace) -> Output:
         "index_to_world": volume.index_to_world.tolist(),
         "isovalues": [lo, hi],
         "isovalue": isovalue,
+        "channels": [asdict(channel) for channel in channels],
         "notes": list(volume.notes),
     }
     return result, [
@@ -108,6 +125,7 @@ def _info(options: Namespace) -> Output:
         f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
         f"values {least}..{most}; by default isovalues {first}..{last} are baked "
         f"and {shown} is shown",
+        *([f"channels {listed(numbered)}"] if channels else []),
         *volume.notes,
     ]
 

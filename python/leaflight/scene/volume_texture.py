@@ -115,6 +115,17 @@ def texture_of(
     )
 
 
+def picture_stops(low: float, high: float) -> Stops:
+    """Returns the stops of red, green and blue of a picture, whose values are sRGB.
+
+    low, high: Values of black and white.
+    """
+    shares = np.linspace(0.0, 1.0, 256)
+    linear = linear_from_srgb(shares).tolist()
+    values = (low + shares * (high - low)).tolist()
+    return [(value, (part, part, part)) for value, part in zip(values, linear)]
+
+
 def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
     """Returns the texture that gives values below and above 0 the ends of a color map."""
     stops = color_map(colors)

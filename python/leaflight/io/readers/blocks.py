@@ -13,6 +13,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...arrays import Array
+from .channels import RGB, Channel
 from .stack import Stack
 from .voxel_size import VoxelSize
 
@@ -29,6 +30,7 @@ class Blocks:
         number. Blocks are read in the order of `numbers`.
     samples: Number of samples of S that are values. The rest is alpha.
     colors: True if the samples are RGB.
+    channel_list: Names and colors along C; empty if unknown.
     """
 
     outer: Axes
@@ -37,6 +39,7 @@ class Blocks:
     open: Callable[[Sequence[int]], AbstractContextManager[Callable[[int], Array]]]
     samples: int = 1
     colors: bool = False
+    channel_list: tuple[Channel, ...] = ()
 
     @property
     def axes(self) -> Axes:
@@ -97,7 +100,16 @@ def stack_of(
         voxel,
         notes,
         order,
+        _channel_list(blocks, [axes[k] for k in roles.channels]),
     )
+
+
+def _channel_list(blocks: Blocks, axes: Sequence[tuple[str, int]]) -> tuple[Channel, ...]:
+    """Returns the names and colors of channels along these axes; none if an axis has none."""
+    if [name for name, _ in axes] == ["S"] and blocks.colors:
+        return RGB
+    count = len(blocks.channel_list)
+    return blocks.channel_list if list(axes) == [("C", count)] else ()
 
 
 def picture(blocks: Blocks) -> Array:

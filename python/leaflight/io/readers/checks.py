@@ -55,12 +55,13 @@ def check_scalar(path: Path, dtype: DTypeLike) -> None:
         )
 
 
-def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
+def choose(path: Path, what: str, chosen: int | None, count: int, names: Sequence[str] = ()) -> int:
     """Returns the frame or channel to read of `count`. Raises LeaflightError.
 
     Several frames or channels need a choice.
 
     what: "frame" or "channel", the name of the option.
+    names: Names of the channels, for the error.
     """
     if count == 1:
         if chosen not in (None, 0):
@@ -70,8 +71,10 @@ def choose(path: Path, what: str, chosen: int | None, count: int) -> int:
             )
         return 0
     if chosen is None:
+        named = f" ({listed(names)})" if names else ""
         raise SettingError(
-            f"{path}: the data are 4D with {count} {what}s; choose one of 0..{count - 1}.", what
+            f"{path}: the data are 4D with {count} {what}s{named}; choose one of 0..{count - 1}.",
+            what,
         )
     if not 0 <= chosen < count:
         raise SettingError(

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...arrays import Array
+from .channels import Channel, bytes_of_hex, channel_of
 from .microscope import Format, Picture, open_pictures
 from .stored import StoredVolume
 
@@ -46,14 +47,16 @@ def pictures(path: Path) -> list[Picture]:
                 f"{path}: its channels mix the pixel types {', '.join(sorted(types))}; save only "
                 "gray values, or only colors."
             )
-        sizes = _voxel_size(file.raw_metadata)
+        xml = ElementTree.fromstring(file.raw_metadata)
+        sizes, channels = _voxel_size(xml), _channel_list(xml)
         made = []
         for scene, coordinates in sorted(_scenes(file).items()):
             outer = tuple((_NAMES[d], len(values)) for d, values in _values(coordinates).items())
             box = _box(file, scene)
             inner = (("Y", box[3]), ("X", box[2]), *((("S", 3),) if colors == {True} else ()))
             name = "" if scene < 0 else f"scene {scene}"
-            made.append(Picture(name, outer, inner, np.result_type(*dtypes).str, sizes, "m"))
+            dtype = np.result_type(*dtypes).str
+            made.append(Picture(name, outer, inner, dtype, sizes, "m", channels))
         return made
 
 
@@ -112,11 +115,23 @@ def _box(file: Any, scene: int) -> tuple[int, int, int, int]:
     return int(box.x), int(box.y), int(box.w), int(box.h)
 
 
-def _voxel_size(xml: str) -> list[float | None]:
+def _channel_list(xml: ElementTree.Element) -> list[Channel]:
+    """Returns the names of the channels, and their colors for display."""
+    shown = {
+        one.get("Id"): one.findtext("Color")
+        for one in xml.findall("./Metadata/DisplaySetting/Channels/Channel")
+    }
+    return [
+        channel_of(one.get("Name"), bytes_of_hex(shown.get(one.get("Id"))))
+        for one in xml.findall("./Metadata/Information/Image/Dimensions/Channels/Channel")
+    ]
+
+
+def _voxel_size(xml: ElementTree.Element) -> list[float | None]:
     """Returns voxel sizes in meters."""
     found: list[float | None] = []
     for axis in "XYZ":
         path = f"./Metadata/Scaling/Items/Distance[@Id='{axis}']/Value"
-        text = ElementTree.fromstring(xml).findtext(path)
+        text = xml.findtext(path)
         found.append(float(text) if text else None)
     return found

@@ -91,6 +91,7 @@ def open_volume(
         unit=image.unit if spacing is None else "",
         frames=image.frames,
         channels=image.channels,
+        channel_list=image.channel_list,
         levels=tuple(tuple(one.dims[::-1]) for one in image.levels)
         if len(image.levels) > 1
         else (),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .axes import Axis, grid_of
+from .channels import Channel, channel_of_json
 from .packing import Packing
 
 # Paths of the arrays by frame and channel; a single one if these are axes of the array.
@@ -31,7 +32,7 @@ class Image:
     letters: Axes of the arrays, as in a Grid.
     dtype: Type of the stored numbers.
     packing: Conversion of stored numbers to values.
-    frames, channels, unit, notes: As in StoredVolume.
+    frames, channels, unit, notes, channel_list: As in StoredVolume.
     absent_filter: Code and name of an HDF5 filter that packs the values and is not installed.
     """
 
@@ -43,16 +44,19 @@ class Image:
     channels: int
     unit: str
     notes: list[str]
+    channel_list: tuple[Channel, ...] = ()
     absent_filter: tuple[int, str] | None = None
 
     def part(self, path: str) -> "Image | None":
         """Returns the Image of one of its arrays, None for any other."""
         for level in self.levels:
-            if any(path in channels for channels in level.paths):
+            if any(path in paths for paths in level.paths):
                 only = replace(level, paths=[[path]])
                 is_single = len(level.paths) == len(level.paths[0]) == 1
-                counts = (self.frames, self.channels) if is_single else (1, 1)
-                return replace(self, levels=[only], frames=counts[0], channels=counts[1])
+                frames, channels = (self.frames, self.channels) if is_single else (1, 1)
+                return replace(
+                    self, levels=[only], frames=frames, channels=channels, channel_list=()
+                )
         return None
 
     def json(self) -> dict[str, Any]:
@@ -62,13 +66,15 @@ class Image:
 def image_of_json(facts: dict[str, Any]) -> Image:
     levels = [Level(**level) for level in facts["levels"]]
     packing = Packing(**{**facts["packing"], "fills": tuple(facts["packing"]["fills"])})
-    return Image(**{**facts, "levels": levels, "packing": packing})
+    channels = tuple(channel_of_json(**one) for one in facts["channel_list"])
+    return Image(**{**facts, "levels": levels, "packing": packing, "channel_list": channels})
 
 
 def image_of(
     levels: Sequence[tuple[Sequence[Axis], Paths]],
     dtype: np.dtype[Any],
     packing: Packing | None = None,
+    channel_list: tuple[Channel, ...] = (),
 ) -> Image | None:
     """Returns the Image of these levels, each with its arrays' axes; None if it is no volume."""
     found: list[Level] = []
@@ -94,4 +100,5 @@ def image_of(
         channels,
         finest.unit,
         list(finest.notes),
+        channel_list,
     )

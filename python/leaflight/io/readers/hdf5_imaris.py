@@ -10,6 +10,7 @@ import h5py
 
 from .attributes import attribute, text_of
 from .axes import Axis
+from .channels import Channel, channel_of
 from .hdf5_image import Image, image_of
 from .hdf5_links import resolved
 
@@ -24,6 +25,7 @@ def imaris_images(file: h5py.File) -> dict[str, Image]:
     extents = resolved(file, f"{info}/Image")
     steps: list[float | None] = []
     levels, data = [], None
+    found: tuple[Channel, ...] = ()
     for level in _numbered(file, root, "ResolutionLevel"):
         times = _numbered(file, level, "TimePoint")
         channels = _numbered(file, times[0], "Channel") if times else []
@@ -33,11 +35,22 @@ def imaris_images(file: h5py.File) -> dict[str, Image]:
         names = [channel.rpartition("/")[2] for channel in channels]
         paths = [[f"{time}/{name}/Data" for name in names] for time in times]
         data = data or first["Data"]
+        found = found or tuple(_channel(file, f"{info}/{name}") for name in names)
         axes = _axes(first, extents, steps)
         steps = steps or [axis.step for axis in axes]
         levels.append((axes, paths))
-    image = image_of(levels, data.dtype) if data is not None else None
+    image = image_of(levels, data.dtype, None, found) if data is not None else None
     return {} if image is None else {root: image}
+
+
+def _channel(file: h5py.File, path: str) -> Channel:
+    """Returns the name and the color of a channel. The color is three numbers as text."""
+    item = resolved(file, path)
+    try:
+        color = [float(number) for number in text_of(attribute(item, "Color")).split()]
+    except ValueError:
+        color = []
+    return channel_of(text_of(attribute(item, "Name")), color)
 
 
 def _axes(

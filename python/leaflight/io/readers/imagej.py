@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""ImageJ's metadata in TIFF files: voxel sizes and calibrated values.
+"""ImageJ's metadata in TIFF files: voxel sizes, channels and calibrated values.
 
 https://imagej.net/ij/developer/source/ij/io/FileSaver.java.html
 """
 
+import re
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from .channels import Channel, channel_of
 from .voxel_size import VoxelSize, voxel_size
 
 # Codes of TIFF for units of resolution.
 _UNITS = {2: "inch", 3: "cm"}
 # Pixels per inch of screens and printers, which are not the scale of the picture.
 _OF_SCREENS = 72.0
+# Coordinates of a slice in its label, such as "c:1/3 z:2/9 - ".
+_COORDINATES = re.compile("[czt]:[0-9]+/[0-9]+")
 # Codes of calibrations that are supported: a + b x, and none.
 _LINEAR, _NONE = 0, 20
 # ImageJ stores signed 16-bit numbers as unsigned.
@@ -46,6 +50,26 @@ def _pixels(tags: Any, name: str) -> float | None:
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         return None
     return number if 0 < number < float("inf") else None
+
+
+def channel_list(metadata: dict[str, Any]) -> tuple[Channel, ...]:
+    """Returns the names and colors of the channels; none if there are neither.
+
+    A channel has the color of its largest value in its lookup table. Its name is the label that its
+    slices share, without their coordinates.
+    """
+    count, tables = int(metadata.get("channels", 1)), list(metadata.get("LUTs") or ())
+    labels = [_COORDINATES.sub("", str(one)).strip(" -") for one in metadata.get("Labels") or ()]
+    if count > max(len(labels), len(tables)):
+        return ()
+    # Channels are the fastest axis of slices.
+    shared = [set(labels[k::count]) for k in range(count)]
+    names = [one.pop() if len(one) == 1 else "" for one in shared]
+    names = names if len(set(names)) > 1 else [""] * count
+    colors = [np.asarray(table)[:, -1] / 255 for table in tables if np.ndim(table) == 2]
+    colors = colors if len(colors) == count else [np.zeros(3)] * count
+    found = tuple(channel_of(name, color) for name, color in zip(names, colors))
+    return found if any(one.name or one.color for one in found) else ()
 
 
 def calibration(

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...arrays import Array
+from .channels import Channel, channel_of
 from .microscope import Format, Picture, open_pictures
 from .stored import StoredVolume
 
@@ -14,6 +15,11 @@ _FORMAT = Format("LIF file", "liffile", __name__)
 _NAMES = {"λ": "C", "Λ": "C", "M": "P"}
 # Codes of liffile for the axes of space.
 _SPACE = {"1": "X", "2": "Y", "3": "Z"}
+# Colors of Leica's lookup tables.
+_COLORS = {
+    **{"Red": (1, 0, 0), "Green": (0, 1, 0), "Blue": (0, 0, 1), "Gray": (1, 1, 1)},
+    **{"Cyan": (0, 1, 1), "Magenta": (1, 0, 1), "Yellow": (1, 1, 0)},
+}
 
 
 def open_volume(
@@ -48,7 +54,20 @@ def _picture(image: Any) -> Picture:
     axes = tuple((_NAMES.get(name, name), int(n)) for name, n in image.sizes.items())
     outer, inner = axes[: _split(image)], axes[_split(image) :]
     sizes, unit = _voxel_size(image)
-    return Picture(image.name, outer, inner, image.dtype.str, sizes, unit)
+    return Picture(image.name, outer, inner, image.dtype.str, sizes, unit, _channel_list(image))
+
+
+def _channel_list(image: Any) -> list[Channel]:
+    """Returns the dyes of the channels, and the colors of their lookup tables."""
+    path = "./Data/Image/ImageDescription/Channels/ChannelDescription"
+    found = sorted(image.xml_element.findall(path), key=lambda one: int(one.get("BytesInc")))
+    channels = []
+    for one in found:
+        about = {
+            each.findtext("Key"): each.findtext("Value") for each in one.iter("ChannelProperty")
+        }
+        channels.append(channel_of(about.get("DyeName"), _COLORS.get(one.get("LUTName"))))
+    return channels
 
 
 def _voxel_size(image: Any) -> tuple[list[float | None], str]:

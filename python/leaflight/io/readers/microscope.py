@@ -16,6 +16,7 @@ from ..._core import LeaflightError
 from ...arrays import Array
 from ..reader_process import ReaderProcess, has_package
 from .blocks import Axes, Blocks, stack_of
+from .channels import Channel, channel_of_json
 from .checks import check_scalar, listed, text
 from .stack import Stack, stored
 from .stored import StoredVolume
@@ -30,6 +31,7 @@ class Picture:
     dtype: Name of the type of the values.
     sizes: Voxel sizes along x, y and z, None if unknown.
     unit: Unit of the sizes.
+    channel_list: Names and colors along C; empty if unknown.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Picture:
     dtype: str
     sizes: Sequence[float | None] = (None, None, None)
     unit: str = "µm"
+    channel_list: Sequence[Channel] = ()
 
     @property
     def axes(self) -> Axes:
@@ -90,10 +93,13 @@ def open_pictures(
     return replace(stored_volume, notes=(*stored_volume.notes, note))
 
 
-def _picture(outer: list[list[Any]], inner: list[list[Any]], **others: Any) -> Picture:
+def _picture(
+    outer: list[list[Any]], inner: list[list[Any]], channel_list: list[Any], **others: Any
+) -> Picture:
     """Returns the Picture of JSON data, with tuples for lists."""
+    channels = tuple(channel_of_json(**one) for one in channel_list)
     axes = [tuple((str(name), int(n)) for name, n in one) for one in (outer, inner)]
-    return Picture(outer=axes[0], inner=axes[1], **others)
+    return Picture(outer=axes[0], inner=axes[1], channel_list=channels, **others)
 
 
 def _positions(picture: Picture) -> Iterator[tuple[str, tuple[int, int] | None, Picture]]:
@@ -145,6 +151,7 @@ def _stack(
         partial(_open_blocks, path, kind, number, position, picture),
         3,
         "S" in dict(picture.inner),
+        tuple(picture.channel_list),
     )
     voxel = voxel_size(picture.sizes, [picture.unit] * 3, "µm")
     return stack_of(path, blocks, voxel, (), order)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...arrays import Array
+from .channels import Channel, channel_of
 from .checks import truncated
 from .microscope import Format, Picture, open_pictures
 from .stored import StoredVolume
@@ -31,7 +32,8 @@ def pictures(path: Path) -> list[Picture]:
 
     with nd2.ND2File(path) as file:
         outer, inner = _axes(file)
-        return [Picture("", outer, inner, file.dtype.str, _voxel_size(file))]
+        sizes = _voxel_size(file)
+        return [Picture("", outer, inner, file.dtype.str, sizes, "µm", _channel_list(file))]
 
 
 def _voxel_size(file: Any) -> list[float | None]:
@@ -43,6 +45,15 @@ def _voxel_size(file: Any) -> list[float | None]:
         # Ignore any exception on metadata of unknown microscopes, because the pixels are readable.
         return [None, None, None]
     return [size if calibrated else None for size, calibrated in known]
+
+
+def _channel_list(file: Any) -> list[Channel]:
+    """Returns the names and colors of the channels, none for unknown microscopes."""
+    try:
+        found = [one.channel for one in file.metadata.channels]
+        return [channel_of(one.name, np.array(one.color[:3]) / 255) for one in found]
+    except Exception:
+        return []
 
 
 def _axes(file: Any) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:

@@ -6,12 +6,14 @@ https://teem.sourceforge.net/nrrd/format.html
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...volume.volume import Volume
+from .channels import RGB, Channel
 from .checks import text
 from .data_files import data_files
 from .nrrd_axes import axes_of
@@ -88,9 +90,21 @@ def open_volume(path: Path) -> StoredVolume:
         unit=axes.unit,
         frames=math.prod(counts[0]),
         channels=math.prod(counts[1]),
+        channel_list=_colors(fields, axes.channels, counts[1]),
         patient=axes.patient,
         notes=axes.notes,
     )
+
+
+def _colors(
+    fields: dict[str, str], axes: Sequence[int], counts: Sequence[int]
+) -> tuple[Channel, ...]:
+    """Returns the names of red, green, blue and alpha; none for other channels."""
+    kinds = fields.get("kinds", "").lower().split()
+    for kind, channels in (("rgb-color", RGB), ("rgba-color", (*RGB, Channel("alpha")))):
+        if list(counts) == [len(channels)] and kinds[axes[0] : axes[0] + 1] == [kind]:
+            return channels
+    return ()
 
 
 def _header(path: Path) -> tuple[dict[str, str], list[str], int]:

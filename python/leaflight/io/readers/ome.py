@@ -12,6 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from ..._core import LeaflightError
+from .channels import Channel, channel_of
 from .checks import text
 from .voxel_size import VoxelSize, voxel_size
 
@@ -43,6 +44,7 @@ class Image:
     sizes: Sizes of these axes and of "X" and "Y". "C" counts channels that share a plane, such as
         colors, once.
     parts: Positions of its planes in files.
+    channel_list: Names and colors along "C"; empty if unknown.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Image:
     sizes: dict[str, int]
     voxel: VoxelSize | None
     parts: tuple[Part, ...]
+    channel_list: tuple[Channel, ...] = ()
 
     def place(self, **indices: int) -> int:
         """Returns the index of the plane with these indices by axis."""
@@ -181,8 +184,19 @@ def _image(path: Path, root: ElementTree.Element, element: ElementTree.Element) 
         [pixels.get(f"PhysicalSize{axis}Unit", "µm") for axis in "XYZ"],
         "µm",
     )
-    image = Image(element.get("Name", ""), order, sizes, voxel, ())
+    channels = tuple(_channel(one) for one in _children(pixels, "Channel"))
+    channels = channels if len(channels) == sizes["C"] else ()
+    image = Image(element.get("Name", ""), order, sizes, voxel, (), channels)
     return replace(image, parts=tuple(_parts(path, root, image, pixels)))
+
+
+def _channel(element: ElementTree.Element) -> Channel:
+    """Returns the name and the color of a channel. The color is an integer with bytes RGBA."""
+    try:
+        color = int(element.attrib["Color"])
+    except (KeyError, ValueError):
+        return channel_of(element.get("Name"))
+    return channel_of(element.get("Name"), [(color >> shift & 255) / 255 for shift in (24, 16, 8)])
 
 
 def _parts(

@@ -16,6 +16,7 @@ from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from .axes import Axis, Grid, grid_of
+from .channels import Channel, bytes_of_hex, channel_of
 from .checks import check_matrix, choose_level, choose_named, text, undecided
 from .packing import packing_of
 from .stored import StoredVolume, lengths
@@ -34,6 +35,7 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
     node = open_zarr(path)
     names: tuple[str, ...] = ()
     notes: list[str] = []
+    channels: tuple[Channel, ...] = ()
     if isinstance(node, ZarrArray):
         levels = [(node, _plain_axes(node))]
     else:
@@ -43,6 +45,7 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
         if name is None:
             return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
         levels, notes = _levels(path, images[name])
+        channels = _channel_list(images[name], notes)
     array, axes = levels[choose_level(path, level, len(levels))]
     grid = grid_of(axes)
     if grid is None:
@@ -54,6 +57,7 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
     check_matrix(path, grid.matrix)
     packing = packing_of(array.attributes)
     sizes = {letter: axis.size for letter, axis in zip(grid.letters, axes)}
+    count = sizes.get("c", 1)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         values = packing.unpacked(_values(array, grid, frame, channel, progress))
@@ -67,7 +71,8 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
         voxel_size=lengths(grid.matrix),
         unit=grid.unit,
         frames=sizes.get("t", 1),
-        channels=sizes.get("c", 1),
+        channels=count,
+        channel_list=channels if len(channels) == count else (),
         levels=_dims(levels, grid) if len(levels) > 1 else (),
         datasets=names if len(names) > 1 else (),
         notes=(*notes, *grid.notes),
@@ -103,8 +108,25 @@ def _images(path: Path, group: ZarrGroup) -> dict[str, ZarrGroup]:
     return found
 
 
+def _metadata(group: ZarrGroup, name: str) -> Any:
+    return group.attributes.get("ome", group.attributes).get(name)
+
+
 def _multiscales(group: ZarrGroup) -> Any:
-    return group.attributes.get("ome", group.attributes).get("multiscales")
+    return _metadata(group, "multiscales")
+
+
+def _channel_list(group: ZarrGroup, notes: list[str]) -> tuple[Channel, ...]:
+    """Returns the names and colors of an image; none without them. Adds notes about others."""
+    try:
+        found = [
+            (one.get("label"), one.get("color")) for one in _metadata(group, "omero")["channels"]
+        ]
+    except (AttributeError, KeyError, TypeError):
+        return ()
+    if not all(label is None or isinstance(label, str) for label, _ in found):
+        notes.append("Names of channels that are not text are left out; choose by number.")
+    return tuple(channel_of(label, bytes_of_hex(color)) for label, color in found)
 
 
 def _levels(path: Path, group: ZarrGroup) -> tuple[list[tuple[ZarrArray, list[Axis]]], list[str]]:

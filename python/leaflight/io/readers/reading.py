@@ -23,6 +23,7 @@ from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
+from .channels import Chosen, chosen_channels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import RAW, Format, format_of, left_out
@@ -84,7 +85,7 @@ def read_volume(
     path: str | os.PathLike[str],
     *,
     frame: int | None = None,
-    channel: int | None = None,
+    channel: Chosen = None,
     progress: Progress | None = None,
     **options: "Unpack[ReadOptions]",
 ) -> Volume:
@@ -100,6 +101,7 @@ def read_volume(
     spacing: Voxel size, one number or (x, y, z), for files that often lack it.
     grid: Name of the grid in a .vdb. None is the first scalar one.
     frame, channel: Numbers of the frame and the channel, from 0. Files with several need a choice.
+        A channel may also be its name. Several give the greatest of their values at each voxel.
     level: Resolution of a file that holds several. 0 is the finest and the default.
     dataset: Name of the array or series, if a file or folder holds several.
     downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8.
@@ -124,9 +126,9 @@ def read_volume(
         if channel is None and opened.frames == 1 and opened.channels > 1:
             frame, channel = None, frame
         frame = choose(path, "frame", frame, opened.frames)
-        channel = choose(path, "channel", channel, opened.channels)
+        channels = chosen_channels(path, channel, opened.channels, opened.channel_list)
         _check_memory(path, opened, wanted.step)
-        volume = opened.load(frame, channel, progress)
+        volume = _loaded(opened, frame, channels, progress)
         volume = changed(
             _processed(path, opened, volume, wanted, progress), wanted.regions, progress
         )
@@ -136,6 +138,25 @@ def read_volume(
     if wanted.smooth > 0 or wanted.step > 1 or wanted.field or wanted.regions:
         return volume
     return volume.noted(*about_labels(volume))
+
+
+def _loaded(
+    opened: StoredVolume, frame: int, channels: Sequence[int], progress: Progress
+) -> Volume:
+    """Returns the volume of a channel, with its name, or of the greatest values of several."""
+    first, *others = channels
+    volume = opened.load(frame, first, progress)
+    name = opened.channel(first).name
+    if not others:
+        is_named = name and opened.channels > 1
+        return replace(volume, name=f"{volume.name} {name}") if is_named else volume
+    values = new_voxels(volume.values.shape, volume.values.dtype)
+    for plane, stored in zip(values, volume.values):
+        plane[...] = stored
+    for other in others:
+        for plane, stored in zip(values, opened.load(frame, other, progress).values):
+            np.maximum(plane, stored, out=plane)
+    return replace(volume, values=values)
 
 
 @dataclass(frozen=True)

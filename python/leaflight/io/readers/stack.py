@@ -12,6 +12,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
+from .channels import Channel
 from .checks import choose_named, index_to_world, text, undecided
 from .stored import StoredVolume, lengths
 from .voxel_size import VoxelSize
@@ -26,6 +27,7 @@ class Stack:
     dtype: Type of the values.
     planes: planes(frame, channel) yields the planes [y, x] of one volume, lowest first. Each is
         read completely.
+    channel_list: As in StoredVolume.
     order: Spatial axes along rows, columns and depth.
     """
 
@@ -37,6 +39,7 @@ class Stack:
     voxel: VoxelSize | None = None
     notes: tuple[str, ...] = ()
     order: str = "XYZ"
+    channel_list: tuple[Channel, ...] = ()
 
 
 def stored(
@@ -74,6 +77,7 @@ def stored(
         unit=voxel.unit if voxel else "",
         frames=stack.frames,
         channels=stack.channels,
+        channel_list=stack.channel_list,
         datasets=names if len(names) > 1 else (),
         notes=notes,
     )

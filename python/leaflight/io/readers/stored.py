@@ -12,6 +12,7 @@ from ..._core import Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import held_type
+from .channels import Channel
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class StoredVolume:
     voxel_size: Sizes (x, y, z) in `unit`, None if they are known only after reading.
     unit: A key of METERS, "" if the file has none.
     frames, channels: Numbers of volumes over time, and of other components.
+    channel_list: Names and colors of all channels; empty if the file has none.
     levels: Dims of each resolution in the file, finest first; empty if there is only one.
     datasets: Names of the volumes in the file; empty if there is only one.
     patient: True if world coordinates are those of a patient: towards right, front and up.
@@ -41,11 +43,16 @@ class StoredVolume:
     unit: str = ""
     frames: int = 1
     channels: int = 1
+    channel_list: tuple[Channel, ...] = ()
     levels: tuple[tuple[int, ...], ...] = ()
     datasets: tuple[str, ...] = ()
     patient: bool = False
     missing: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def channel(self, number: int) -> Channel:
+        """Returns the name and the color of a channel."""
+        return self.channel_list[number] if self.channel_list else Channel()
 
     def bytes(self, downsample: int = 1) -> int | None:
         """Returns the memory of the voxels after reading, None if unknown."""

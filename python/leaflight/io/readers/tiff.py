@@ -15,6 +15,7 @@ from ..._core import LeaflightError
 from ...arrays import Array
 from . import imagej, ome
 from .blocks import Blocks, has_depth, picture, stack_of
+from .channels import Channel, channel_of
 from .checks import check_scalar, listed, text, truncated
 from .file_names import visible_files
 from .slices import open_slices
@@ -102,7 +103,8 @@ def _ome_stack(path: Path, image: ome.Image, notes: tuple[str, ...], alone: bool
             f"but the pages have {sizes['X']} x {sizes['Y']}; fetch it again."
         )
     outer = tuple((axis, image.sizes[axis]) for axis in reversed(image.order))
-    blocks = Blocks(outer, inner, dtype, partial(_open_places, places), samples, colors)
+    read = partial(_open_places, places)
+    blocks = Blocks(outer, inner, dtype, read, samples, colors, image.channel_list)
     return stack_of(path, blocks, image.voxel, notes)
 
 
@@ -200,7 +202,8 @@ def _blocks(path: Path, file: Any, index: int) -> Blocks:
             "save the file as a plain stack."
         )
     open_blocks = partial(_open_series, path, index, tuple(n for _, n in inner))
-    return Blocks(outer, inner, series.dtype, open_blocks, samples, colors)
+    channels = _channel_list(file)
+    return Blocks(outer, inner, series.dtype, open_blocks, samples, colors, channels)
 
 
 @contextmanager
@@ -247,6 +250,17 @@ def _voxel_size(file: Any) -> VoxelSize | None:
         sizes = [file.lsm_metadata.get(f"VoxelSize{axis}") for axis in "XYZ"]
         return voxel_size(sizes, ("m", "m", "m"), "µm")
     return None
+
+
+def _channel_list(file: Any) -> tuple[Channel, ...]:
+    """Returns the names and colors in the metadata of ImageJ or of Zeiss LSM."""
+    if file.is_imagej:
+        return imagej.channel_list(file.imagej_metadata)
+    if file.is_lsm:
+        table = file.lsm_metadata.get("ChannelColors") or {}
+        found = zip(table.get("ColorNames") or (), table.get("Colors") or ())
+        return tuple(channel_of(name, np.array(color[:3]) / 255) for name, color in found)
+    return ()
 
 
 def _left_out(pictures: Sequence[str]) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.voxels import new_voxels
+from .channels import channel_of
 from .checks import data_file, text
 from .stored import StoredVolume
 from .vtk_image import Image, ImageArray, matrix_of, open_image
@@ -145,7 +146,10 @@ def _array(name: str, of_cells: bool, pieces: Sequence[_Piece], low: Array) -> I
         note = f"{missing} of {found.size} voxels are in no piece, so they are missing data."
         return np.where(found, values, np.float32(np.nan)).astype(np.float32), (note,)
 
-    return ImageArray(name, of_cells, dtype, channels, read)
+    # VTK names the components of some arrays.
+    names = [element.get(f"ComponentName{k}") for k in range(channels)] if channels < 100 else []
+    named = tuple(channel_of(one) for one in names) if any(names) else ()
+    return ImageArray(name, of_cells, dtype, channels, read, named)
 
 
 def _values(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
+from .channels import Channel
 from .checks import check_matrix, choose_named, listed, undecided
 from .stored import StoredVolume, lengths
 
@@ -28,6 +29,7 @@ class ImageArray:
     dtype: Type of a value.
     channels: Number of values of a point or cell.
     read: read(channel, dims, progress) returns (values [z, y, x], notes).
+    channel_list: As in StoredVolume.
     """
 
     name: str
@@ -35,6 +37,7 @@ class ImageArray:
     dtype: np.dtype[Any]
     channels: int
     read: Callable[[int, tuple[int, ...], Progress], tuple[Array, Sequence[str]]]
+    channel_list: tuple[Channel, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,7 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
         load,
         lengths(matrix),
         channels=array.channels,
+        channel_list=array.channel_list,
         datasets=names,
         notes=notes,
     )
