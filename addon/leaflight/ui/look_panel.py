@@ -7,7 +7,7 @@ from leaflight import LeaflightError
 from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..operators.checks import active_volume
-from ..show import data_faces, display, look, surface_material
+from ..show import data_faces, display, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline
@@ -62,10 +62,11 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
 
 
 def _draw_texture(layout, settings):
-    layout.prop(settings, "texture_volume")
-    if settings.texture_volume is None:
-        return
     layout.prop(settings, "texture_kind")
+    if settings.texture_kind not in texture.OWN:
+        layout.prop(settings, "texture_volume")
+        if settings.texture_volume is None:
+            return
     if settings.texture_kind == "LABELS":
         return
     if settings.texture_kind == "CHANNELS":
@@ -73,9 +74,12 @@ def _draw_texture(layout, settings):
         layout.prop(settings, "texture_blue")
     else:
         layout.prop(settings, "texture_map")
+        layout.prop(settings, "texture_reverse")
+        layout.prop(settings, "texture_steps")
     column = layout.column(align=True)
     column.prop(settings, "texture_low")
     column.prop(settings, "texture_high")
+    layout.prop(settings, "texture_symmetric")
 
 
 class LEAFLIGHT_UL_stops(bpy.types.UIList):

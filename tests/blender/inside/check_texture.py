@@ -51,10 +51,11 @@ def _shares(obj):
     return (vertices_of(obj)[:, 0] - low) / (high - low)
 
 
-def _expected(obj, key="CET_D1"):
-    stops = color_map(key)
+def _expected(obj, key="CET_D1", shares=None, reverse=False):
+    stops = color_map(key, reverse)
     positions, colors = [p for p, _ in stops], np.array([c for _, c in stops])
-    return np.array([np.interp(_shares(obj), positions, channel) for channel in colors.T]).T
+    shares = _shares(obj) if shares is None else shares
+    return np.array([np.interp(shares, positions, channel) for channel in colors.T]).T
 
 
 def check_unlit_isosurfaces_have_the_colors(colored):
@@ -98,6 +99,73 @@ def check_another_map_shows_at_once(colored):
     obj.leaflight.texture_map = "CET_D1"
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, obj) == ""
+
+
+def check_a_map_reversed_symmetric_and_in_steps(colored):
+    obj, _ = colored
+    settings = obj.leaflight
+    settings.texture_reverse = True
+    close(colors_of(obj, "texture"), _expected(obj, reverse=True), 2e-3)
+    settings.texture_reverse = False
+    settings.texture_symmetric = True
+    # The values 0 to 1 then have the upper half of the map.
+    close(colors_of(obj, "texture"), _expected(obj, shares=0.5 + 0.5 * _shares(obj)), 2e-3)
+    settings.texture_symmetric = False
+    settings.texture_steps = 3
+    assert len(np.unique(colors_of(obj, "texture").round(3), axis=0)) == 3
+    settings.texture_map = "TAB10"
+    settings.texture_steps = 0
+    assert len(np.unique(colors_of(obj, "texture").round(3), axis=0)) <= 10
+
+
+def _values_of_colors(obj, key):
+    """Returns the values 0..1 that the vertices' colors have in a map."""
+    stops = color_map(key)
+    red = [color[0] for _, color in stops]
+    return np.interp(colors_of(obj, "texture")[:, 0], red, [place for place, _ in stops])
+
+
+def check_the_height_colors_without_another_volume(boxed, tmp_path):
+    """Checks a turned and scaled object, whose colors follow the height in the scene."""
+    obj = boxed
+    obj.rotation_euler, obj.scale = (0.5, 0.3, 0.2), (2.0, 2.0, 2.0)
+    bpy.context.view_layer.update()
+    obj.leaflight.texture_map = "CET_L1"
+    obj.leaflight.texture_kind = "HEIGHT"
+    settings = obj.leaflight
+    vertices, matrix = vertices_of(obj), np.array(obj.matrix_world, np.float64)
+    heights = ((vertices + settings.origin) @ matrix[:3, :3].T)[:, 2] / 2.0
+    assert settings.texture_low < heights.min() < heights.max() < settings.texture_high
+    shares = (heights - settings.texture_low) / (settings.texture_high - settings.texture_low)
+    close(_values_of_colors(obj, "CET_L1"), shares, 5e-3)
+    obj.rotation_euler.x += 0.4
+    bpy.context.view_layer.update()
+    obj.leaflight.isovalue += 0.1
+    assert np.abs(_values_of_colors(obj, "CET_L1")[:100] - shares[:100]).max() > 0.05
+
+
+def check_a_bake_with_the_gradient_is_current_and_reopens(boxed, tmp_path):
+    obj = boxed
+    obj.leaflight.texture_kind = "GRADIENT"
+    assert obj.leaflight.texture_high > obj.leaflight.texture_low >= 0.0
+    obj.leaflight.bake_folder = ""
+    path = tmp_path / "gradient.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    found = cache.bake_of(obj).scene.isosurfaces[0].texture
+    volume = cache.volume_of(obj)
+    expected = leaflight.gradient_of(volume)
+    close(found.channels[0].values, expected.values, 1e-4 * expected.values.max())
+    bpy.ops.wm.save_mainfile()
+    name = obj.name
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    obj = bpy.data.objects[name]
+    obj.leaflight.isovalue += 1.0
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    obj.leaflight.texture_kind = "HEIGHT"
+    bpy.context.view_layer.update()
+    assert staleness.change_since_bake(bpy.context, obj).startswith("The scene has changed")
 
 
 def check_labels_have_separate_colors(boxed, tmp_path):
