@@ -60,6 +60,7 @@ MESSAGES = {
     "Reversed": "Umgekehrt",
     "Symmetric": "Symmetrisch",
     "Steps": "Stufen",
+    "Color Bar": "Farbbalken",
     "Gradient": "Steigung",
     "Height": "Höhe",
     "Smooth: %s voxels": "Geglättet: %s Voxel",

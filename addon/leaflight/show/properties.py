@@ -8,7 +8,7 @@ from leaflight import LeaflightError
 from leaflight.color_maps import CATEGORICAL, MAPS
 from leaflight.scene.volume_texture import MOST_STEPS
 
-from . import isovalues, surface_object, texture, walls
+from . import color_bar, isovalues, surface_object, texture, walls
 from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
@@ -59,6 +59,7 @@ def _channel_chosen(settings, _context):
 def _texture_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
         surface_object.update_all(settings.id_data)
+        color_bar.update(settings.id_data)
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):

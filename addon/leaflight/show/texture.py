@@ -13,7 +13,7 @@ from . import display
 
 # Cache: address of labels -> (labels, their VolumeTexture).
 _labels = session.cache()
-# Cache: (address of values, unit and place) -> (values, the Volume computed from them).
+# Cache: (address of values, unit, place, name) -> (values, the Volume computed from them).
 _derived = session.cache()
 
 # Kinds of colors that are computed from the volume itself.
@@ -101,7 +101,9 @@ def _texture(obj, volume_of, to_place):
         own = own_volume(obj)
         volumes = [cache.placed(own, to_place @ own.index_to_world)]
     else:
-        volumes = [volume_of(other) for other in volumes_that_color(obj)]
+        # Color bars and captions show the names of the objects.
+        others = volumes_that_color(obj)
+        volumes = [replace(volume_of(other), name=other.name) for other in others]
     try:
         if settings.texture_kind == "LABELS":
             return _label_texture(volumes[0])
@@ -131,10 +133,10 @@ def own_volume(obj):
     is_height = settings.texture_kind == "HEIGHT"
     up, origin = _up(obj), np.array(settings.origin, np.float64)
     place = f"{up.tolist()} {origin.tolist()}" if is_height else ""
-    key = id(volume.values), f"{settings.unit} {place}"
+    key = id(volume.values), f"{settings.unit} {place} {obj.name}"
     if key not in _derived:
         matrix = _rounded(volume.index_to_world)
-        local = replace(volume, index_to_world=matrix, unit=settings.unit)
+        local = replace(volume, index_to_world=matrix, unit=settings.unit, name=obj.name)
         made = height_of(local, up) if is_height else gradient_of(local)
         if is_height:
             made = replace(made, values=made.values + np.float32(up @ origin))

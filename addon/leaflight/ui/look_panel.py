@@ -168,7 +168,9 @@ class LEAFLIGHT_PT_labels(ClosedPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator(labels.LEAFLIGHT_OT_add_scale_bar.bl_idname)
         row.operator(labels.LEAFLIGHT_OT_add_letters.bl_idname)
-        self.layout.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+        row = self.layout.row(align=True)
+        row.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+        row.operator(labels.LEAFLIGHT_OT_add_color_bar.bl_idname)
 
 
 class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):

@@ -109,7 +109,7 @@ def texture_of(
     if isinstance(colors, list):
         return VolumeTexture(volumes, colors, nearest)
     if value_range is None:
-        ranges = np.array([_range_of(volume) for volume in volumes])
+        ranges = np.array([range_of(volume) for volume in volumes])
         value_range = float(ranges[:, 0].min()), float(ranges[:, 1].max())
     low, high = value_range
     if symmetric:
@@ -132,7 +132,7 @@ def texture_of(
 def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
     """Returns the texture that gives values below and above 0 the ends of a color map."""
     stops = color_map(colors)
-    width = SIGN_WIDTH * max(map(abs, _range_of(volume)))
+    width = SIGN_WIDTH * max(map(abs, range_of(volume)))
     return VolumeTexture((volume,), [(-width, stops[0][1]), (width, stops[-1][1])])
 
 
@@ -219,7 +219,8 @@ def _linear(srgb: Sequence[float]) -> Color:
     return tuple(linear_from_srgb(np.array(srgb)).tolist())
 
 
-def _range_of(volume: Volume) -> tuple[float, float]:
+def range_of(volume: Volume) -> tuple[float, float]:
+    """Returns the lowest and highest value of a volume."""
     values = volume.values
     return float(np.nanmin(values)), float(np.nanmax(values))
 

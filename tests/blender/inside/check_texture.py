@@ -5,15 +5,19 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
 from leaflight.scene.volume_texture import color_map
-from leaflight_addon.show import surface_material, surface_object, texture
-from leaflight_addon.stage import staleness
+from leaflight_addon.show import display, surface_material, surface_object, texture
+from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import volume_panel
+from mathutils import Vector
 from passes import drawn
-from tools import close, colors_of, mesh_arrays, vertices_of
+from tools import close, colors_of, error_of, mesh_arrays, render_exr, vertices_of
 
 N = 24
+# Meshes of the Cornell box.
+WALLS = 5
 
 
 @pytest.fixture
@@ -166,6 +170,81 @@ def check_a_bake_with_the_gradient_is_current_and_reopens(boxed, tmp_path):
     obj.leaflight.texture_kind = "HEIGHT"
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, obj).startswith("The scene has changed")
+
+
+def _bar():
+    """Returns (bar, its heights 0..1, its colors, {text: its height 0..1 in the bar})."""
+    (bar,) = [o for o in bpy.data.objects if display.is_display(o, "color bar") and o.children]
+    length = vertices_of(bar)[:, 1].max()
+    texts = {text.data.body: text.location.y / length for text in bar.children}
+    return bar, vertices_of(bar)[:, 1] / length, colors_of(bar, "bar_color"), texts
+
+
+def check_the_color_bar_has_the_colors_and_numbers(colored):
+    obj, other = colored
+    bpy.context.scene.view_settings.exposure = 0.0
+    other.name = "potential (e/bohr)"
+    bpy.ops.leaflight.add_color_bar()
+    bar, heights, colors, texts = _bar()
+    close(colors, _expected(obj, shares=heights), 1e-5)
+    assert {text: share for text, share in texts.items() if share <= 1} == pytest.approx(
+        {"0": 0, "0.5": 0.5, "1": 1}
+    )
+    assert set(texts) - {"0", "0.5", "1"} == {"potential (e/bohr)"}
+    # All of it is at the right of the picture.
+    bpy.context.view_layer.update()
+    for part in (bar, *bar.children):
+        for corner in part.bound_box:
+            at = part.matrix_world @ Vector(corner)
+            x, y, _ = world_to_camera_view(bpy.context.scene, bpy.context.scene.camera, at)
+            assert 0.6 < x < 1 and 0 < y < 1
+    assert len(scene_export.export_scene(bpy.context, obj)[0].meshes) == WALLS
+
+
+def check_the_color_bar_follows_the_map_and_its_range(colored):
+    obj, _ = colored
+    bpy.ops.leaflight.add_color_bar()
+    obj.leaflight.texture_high = 4.0
+    obj.leaflight.texture_low = -2.0
+    obj.leaflight.texture_map = "MAGMA"
+    bar, heights, colors, texts = _bar()
+    close(colors, _expected(obj, "MAGMA", heights), 1e-5)
+    assert {"-2", "1", "4"} < set(texts)
+    obj.leaflight.texture_steps = 2
+    assert len(np.unique(_bar()[2].round(4), axis=0)) == 2
+    bpy.ops.leaflight.add_color_bar()
+    (bar, *_) = _bar()
+    obj.leaflight.texture_volume = None
+    assert not bar.children and not len(bar.data.vertices)
+    obj.leaflight.texture_kind = "HEIGHT"
+    assert "height" in " ".join(_bar()[3])
+
+
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
+def check_the_color_bar_renders_in_its_colors(colored, tmp_path, engine):
+    bpy.context.scene.view_settings.exposure = 0.0
+    bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 64
+    bpy.ops.leaflight.add_color_bar()
+    bpy.context.view_layer.update()
+    bar, camera = _bar()[0], bpy.context.scene.camera
+    pixels = render_exr(tmp_path / "bar.exr", engine, size=64)[..., :3]
+    for share in (0.1, 0.9):
+        (low, *_, high) = sorted(bar.bound_box, key=sum)
+        middle = [low[0] + 0.5 * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), 0.0]
+        x, y, _ = world_to_camera_view(bpy.context.scene, camera, bar.matrix_world @ Vector(middle))
+        found = pixels[int(64 * (1 - y)), int(64 * x)]
+        close(found, _expected(colored[0], shares=np.array([share]))[0], 0.05)
+
+
+def check_colors_without_a_range_have_no_bar(colored, tmp_path):
+    obj, _ = colored
+    labels = np.broadcast_to(np.arange(N, dtype=np.uint8) // 8, (N, N, N))
+    other = _import(obj, np.ascontiguousarray(labels), tmp_path / "labels.raw", "uint8")
+    obj.leaflight.texture_volume = other
+    obj.leaflight.texture_kind = "LABELS"
+    assert "no range for a color bar" in error_of(bpy.ops.leaflight.add_color_bar)
+    bpy.data.objects.remove(bpy.context.scene.camera)
+    assert "no camera" in error_of(bpy.ops.leaflight.add_color_bar)
 
 
 def check_labels_have_separate_colors(boxed, tmp_path):
