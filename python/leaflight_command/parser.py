@@ -208,6 +208,9 @@ def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     )
     parser.add_argument("--no-walls", action="store_true", help="leave the walls out")
     parser.add_argument(
+        "--color-bar", action="store_true", help=".png: draw the color bar of --color-by"
+    )
+    parser.add_argument(
         "--local",
         action="store_true",
         help="shade by lamps without shadows or indirect light, for comparison",

@@ -5,6 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from .scene import SceneDescription
 from .volume_texture import SIGN_WIDTH, Color, VolumeTexture, range_of
 
 
@@ -50,6 +51,12 @@ def caption_of(texture: VolumeTexture) -> str:
     if len(names) == 3:
         return f"red: {names[0]}, green: {names[1]}, blue: {names[2]}"
     return f"{names[0]}, by label" if texture.nearest else names[0]
+
+
+def captions_of(scene: SceneDescription) -> list[str]:
+    """Returns the captions of all textures of a scene."""
+    textures = [isosurfaces.texture for isosurfaces in scene.isosurfaces]
+    return [caption_of(texture) for texture in textures if texture is not None]
 
 
 def rounded(values: Sequence[float]) -> list[str]:
