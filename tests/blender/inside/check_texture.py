@@ -10,9 +10,9 @@ from leaflight.scene.volume_texture import color_map
 from leaflight_addon.show import display, surface_material, surface_object, texture
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from leaflight_addon.ui import volume_panel
+from leaflight_addon.ui import look_panel, volume_panel
 from mathutils import Vector
-from passes import drawn
+from passes import Layout, drawn
 from tools import close, colors_of, error_of, mesh_arrays, render_exr, vertices_of
 
 N = 24
@@ -146,6 +146,22 @@ def check_the_height_colors_without_another_volume(boxed, tmp_path):
     bpy.context.view_layer.update()
     obj.leaflight.isovalue += 0.1
     assert np.abs(_values_of_colors(obj, "CET_L1")[:100] - shares[:100]).max() > 0.05
+
+
+def check_the_panel_asks_for_a_volume_only_where_it_is_needed(colored):
+    obj, _ = colored
+    of_map = {"texture_map", "texture_reverse", "texture_steps", "texture_symmetric"}
+    for kind, shown, hidden in (
+        ("MAP", {"texture_volume", *of_map}, {"texture_green"}),
+        ("HEIGHT", of_map, {"texture_volume"}),
+        ("GRADIENT", of_map, {"texture_volume"}),
+        ("CHANNELS", {"texture_volume", "texture_green", "texture_low"}, {"texture_map"}),
+        ("LABELS", {"texture_volume"}, {"texture_low", *of_map}),
+    ):
+        obj.leaflight.texture_kind = kind
+        seen = []
+        look_panel._draw_texture(Layout(seen), obj.leaflight)
+        assert shown <= set(seen) and not hidden & set(seen), kind
 
 
 def check_a_bake_with_the_gradient_is_current_and_reopens(boxed, tmp_path):
