@@ -18,8 +18,10 @@ _derived = session.cache()
 
 # Kinds of colors that are computed from the volume itself.
 OWN = ("GRADIENT", "HEIGHT")
-# Significant digits of a volume's place that are the same before and after a bake.
-_DIGITS = 10
+# Largest number of volumes in it. Playback loads many frames.
+_MOST = 4
+# Digits of a voxel's size that are the same before and after a bake.
+_DIGITS = 8
 
 
 def volumes_that_color(obj):
@@ -140,6 +142,8 @@ def own_volume(obj):
         made = height_of(local, up) if is_height else gradient_of(local)
         if is_height:
             made = replace(made, values=made.values + np.float32(up @ origin))
+        if len(_derived) >= _MOST:
+            _derived.pop(next(iter(_derived)))
         # Keep the array, so that no other gets its address.
         _derived[key] = volume.values, made
     return _derived[key][1]
@@ -159,7 +163,7 @@ def _up(obj):
 
 def _rounded(matrix):
     """Returns a matrix without the rounding that differs before and after a bake."""
-    digits = _DIGITS - int(np.ceil(np.log10(np.abs(matrix[:3]).max())))
+    digits = _DIGITS - int(np.ceil(np.log10(np.abs(matrix[:3, :3]).max())))
     return np.round(matrix, digits)
 
 

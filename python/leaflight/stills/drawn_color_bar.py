@@ -25,7 +25,7 @@ def bar_of_bake(bake: Bake) -> ColorBar:
     if found is None:
         raise LeaflightError(
             "There is no color bar, because no volume is colored by a range of values: leave it "
-            "out, or bake with --color-by."
+            "out, or bake with such colors."
         )
     return found
 
