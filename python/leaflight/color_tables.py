@@ -113,6 +113,6 @@ TABLES: dict[str, str] = {
         "2ca751 31ba79 32cfa1 2ce1ca 25e8eb 2bdcfb 31c5ff 2facff 2894ff 3583ff 5e82ff 898fff "
         "aea1ff d0b3ff eebffa ffb9de ffa2b4 ff8589 ff655e fc4438 f7361d "
     ),
-    "TAB10": ("1f77b4 ff7f0e 2ca02c d62728 9467bd 8c564b e377c2 7f7f7f bcbd22 17becf "),
-    "OKABE_ITO": ("e69f00 56b4e9 009e73 f0e442 0072b2 d55e00 cc79a7 "),
+    "TAB10": "1f77b4 ff7f0e 2ca02c d62728 9467bd 8c564b e377c2 7f7f7f bcbd22 17becf",
+    "OKABE_ITO": "e69f00 56b4e9 009e73 f0e442 0072b2 d55e00 cc79a7",
 }
