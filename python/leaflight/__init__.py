@@ -28,6 +28,7 @@ from .scene.scene import fit_scene
 from .scene.volume_texture import VolumeTexture, texture_of
 from .stills.still import still
 from .version import __version__
+from .volume.derived import gradient_of, height_of
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume
 from .volume.particles import lapr, neuron, nucleons
@@ -57,6 +58,8 @@ __all__ = [
     "export_page",
     "fit_scene",
     "flatland",
+    "gradient_of",
+    "height_of",
     "lapr",
     "limit_memory",
     "load_bake",

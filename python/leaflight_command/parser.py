@@ -10,6 +10,7 @@ from .numbers import integer, number
 from .shared_options import (
     MACHINES,
     Parser,
+    color_options,
     layout_options,
     isosurface_options,
     limit_options,
@@ -76,7 +77,13 @@ def _add_info(subparsers: "argparse._SubParsersAction[Parser]") -> None:
 def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "bake",
-        parents=[lit_options(_VOLUME), scene_options(), threads_options(), layout_options()],
+        parents=[
+            lit_options(_VOLUME),
+            scene_options(),
+            threads_options(),
+            layout_options(),
+            color_options(),
+        ],
         usage="leaflight bake VOLUME ... --out X.vdb [OPTION ...]",
         help="light every isosurface of volumes",
     )
@@ -201,6 +208,9 @@ def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     )
     parser.add_argument("--no-walls", action="store_true", help="leave the walls out")
     parser.add_argument(
+        "--color-bar", action="store_true", help=".png: draw the color bar of --color-by"
+    )
+    parser.add_argument(
         "--local",
         action="store_true",
         help="shade by lamps without shadows or indirect light, for comparison",
@@ -247,7 +257,7 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
 def _add_photons(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "photons",
-        parents=[layout_options(), lit_options(_VOLUME), scene_options()],
+        parents=[layout_options(), color_options(), lit_options(_VOLUME), scene_options()],
         help="write photons on isosurfaces as points",
     )
     parser.add_argument("--out", required=True, metavar="POINTS.ply", help="file to write")

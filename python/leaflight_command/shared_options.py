@@ -12,8 +12,9 @@ from .region_options import add_region_options
 
 # Names of byte orders in the package.
 ENDIANS = ("little", "big")
-# Title of the group of options for raw files.
+# Titles of groups of options.
 MACHINES = "machines"
+COLORS = "colors"
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
 
@@ -177,6 +178,39 @@ def lit_options(volume: str) -> Parser:
         "--capped", action="store_true", help="close isosurfaces at the border of the volume"
     )
     return parser
+
+
+def color_options() -> Parser:
+    """Returns the options for colors by the values of another volume."""
+    options = Parser(add_help=False)
+    parser = options.add_argument_group(COLORS)
+    parser.add_argument(
+        "--color-by",
+        metavar="WHAT",
+        help="gradient, height, or a volume in the same coordinates, whose values are the colors",
+    )
+    parser.add_argument(
+        "--color-map",
+        metavar="NAME",
+        help="color map such as viridis, vik or turbo; or labels, a color for each (viridis)",
+    )
+    parser.add_argument(
+        "--color-range",
+        type=number,
+        nargs=2,
+        metavar=("LO", "HI"),
+        help="values at the ends of the color map (those of the data)",
+    )
+    parser.add_argument(
+        "--color-steps", type=integer, metavar="N", help="number of separate colors (smooth)"
+    )
+    parser.add_argument(
+        "--color-reverse", action="store_true", help="exchange the ends of the color map"
+    )
+    parser.add_argument(
+        "--color-symmetric", action="store_true", help="extend the range to be even about 0"
+    )
+    return options
 
 
 def scene_options() -> Parser:

@@ -25,6 +25,7 @@ ELSEWHERE = {
     "leaflight render": "tests/blender/test_render.py",
     "validation/": "the program itself",
     "--skip": "test_raw.py",
+    "potential.cube": "test_volume_texture.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
 # Replacements that make snippets faster, because they use large volumes.

@@ -2,6 +2,7 @@
 """Tests the interface of the page: first view, progress, link, controls."""
 
 import http.server
+import re
 import threading
 
 import leaflight._core as _core
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 from browser import FRAMES
 from leaflight.color_maps import MAPS
+from leaflight.io.images import display_colors
 from leaflight.looks import LOOKS
+from leaflight.scene.color_bar import color_bar_of
 from leaflight.stills.first_view import camera_around_bake
 from waiting import HANG
 
@@ -187,6 +190,34 @@ def test_slices_show_the_data_in_colors(page, bakes, pages):
     page.open(pages("box").as_uri() + link, SIZE)
     assert page.evaluate(f"{LOOK}.slices") == [None, place, None]
     assert page.evaluate("document.querySelector('#slice-colors').value") == "MAGMA"
+
+
+BAR = """(() => {
+    const scale = document.querySelector(".color-bar > div"), box = scale.getBoundingClientRect();
+    return {
+        title: document.querySelector(".color-bar figcaption").textContent,
+        background: getComputedStyle(scale).backgroundImage,
+        ticks: [...scale.children].map((tick) => {
+            const { top, bottom } = tick.getBoundingClientRect();
+            return [tick.textContent, (box.bottom - (top + bottom) / 2) / box.height];
+        }),
+        about: document.querySelector("#about-list").textContent,
+    };
+})()"""
+
+
+def test_a_color_bar_shows_the_values_of_the_colors(browser, bakes, pages):
+    browser.open(pages("colored").as_uri(), SIZE)
+    found, bar = browser.evaluate(BAR), color_bar_of(bakes("colored").scene.isosurfaces[0].texture)
+    assert found["title"] == bar.title == "inner"
+    assert [text for text, _ in found["ticks"]] == [text for _, text in bar.ticks]
+    np.testing.assert_allclose([at for _, at in found["ticks"]], [0.0, 0.5, 1.0], atol=0.02)
+    colors = re.findall(r"rgb\((\d+), (\d+), (\d+)\)", found["background"])
+    expected = display_colors([color for _, color in bar.stops], 1.0)
+    np.testing.assert_array_equal(np.array(colors, int), expected)
+    assert bar.caption in found["about"]
+    browser.open(pages("labeled").as_uri(), SIZE)
+    assert not browser.evaluate("document.querySelector('.color-bar')")
 
 
 def test_a_color_map_changes_the_albedo_alone(page, bakes):

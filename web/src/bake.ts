@@ -61,6 +61,13 @@ export interface TextureData {
   nearest: boolean;
 }
 
+// The colors and values of a texture (python/leaflight/scene/color_bar.py).
+export interface ColorBar {
+  title: string;
+  stops: [number, string][]; // share of the bar, sRGB color as six hexadecimal digits
+  ticks: [number, string][]; // share of the bar, text
+}
+
 export interface WallData {
   name: string;
   isOfRoom: boolean;
@@ -126,12 +133,13 @@ export interface Header {
   unitLength: number; // units of length per unit of the world
   isPatient: boolean; // world axes point to a patient's right, front and up
   colorMaps: Record<string, string[]>; // name, then sRGB colors as six hexadecimal digits
+  colorBars: ColorBar[];
   looks: Record<string, NamedLook>;
   about: [string, string][];
   blocks: [number, number, number][]; // first byte, bytes, inflated bytes
 }
 
-const FORMAT = 7;
+const FORMAT = 8;
 
 const READ_SHARE = 0.4; // share of reading the file in the work
 

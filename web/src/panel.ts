@@ -2,6 +2,7 @@
 // The interface: elements of panel.html, bound to the look.
 
 import type { Header } from './bake';
+import { colorBar } from './color_bar';
 import { namesOf } from './color_maps';
 import { Cube } from './cube';
 import { Histogram } from './histogram';
@@ -43,6 +44,7 @@ export function fillPage(header: Header): HTMLCanvasElement {
   for (const [key, name] of namesOf(header)) {
     document.getElementById('slice-colors')?.append(new Option(name, key));
   }
+  element('color-bars').append(...header.colorBars.map(colorBar));
   element('lamps').hidden = header.lights.lamps.length === 0;
   header.lights.lamps.forEach(({ name, color }, lamp) => {
     element('lamps').append(lampRow(name, lamp, hueOf(color)));

@@ -6,6 +6,7 @@ import test from 'node:test';
 import { load } from './load.mjs';
 
 const { onGrid, textOf } = await load('isovalues');
+const { gradientOf } = await load('color_bar');
 const { colorsOf, linearAt } = await load('color_maps');
 const { fromLink, toLink } = await load('link');
 const { MOST_SHOWN, withOneMore } = await load('look');
@@ -26,6 +27,10 @@ test('isovalues have the digits of the data', () => {
   assert.equal(textOf(onGrid(0.203044, MAP), MAP), '0.203');
   assert.equal(textOf(onGrid(45.5, CT), CT), '45.5');
   assert.equal(textOf(1234.5678, { isovalueRange: [0, 9e6], step: 1000 }), '1235');
+});
+test('a color bar has its colors from the bottom to the top', () => {
+  const bar = { title: 'potential', stops: [[0, 'ff0000'], [0.25, '00ff00'], [1, '0000ff']], ticks: [] };
+  assert.equal(gradientOf(bar), 'linear-gradient(to top, #ff0000 0.00%, #00ff00 25.00%, #0000ff 100.00%)');
 });
 test('isovalues stay within the isovalue range', () => {
   assert.equal(onGrid(99999, CT), 2000.5);

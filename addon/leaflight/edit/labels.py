@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Labels of a volume: a scale bar, letters for a patient's sides, and an orientation cube.
+"""Labels of a volume: a scale bar, letters for a patient's sides, orientation cube and color bar.
 
-The cube is in the corner of the camera's picture and rotates with the volume. Labels are objects
-that render and that bakes ignore.
+The cube and the color bar are at the border of the camera's picture. The cube rotates with the
+volume. Labels are objects that render and that bakes ignore.
 """
 
 import bpy
@@ -13,7 +13,7 @@ from mathutils import Matrix, Vector
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import display, shader
+from ..show import color_bar, display, label_parts, shader, texture
 from ..store import cache, source_files
 
 _BAR, _LETTER = "scale bar", "letter"
@@ -21,7 +21,6 @@ _BAR, _LETTER = "scale bar", "letter"
 SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
 # Sizes of labels, as shares of the volume's longest side.
 _TEXT, _GAP, _LENGTH, _WIDTH = 0.06, 0.06, 0.3, 0.008
-_WHITE = (0.9, 0.9, 0.9)
 
 
 def add_scale_bar(context, volume):
@@ -96,10 +95,7 @@ def _cuboid(low, high):
 
 
 def _text(context, volume, kind, words, size):
-    curve = bpy.data.curves.new(words, "FONT")
-    curve.body, curve.size = words, size
-    curve.align_x = curve.align_y = "CENTER"
-    obj = _object(volume, kind, words, curve)
+    obj = _object(volume, kind, words, label_parts.text_curve(words, size))
     if context.scene.camera is not None:
         obj.constraints.new("COPY_ROTATION").target = context.scene.camera
     return obj
@@ -109,24 +105,8 @@ def _object(volume, kind, name, data):
     obj = display.new_display(volume, kind, name, data)
     obj.parent = volume
     obj.matrix_parent_inverse = Matrix()
-    data.materials.append(_material())
+    data.materials.append(label_parts.white_material())
     return obj
-
-
-def _material():
-    name = "Leaflight Label"
-    material = bpy.data.materials.get(name)
-    if material is None:
-        material = bpy.data.materials.new(name)
-        versions.do_not_sample_as_light(material)
-        shader.build_emission(material, exposed(_WHITE))
-    return material
-
-
-def exposed(color):
-    """Returns the radiance that the scene's exposure turns into a color."""
-    exposure = bpy.context.scene.view_settings.exposure
-    return tuple(2.0**-exposure * x for x in color)
 
 
 def _remove(volume, kind):
@@ -142,8 +122,6 @@ _OF_OTHERS = ("X", "-X", "Y", "-Y", "Z", "-Z")
 _GRAYS, _DARK = (0.1, 0.2, 0.4), 0.002
 # Edge of the cube and its distance from the picture's borders, as shares of the picture's height.
 _EDGE, _MARGIN = 0.09, 0.04
-# Distance from the camera, as a multiple of its clip start.
-_DISTANCE = 4.0
 
 
 def add_cube(context, volume):
@@ -156,7 +134,8 @@ def add_cube(context, volume):
     for obj in [obj for obj in camera.children if display.is_display(obj, _CUBE)]:
         for part in (*obj.children, obj):
             bpy.data.objects.remove(part)
-    corner, height = _corner(context.scene, camera)
+    corner, opposite = label_parts.picture_corners(context.scene, camera)
+    height = opposite.y - corner.y
     edge = _EDGE * height
     cube = _cube_object(volume, "Orientation Cube", _cube_mesh(edge), _GRAYS)
     cube.parent, cube.matrix_parent_inverse = camera, Matrix()
@@ -164,20 +143,12 @@ def add_cube(context, volume):
     cube.location = corner + (0.5 * 3**0.5 * edge + _MARGIN * height) * Vector((1, 1, 0))
     cube.constraints.new("COPY_ROTATION").target = volume
     for side, name in enumerate(names):
-        letter = _cube_object(volume, f"Orientation {name}", _letter(name, 0.8 * edge), (_DARK,))
+        letter = _cube_object(
+            volume, f"Orientation {name}", label_parts.text_curve(name, 0.8 * edge), (_DARK,)
+        )
         letter.parent, letter.matrix_parent_inverse = cube, Matrix()
         letter.matrix_local = _on_side(side, 0.51 * edge)
     return cube
-
-
-def _corner(scene, camera):
-    """Returns the lower left corner of the picture in camera coordinates, and its height there."""
-    distance = _DISTANCE * camera.data.clip_start
-    frame = np.array(camera.data.view_frame(scene=scene))
-    if camera.data.type == "PERSP":
-        frame *= distance / -frame[0, 2]
-    frame[:, 2] = -distance
-    return Vector(frame.min(axis=0)), float(np.ptp(frame[:, 1]))
 
 
 def _on_side(side, distance):
@@ -200,20 +171,13 @@ def _cube_mesh(edge):
     return mesh
 
 
-def _letter(name, size):
-    curve = bpy.data.curves.new(name, "FONT")
-    curve.body, curve.size = name, size
-    curve.align_x = curve.align_y = "CENTER"
-    return curve
-
-
 def _cube_object(volume, name, data, grays):
     obj = display.new_display(volume, _CUBE, name, data)
     obj.hide_select = True
     for gray in grays:
         material = bpy.data.materials.new(name)
         versions.do_not_sample_as_light(material)
-        shader.build_emission(material, exposed((gray,) * 3))
+        shader.build_emission(material, label_parts.exposed((gray,) * 3))
         data.materials.append(material)
     return obj
 
@@ -257,4 +221,28 @@ class LEAFLIGHT_OT_add_orientation_cube(checks.VolumeOperator, bpy.types.Operato
         add_cube(context, active_volume(context))
 
 
-CLASSES = (LEAFLIGHT_OT_add_scale_bar, LEAFLIGHT_OT_add_letters, LEAFLIGHT_OT_add_orientation_cube)
+class LEAFLIGHT_OT_add_color_bar(checks.VolumeOperator, bpy.types.Operator):
+    bl_label = "Color Bar"
+    bl_description = (
+        "Add the colors and their values to the right of the camera view. "
+        "They follow later changes of the color map and its range"
+    )
+
+    conditions = (
+        *checks.VOLUME,
+        checks.needs(
+            lambda context: texture.is_colored(active_volume(context)),
+            "Choose the values that color the isosurfaces first, under Isosurfaces",
+        ),
+    )
+
+    def run(self, context):
+        color_bar.add(context.scene, active_volume(context))
+
+
+CLASSES = (
+    LEAFLIGHT_OT_add_scale_bar,
+    LEAFLIGHT_OT_add_letters,
+    LEAFLIGHT_OT_add_orientation_cube,
+    LEAFLIGHT_OT_add_color_bar,
+)

@@ -33,7 +33,7 @@ def view_of(obj):
     others = (o for o in display.surfaces_of(volume) if o != obj)
     is_glossy = obj.leaflight_look.gloss > 0 and volume.leaflight.isosurface_scattering == "DIFFUSE"
     among = any(map(_is_translucent, others))
-    name = TEXTURE if texture.volumes_that_color(volume) else ""
+    name = TEXTURE if texture.is_colored(volume) else ""
     return shader_graph.View(_is_translucent(obj), among, _cut_of(obj), is_glossy, name)
 
 

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The properties of an object about its volume and its bake: Object.leaflight."""
 
-import bpy
-from leaflight.color_maps import MAPS
+from contextlib import suppress
 
-from . import isovalues, surface_object, texture, walls
+import bpy
+from leaflight import LeaflightError
+from leaflight.color_maps import CATEGORICAL, MAPS
+from leaflight.scene.volume_texture import MOST_STEPS
+
+from . import color_bar, isovalues, surface_object, texture, walls
 from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
@@ -35,9 +39,14 @@ def _can_color(settings, obj):
 
 def _texture_chosen(settings, _context):
     """Hides the volume of the colors, and shows its whole range."""
-    others = texture.volumes_that_color(settings.id_data)
+    obj = settings.id_data
+    others = texture.volumes_that_color(obj)
     if others:
         settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
+    elif texture.is_colored(obj) and settings.is_volume:
+        # An unreadable volume shows its error elsewhere.
+        with suppress(LeaflightError):
+            settings["texture_low"], settings["texture_high"] = texture.own_range(obj)
     _texture_changed(settings, _context)
 
 
@@ -50,6 +59,7 @@ def _channel_chosen(settings, _context):
 def _texture_changed(settings, _context):
     if settings.id_data.leaflight.is_volume:
         surface_object.update_all(settings.id_data)
+        color_bar.update(settings.id_data)
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):
@@ -86,7 +96,7 @@ class Isosurfaces:
     texture_map: EnumProperty(
         "Color Map",
         "Colors from the lowest to the highest value",
-        [(key, name, text) for key, (name, text, _) in MAPS.items()],
+        [(key, name, text) for key, (name, text, _) in {**MAPS, **CATEGORICAL}.items()],
         update=_texture_changed,
     )
     texture_low: FloatProperty(
@@ -98,15 +108,33 @@ class Isosurfaces:
         1.0,
         update=_texture_changed,
     )
+    texture_reverse: BoolProperty(
+        "Reversed", "Exchange the ends of the color map", update=_texture_changed
+    )
+    texture_symmetric: BoolProperty(
+        "Symmetric",
+        "Extend the range to be even about 0, so that the middle of the color map is 0",
+        update=_texture_changed,
+    )
+    texture_steps: IntProperty(
+        "Steps",
+        "Number of separate colors; 0 is smooth",
+        min=0,
+        max=MOST_STEPS,
+        soft_max=12,
+        update=_texture_changed,
+    )
     texture_kind: EnumProperty(
         "Colors",
-        "Meaning of the values",
+        "Source and meaning of the colors",
         [
             ("MAP", "Color Map", "A color map over the values"),
             ("LABELS", "Labels", "Each whole number has its own color, without colors between"),
             ("CHANNELS", "Red, Green, Blue", "Three volumes are red, green and blue"),
+            ("GRADIENT", "Gradient", "A color map over the change of the values per length"),
+            ("HEIGHT", "Height", "A color map over the height, in the coordinates of the file"),
         ],
-        update=_texture_changed,
+        update=_texture_chosen,
     )
     texture_green: PointerProperty(
         bpy.types.Object,

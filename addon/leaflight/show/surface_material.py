@@ -125,7 +125,7 @@ def shading_in_use(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture would hold only one frame"
     if lamps.factors_of(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
-    if texture.volumes_that_color(settings.id_data):
+    if texture.is_colored(settings.id_data):
         return "ATTRIBUTE", "Vertex attribute: a volume texture would blur the colors"
     if settings.atlas_columns > 0:
         return "ATLAS", ""

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The volumes whose values color the isosurfaces of another volume."""
+"""The volumes whose values color the isosurfaces of another volume, or of themselves."""
 
 from dataclasses import replace
 
 import numpy as np
-from leaflight import LeaflightError
+from leaflight import LeaflightError, gradient_of, height_of
 from leaflight.scene.volume_texture import label_texture, picture_stops, texture_of
 
 from .. import session
@@ -13,6 +13,15 @@ from . import display
 
 # Cache: address of labels -> (labels, their VolumeTexture).
 _labels = session.cache()
+# Cache: (address of values, unit, place, name) -> (values, the Volume computed from them).
+_derived = session.cache()
+
+# Kinds of colors that are computed from the volume itself.
+OWN = ("GRADIENT", "HEIGHT")
+# Largest number of volumes in it. Playback loads many frames.
+_MOST = 4
+# Digits of a voxel's size that are the same before and after a bake.
+_DIGITS = 8
 
 
 def volumes_that_color(obj):
@@ -23,6 +32,8 @@ def volumes_that_color(obj):
 def _colors(obj):
     """Returns an object, or three for red, green and blue of which None is black, or none."""
     settings = obj.leaflight
+    if settings.texture_kind in OWN:
+        return []
     others, needed = [settings.texture_volume], 1
     if settings.texture_kind == "CHANNELS":
         others, needed = [*others, settings.texture_green, settings.texture_blue], 2
@@ -36,11 +47,16 @@ def _colors(obj):
     return usable if len(usable) - usable.count(None) >= needed else []
 
 
+def is_colored(obj):
+    """True if the isosurfaces of a volume object have a texture."""
+    return obj.leaflight.texture_kind in OWN or bool(volumes_that_color(obj))
+
+
 def label_of(obj):
     """Returns a text that differs for different textures, or an empty text without one."""
-    others = _colors(obj)
-    if not others:
+    if not is_colored(obj):
         return ""
+    others = _colors(obj)
     settings, sources = obj.leaflight, []
     for other in others:
         if other is None:
@@ -50,13 +66,17 @@ def label_of(obj):
         place = [round(x, 6) for row in _between(obj, other) for x in row]
         read = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
         sources.append(f"{read} {place}")
+    if settings.texture_kind == "HEIGHT":
+        sources.append(f"{_up(obj).round(6).tolist()}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r} {settings.texture_srgb}"
+    numbers += f" {_options(settings)}"
     return f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
 
 
 def world_texture(obj):
     """Returns the VolumeTexture of a volume in world space, or None. Raises LeaflightError."""
-    return _texture(obj, cache.world_volume)
+    to_world = np.array(obj.matrix_world, np.float64)
+    return _texture(obj, cache.world_volume, to_world)
 
 
 def local_texture(obj):
@@ -69,7 +89,7 @@ def local_texture(obj):
         volume = cache.volume_of(other)
         return cache.placed(volume, _between(obj, other) @ volume.index_to_world)
 
-    return _texture(obj, local)
+    return _texture(obj, local, np.eye(4))
 
 
 def _between(obj, other):
@@ -78,12 +98,20 @@ def _between(obj, other):
     return np.linalg.inv(to_world) @ from_other
 
 
-def _texture(obj, volume_of):
-    """Returns the VolumeTexture of an object, or None. volume_of: function from its others."""
-    others, settings = volumes_that_color(obj), obj.leaflight
-    if not others:
+def _texture(obj, volume_of, to_place):
+    """Returns the VolumeTexture of an object, or None.
+
+    volume_of: function from its others. to_place: matrix (4, 4) from the coordinates of the object.
+    """
+    settings = obj.leaflight
+    if not is_colored(obj):
         return None
-    volumes = [None if other is None else volume_of(other) for other in _colors(obj)]
+    if settings.texture_kind in OWN:
+        own = own_volume(obj)
+        volumes = [cache.placed(own, to_place @ own.index_to_world)]
+    else:
+        # Color bars and captions show the names of the objects.
+        volumes = [other and replace(volume_of(other), name=other.name) for other in _colors(obj)]
     if None in volumes:
         volumes = _with_black(volumes, settings.texture_low)
     try:
@@ -92,9 +120,10 @@ def _texture(obj, volume_of):
         limits = settings.texture_low, settings.texture_high
         if len(volumes) == 3 and settings.texture_srgb:
             return texture_of(volumes, picture_stops(*limits))
-        return texture_of(volumes, settings.texture_map if len(volumes) == 1 else None, limits)
+        colors = settings.texture_map if len(volumes) == 1 else None
+        return texture_of(volumes, colors, limits, **_options(settings))
     except LeaflightError as error:
-        names = " and ".join(f'"{other.name}"' for other in others)
+        names = " and ".join(f'"{other.name}"' for other in volumes_that_color(obj) or [obj])
         raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
 
 
@@ -103,6 +132,56 @@ def _with_black(volumes, low):
     one = next(volume for volume in volumes if volume is not None)
     black = replace(one, values=np.full(one.values.shape, low, np.float32))
     return [black if volume is None else volume for volume in volumes]
+
+
+def _options(settings):
+    """Returns the options of texture_of()."""
+    return {
+        "reverse": settings.texture_reverse,
+        "symmetric": settings.texture_symmetric,
+        "steps": settings.texture_steps,
+    }
+
+
+def own_volume(obj):
+    """Returns the gradient or the height of a volume, in the object's coordinates.
+
+    Heights are in the coordinates of the file. Raises LeaflightError.
+    """
+    volume, settings = cache.volume_of(obj), obj.leaflight
+    is_height = settings.texture_kind == "HEIGHT"
+    up, origin = _up(obj), np.array(settings.origin, np.float64)
+    place = f"{up.tolist()} {origin.tolist()}" if is_height else ""
+    key = id(volume.values), f"{settings.unit} {place} {obj.name}"
+    if key not in _derived:
+        matrix = _rounded(volume.index_to_world)
+        local = replace(volume, index_to_world=matrix, unit=settings.unit, name=obj.name)
+        made = height_of(local, up) if is_height else gradient_of(local)
+        if is_height:
+            made = replace(made, values=made.values + np.float32(up @ origin))
+        if len(_derived) >= _MOST:
+            _derived.pop(next(iter(_derived)))
+        # Keep the array, so that no other gets its address.
+        _derived[key] = volume.values, made
+    return _derived[key][1]
+
+
+def own_range(obj):
+    """Returns the lowest and highest value of own_volume(). Raises LeaflightError."""
+    values = own_volume(obj).values
+    return float(np.nanmin(values)), float(np.nanmax(values))
+
+
+def _up(obj):
+    """Returns the unit vector that points up in the scene, in the coordinates of the object."""
+    up = np.array(obj.matrix_world, np.float64)[2, :3]
+    return up / np.linalg.norm(up)
+
+
+def _rounded(matrix):
+    """Returns a matrix without the rounding that differs before and after a bake."""
+    digits = _DIGITS - int(np.ceil(np.log10(np.abs(matrix[:3, :3]).max())))
+    return np.round(matrix, digits)
 
 
 def _label_texture(volume):

@@ -8,7 +8,7 @@ from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..importing import regions
 from ..operators.checks import active_volume
-from ..show import data_faces, display, look, surface_material
+from ..show import data_faces, display, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline
@@ -63,10 +63,11 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
 
 
 def _draw_texture(layout, settings):
-    layout.prop(settings, "texture_volume")
-    if settings.texture_volume is None and settings.texture_kind != "CHANNELS":
-        return
     layout.prop(settings, "texture_kind")
+    if settings.texture_kind not in texture.OWN:
+        layout.prop(settings, "texture_volume")
+        if settings.texture_volume is None and settings.texture_kind != "CHANNELS":
+            return
     if settings.texture_kind == "LABELS":
         return
     if settings.texture_kind == "CHANNELS":
@@ -75,9 +76,12 @@ def _draw_texture(layout, settings):
         layout.prop(settings, "texture_srgb")
     else:
         layout.prop(settings, "texture_map")
+        layout.prop(settings, "texture_reverse")
+        layout.prop(settings, "texture_steps")
     column = layout.column(align=True)
     column.prop(settings, "texture_low")
     column.prop(settings, "texture_high")
+    layout.prop(settings, "texture_symmetric")
 
 
 class LEAFLIGHT_UL_stops(bpy.types.UIList):
@@ -167,7 +171,9 @@ class LEAFLIGHT_PT_labels(ClosedPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator(labels.LEAFLIGHT_OT_add_scale_bar.bl_idname)
         row.operator(labels.LEAFLIGHT_OT_add_letters.bl_idname)
-        self.layout.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+        row = self.layout.row(align=True)
+        row.operator(labels.LEAFLIGHT_OT_add_orientation_cube.bl_idname)
+        row.operator(labels.LEAFLIGHT_OT_add_color_bar.bl_idname)
 
 
 class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):

@@ -21,6 +21,7 @@ from ..io.sources import is_generated
 from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
 from ..words import figures
+from .coloring import COLOR_OPTIONS, source_anywhere
 from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
 from .output import Output
@@ -38,6 +39,7 @@ _RECIPE = {
     *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "field"),
     "regions",
     "memory",
+    *COLOR_OPTIONS,
 }
 
 
@@ -129,6 +131,7 @@ def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
     """Returns the Checkpoint of a bake. Its recipe is the options, with absolute paths."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
+    recipe["color_by"] = source_anywhere(options.color_by)
     for name in ("scene", "previous"):
         recipe[name] = recipe[name] and os.path.abspath(recipe[name])
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)

@@ -20,6 +20,7 @@ from ..bake.provenance import Provenance
 from ..cluster.tasks import at_workers
 from ..io.output import check_writable
 from .bake_command import bake_settings, checkpoint_of, path_anywhere
+from .coloring import source_anywhere
 from .lighting import to_light
 from ..progress_bar import run_with_progress
 from .output import Output
@@ -163,6 +164,7 @@ def _read_list(path: str) -> list[tuple[int, Namespace]]:
 def _anywhere(options: Namespace) -> Namespace:
     """Returns the options with absolute paths."""
     options.volumes = [path_anywhere(volume) for volume in options.volumes]
+    options.color_by = source_anywhere(options.color_by)
     for name in ("scene", "out"):
         value = getattr(options, name)
         setattr(options, name, value and os.path.abspath(value))

@@ -15,6 +15,7 @@ from ..io.sources import open_volume
 from ..scene.scene import SceneDescription
 from ..volume.memory import limit_memory
 from ..volume.volume import Volume
+from .coloring import colored
 from .output import print_error
 
 
@@ -46,7 +47,7 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
             scene,
             isosurfaces=[replace(isosurfaces, capped=True) for isosurfaces in scene.isosurfaces],
         )
-    return volumes, scene
+    return volumes, colored(scene, volumes, options)
 
 
 def bake_options(options: Namespace) -> dict[str, Any]:

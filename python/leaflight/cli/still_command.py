@@ -14,6 +14,8 @@ from ..bake.load_bake import load_bake
 from ..io.images import write_png
 from ..io.output import check_writable
 from ..stills.camera import Camera, load_camera
+from ..scene.color_bar import captions_of
+from ..stills.drawn_color_bar import bar_of_bake, with_color_bar
 from ..stills.first_view import camera_around_bake, default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
@@ -49,23 +51,35 @@ def run_still(options: Namespace) -> Output:
             progress=progress,
         )
 
+    if options.color_bar and suffix == ".exr":
+        raise SettingError(
+            f"{options.out}: a color bar is not radiance: write a .png, or leave it out.",
+            "color_bar",
+        )
+    bar = bar_of_bake(baked) if options.color_bar else None
     picture = run_with_progress(work, "still")
     if suffix == ".exr":
         _core.write_exr(options.out, picture)
     else:
         exposure = baked.scene.exposure * 2.0 ** metered_stops(baked)
-        write_png(options.out, photographed(picture, exposure))
+        pixels = photographed(picture, exposure)
+        write_png(options.out, pixels if bar is None else with_color_bar(pixels, bar))
     seconds = time.perf_counter() - start
+    captions = captions_of(baked.scene)
     result = {
         "out": options.out,
         "isovalue": isovalue,
+        "colors": captions,
         "size": list(options.size),
         "filled": float(picture[..., 3].mean()),
         "seconds": seconds,
     }
     width, height = options.size
     shown, *_ = figures(isovalue, *baked.isovalues)
-    return result, [f"{options.out}: isovalue {shown}, {width} x {height} pixels, {seconds:.1f} s"]
+    return result, [
+        f"{options.out}: isovalue {shown}, {width} x {height} pixels, {seconds:.1f} s",
+        *(f"color: {caption}" for caption in captions),
+    ]
 
 
 def _camera(baked: Bake, options: Namespace, isovalue: float) -> Camera:

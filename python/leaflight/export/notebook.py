@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from .._core import Progress
 from ..bake.baked import Bake
 from ..progress_bar import with_progress
+from ..stills.drawn_color_bar import bar_of_bake, with_color_bar
 from ..stills.first_view import default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
@@ -26,17 +27,23 @@ if TYPE_CHECKING:
 LARGEST_IN_A_NOTEBOOK = 20e6
 
 
-def picture(bake: Bake, isovalue: float | None = None, **options: Any) -> "Image":
+def picture(
+    bake: Bake, isovalue: float | None = None, color_bar: bool = False, **options: Any
+) -> "Image":
     """Returns still() as an RGBA image of Pillow, with the exposure of the command and the page.
 
     isovalue: None is the default one.
+    color_bar: True draws the color bar of a volume that another one colors.
     options: Options of still().
+    Raises LeaflightError.
     """
     from PIL import Image
 
     isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     exposure = bake.scene.exposure * 2.0 ** metered_stops(bake, isovalue)
-    return Image.fromarray(photographed(still(bake, isovalue, **options), exposure))
+    bar = bar_of_bake(bake) if color_bar else None
+    pixels = photographed(still(bake, isovalue, **options), exposure)
+    return Image.fromarray(pixels if bar is None else with_color_bar(pixels, bar))
 
 
 @with_progress("show")

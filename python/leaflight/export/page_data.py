@@ -16,7 +16,9 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..bake.relit import can_be_relit, indirect_by_lamp, strengths_of
 from ..color_maps import MAPS
+from ..io.images import display_colors
 from ..looks import LOOKS
+from ..scene.color_bar import captions_of, color_bar_of
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing
 from ..stills.lamps import lamps_of
@@ -30,7 +32,7 @@ from .page_walls import walls_data
 from .shared_exponent import planes
 
 # Version of the header and the blocks; the page refuses any other.
-FORMAT = 7
+FORMAT = 8
 # Names of coarser pages, by the number of halvings.
 EVERY = ("every", "every 2nd", "every 4th", "every 8th")
 # Bytes to deflate between two checks for a cancel.
@@ -113,6 +115,7 @@ def page_data(bake: Bake, isovalue: float, coarser: int, progress: Progress) -> 
         unitLength=1.0,
         isPatient=any(volume.patient for volume in bake.volumes),
         colorMaps={key: [name, *colors] for key, (name, _, colors) in MAPS.items()},
+        colorBars=color_bars_data(bake),
         looks={key: asdict(look) for key, look in LOOKS.items()},
         about=about(bake, coarser),
     )
@@ -129,6 +132,22 @@ def lights_data(bake: Bake) -> dict[str, Any]:
         for light, share in zip(bake.scene.lights, shares)
     ]
     return {"lamps": lamps, "others": others}
+
+
+def color_bars_data(bake: Bake) -> list[dict[str, Any]]:
+    """Returns the color bars of a bake's textures, with the colors as those of colorMaps."""
+    bars = [color_bar_of(isosurfaces.texture) for isosurfaces in bake.scene.isosurfaces]
+    return [
+        {
+            "title": bar.title,
+            "stops": [
+                [share, bytes(display_colors(color, 1.0)).hex()] for share, color in bar.stops
+            ],
+            "ticks": bar.ticks,
+        }
+        for bar in bars
+        if bar is not None
+    ]
 
 
 def step_of(bake: Bake) -> float:
@@ -156,6 +175,7 @@ def about(bake: Bake, coarser: int) -> list[tuple[str, str]]:
         rows.append(("Shown here", f"{EVERY[coarser]} voxel along each axis"))
     rows.append(("Isovalues lit", " to ".join(figures(*bake.isovalues))))
     rows.append(("Scene", bake.scene.name))
+    rows.extend(("Color", caption) for caption in captions_of(bake.scene))
     if bake.scene.meshes and bake.walls is None:
         rows.append(("Walls", "shaded locally; bake with --walls to light them"))
     if any(back_side(bake, number) == "local" for number in range(len(bake.volumes))):

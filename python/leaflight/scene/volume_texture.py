@@ -10,7 +10,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..color_maps import MAPS
+from ..color_maps import CATEGORICAL, MAPS, colors_of
 from ..srgb import linear_from_srgb
 from ..volume.volume import Volume
 from ..volume.voxels import as_voxels
@@ -20,6 +20,10 @@ Stops = list[tuple[float, Color]]
 
 # Width of the border between the colors of both signs, relative to the largest absolute value.
 SIGN_WIDTH = 1e-3
+# Width of the border between two steps of a color map, relative to a step.
+STEP_WIDTH = 1e-3
+# Largest number of steps.
+MOST_STEPS = 256
 # Largest label.
 MOST_LABELS = 65535
 # Colors of red, green and blue channels: a value of 0 is dark, 1 is bright.
@@ -84,23 +88,33 @@ def texture_of(
     colors: str | Stops | None = None,
     value_range: tuple[float, float] | None = None,
     nearest: bool = False,
+    *,
+    reverse: bool = False,
+    symmetric: bool = False,
+    steps: int = 0,
 ) -> VolumeTexture:
     """Returns a VolumeTexture.
 
     channels: One Volume, or three for red, green and blue.
-    colors: Key of color_maps.MAPS, or stops (value, color). None is VIRIDIS; for three channels it
-        is black to white.
+    colors: Key of color_maps.MAPS or CATEGORICAL, or stops (value, color), to which only `nearest`
+        applies. None is VIRIDIS; for three channels it is black to white.
     value_range: Values (low, high) at the ends of the color map. None is the range of the data.
     nearest: As in VolumeTexture.
+    reverse: True exchanges the ends of the color map.
+    symmetric: True extends the range to be symmetric about 0.
+    steps: Number of colors of equal width; 0 is smooth. Categorical maps always have steps.
     Raises LeaflightError.
     """
     volumes = (channels,) if isinstance(channels, Volume) else tuple(channels)
     if isinstance(colors, list):
         return VolumeTexture(volumes, colors, nearest)
     if value_range is None:
-        ranges = np.array([_range_of(volume) for volume in volumes])
+        ranges = np.array([range_of(volume) for volume in volumes])
         value_range = float(ranges[:, 0].min()), float(ranges[:, 1].max())
     low, high = value_range
+    if symmetric:
+        high = max(abs(low), abs(high))
+        low = -high
     if not low < high:
         raise LeaflightError(
             f"{volumes[0].name}: the range {low:g} to {high:g} of its colors is empty: give the "
@@ -109,7 +123,7 @@ def texture_of(
     if colors is None and len(volumes) == 3:
         shares = RGB
     else:
-        shares = color_map(colors or "VIRIDIS")
+        shares = color_map(colors or "VIRIDIS", reverse, steps)
     return VolumeTexture(
         volumes, [(low + share * (high - low), color) for share, color in shares], nearest
     )
@@ -129,7 +143,7 @@ def picture_stops(low: float, high: float) -> Stops:
 def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
     """Returns the texture that gives values below and above 0 the ends of a color map."""
     stops = color_map(colors)
-    width = SIGN_WIDTH * max(map(abs, _range_of(volume)))
+    width = SIGN_WIDTH * max(map(abs, range_of(volume)))
     return VolumeTexture((volume,), [(-width, stops[0][1]), (width, stops[-1][1])])
 
 
@@ -175,19 +189,49 @@ def label_colors(values: Array) -> Stops:
     ]
 
 
-def color_map(key: str) -> Stops:
-    """Returns the stops (share in 0..1, linear color) of a color map. Raises LeaflightError."""
-    if key not in MAPS:
-        raise LeaflightError(f'There is no color map "{key}": choose one of {", ".join(MAPS)}.')
-    colors = [_linear([byte / 255.0 for byte in bytes.fromhex(text)]) for text in MAPS[key][2]]
-    return [(i / (len(colors) - 1), color) for i, color in enumerate(colors)]
+def color_map(key: str, reverse: bool = False, steps: int = 0) -> Stops:
+    """Returns the stops (share in 0..1, linear color) of a color map. Raises LeaflightError.
+
+    reverse, steps: As for texture_of().
+    """
+    if key not in MAPS and key not in CATEGORICAL:
+        keys = ", ".join((*MAPS, *CATEGORICAL))
+        raise LeaflightError(f'There is no color map "{key}": choose one of {keys}.')
+    if not 0 <= steps <= MOST_STEPS:
+        raise LeaflightError(
+            f"The number of steps of the colors is {steps}: choose 0 to {MOST_STEPS}."
+        )
+    colors = [_linear([byte / 255.0 for byte in bytes.fromhex(text)]) for text in colors_of(key)]
+    if reverse:
+        colors.reverse()
+    if key in CATEGORICAL:
+        count = steps or len(colors)
+        return _in_steps([colors[i % len(colors)] for i in range(count)])
+    shares = np.linspace(0.0, 1.0, len(colors))
+    if not steps:
+        return list(zip(shares.tolist(), colors))
+    # The ends of a cyclic map are equal, so that the last step is before its end.
+    is_cyclic = np.allclose(colors[0], colors[-1], atol=0.02)
+    places = np.linspace(0.0, 1.0, steps, endpoint=not is_cyclic)
+    channels = [np.interp(places, shares, channel) for channel in np.transpose(colors)]
+    return _in_steps([(r, g, b) for r, g, b in np.transpose(channels).tolist()])
+
+
+def _in_steps(colors: list[Color]) -> Stops:
+    """Returns stops of colors that each have an equal part of 0..1."""
+    count = len(colors)
+    ends = [(i + STEP_WIDTH, i + 1 - STEP_WIDTH) for i in range(count)]
+    places = [place / count for pair in ends for place in pair]
+    places[0], places[-1] = 0.0, 1.0
+    return [(place, colors[k // 2]) for k, place in enumerate(places)]
 
 
 def _linear(srgb: Sequence[float]) -> Color:
     return tuple(linear_from_srgb(np.array(srgb)).tolist())
 
 
-def _range_of(volume: Volume) -> tuple[float, float]:
+def range_of(volume: Volume) -> tuple[float, float]:
+    """Returns the lowest and highest value of a volume."""
     values = volume.values
     return float(np.nanmin(values)), float(np.nanmax(values))
 

@@ -56,6 +56,11 @@ def _cut_in_colors(obj):
     obj.leaflight_look.cut_colors = "MAGMA"
 
 
+def _color_bar(obj):
+    obj.leaflight.texture_kind = "HEIGHT"
+    bpy.ops.leaflight.add_color_bar()
+
+
 def _look(key):
     return lambda _obj: bpy.ops.leaflight.isosurface_preset(preset=key)
 
@@ -78,6 +83,7 @@ SETTINGS = {
     "cut in colors": _cut_in_colors,
     "scale bar": lambda _obj: bpy.ops.leaflight.add_scale_bar(),
     "letters": lambda _obj: bpy.ops.leaflight.add_letters(),
+    "color bar": _color_bar,
     "cube": lambda _obj: bpy.ops.leaflight.add_orientation_cube(),
 }
 

@@ -5,15 +5,19 @@ import bpy
 import leaflight
 import numpy as np
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
 from leaflight.scene.volume_texture import color_map
-from leaflight_addon.show import surface_material, surface_object, texture
-from leaflight_addon.stage import staleness
+from leaflight_addon.show import display, surface_material, surface_object, texture
+from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from leaflight_addon.ui import volume_panel
-from passes import drawn
-from tools import close, colors_of, mesh_arrays, vertices_of
+from leaflight_addon.ui import look_panel, volume_panel
+from mathutils import Vector
+from passes import Layout, drawn
+from tools import close, colors_of, error_of, mesh_arrays, render_exr, vertices_of
 
 N = 24
+# Meshes of the Cornell box.
+WALLS = 5
 
 
 @pytest.fixture
@@ -51,10 +55,11 @@ def _shares(obj):
     return (vertices_of(obj)[:, 0] - low) / (high - low)
 
 
-def _expected(obj, key="CET_D1"):
-    stops = color_map(key)
+def _expected(obj, key="CET_D1", shares=None, reverse=False):
+    stops = color_map(key, reverse)
     positions, colors = [p for p, _ in stops], np.array([c for _, c in stops])
-    return np.array([np.interp(_shares(obj), positions, channel) for channel in colors.T]).T
+    shares = _shares(obj) if shares is None else shares
+    return np.array([np.interp(shares, positions, channel) for channel in colors.T]).T
 
 
 def check_unlit_isosurfaces_have_the_colors(colored):
@@ -98,6 +103,164 @@ def check_another_map_shows_at_once(colored):
     obj.leaflight.texture_map = "CET_D1"
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, obj) == ""
+
+
+def check_a_map_reversed_symmetric_and_in_steps(colored):
+    obj, _ = colored
+    settings = obj.leaflight
+    settings.texture_reverse = True
+    close(colors_of(obj, "texture"), _expected(obj, reverse=True), 2e-3)
+    settings.texture_reverse = False
+    settings.texture_symmetric = True
+    # The values 0 to 1 then have the upper half of the map.
+    close(colors_of(obj, "texture"), _expected(obj, shares=0.5 + 0.5 * _shares(obj)), 2e-3)
+    settings.texture_symmetric = False
+    settings.texture_steps = 3
+    assert len(np.unique(colors_of(obj, "texture").round(3), axis=0)) == 3
+    settings.texture_map = "TAB10"
+    settings.texture_steps = 0
+    assert len(np.unique(colors_of(obj, "texture").round(3), axis=0)) <= 10
+
+
+def _values_of_colors(obj, key):
+    """Returns the values 0..1 that the vertices' colors have in a map."""
+    stops = color_map(key)
+    red = [color[0] for _, color in stops]
+    return np.interp(colors_of(obj, "texture")[:, 0], red, [place for place, _ in stops])
+
+
+def check_the_height_colors_without_another_volume(boxed, tmp_path):
+    """Checks a turned and scaled object, whose colors follow the height in the scene."""
+    obj = boxed
+    obj.rotation_euler, obj.scale = (0.5, 0.3, 0.2), (2.0, 2.0, 2.0)
+    bpy.context.view_layer.update()
+    obj.leaflight.texture_map = "CET_L1"
+    obj.leaflight.texture_kind = "HEIGHT"
+    settings = obj.leaflight
+    vertices, matrix = vertices_of(obj), np.array(obj.matrix_world, np.float64)
+    heights = ((vertices + settings.origin) @ matrix[:3, :3].T)[:, 2] / 2.0
+    assert settings.texture_low < heights.min() < heights.max() < settings.texture_high
+    shares = (heights - settings.texture_low) / (settings.texture_high - settings.texture_low)
+    close(_values_of_colors(obj, "CET_L1"), shares, 5e-3)
+    obj.rotation_euler.x += 0.4
+    bpy.context.view_layer.update()
+    obj.leaflight.isovalue += 0.1
+    assert np.abs(_values_of_colors(obj, "CET_L1")[:100] - shares[:100]).max() > 0.05
+
+
+def check_the_panel_asks_for_a_volume_only_where_it_is_needed(colored):
+    obj, _ = colored
+    of_map = {"texture_map", "texture_reverse", "texture_steps", "texture_symmetric"}
+    for kind, shown, hidden in (
+        ("MAP", {"texture_volume", *of_map}, {"texture_green"}),
+        ("HEIGHT", of_map, {"texture_volume"}),
+        ("GRADIENT", of_map, {"texture_volume"}),
+        ("CHANNELS", {"texture_volume", "texture_green", "texture_low"}, {"texture_map"}),
+        ("LABELS", {"texture_volume"}, {"texture_low", *of_map}),
+    ):
+        obj.leaflight.texture_kind = kind
+        seen = []
+        look_panel._draw_texture(Layout(seen), obj.leaflight)
+        assert shown <= set(seen) and not hidden & set(seen), kind
+
+
+def check_a_bake_with_the_gradient_is_current_and_reopens(boxed, tmp_path):
+    obj = boxed
+    obj.leaflight.texture_kind = "GRADIENT"
+    assert obj.leaflight.texture_high > obj.leaflight.texture_low >= 0.0
+    obj.leaflight.bake_folder = ""
+    path = tmp_path / "gradient.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    found = cache.bake_of(obj).scene.isosurfaces[0].texture
+    volume = cache.volume_of(obj)
+    expected = leaflight.gradient_of(volume)
+    close(found.channels[0].values, expected.values, 1e-4 * expected.values.max())
+    bpy.ops.wm.save_mainfile()
+    name = obj.name
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    obj = bpy.data.objects[name]
+    obj.leaflight.isovalue += 1.0
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    obj.leaflight.texture_kind = "HEIGHT"
+    bpy.context.view_layer.update()
+    assert staleness.change_since_bake(bpy.context, obj).startswith("The scene has changed")
+
+
+def _bar():
+    """Returns (bar, its heights 0..1, its colors, {text: its height 0..1 in the bar})."""
+    (bar,) = [o for o in bpy.data.objects if display.is_display(o, "color bar") and o.children]
+    length = vertices_of(bar)[:, 1].max()
+    texts = {text.data.body: text.location.y / length for text in bar.children}
+    return bar, vertices_of(bar)[:, 1] / length, colors_of(bar, "bar_color"), texts
+
+
+def check_the_color_bar_has_the_colors_and_numbers(colored):
+    obj, other = colored
+    bpy.context.scene.view_settings.exposure = 0.0
+    other.name = "potential (e/bohr)"
+    bpy.ops.leaflight.add_color_bar()
+    bar, heights, colors, texts = _bar()
+    close(colors, _expected(obj, shares=heights), 1e-5)
+    assert {text: share for text, share in texts.items() if share <= 1} == pytest.approx(
+        {"0": 0, "0.5": 0.5, "1": 1}
+    )
+    assert set(texts) - {"0", "0.5", "1"} == {"potential (e/bohr)"}
+    # All of it is at the right of the picture.
+    bpy.context.view_layer.update()
+    for part in (bar, *bar.children):
+        for corner in part.bound_box:
+            at = part.matrix_world @ Vector(corner)
+            x, y, _ = world_to_camera_view(bpy.context.scene, bpy.context.scene.camera, at)
+            assert 0.6 < x < 1 and 0 < y < 1
+    assert len(scene_export.export_scene(bpy.context, obj)[0].meshes) == WALLS
+
+
+def check_the_color_bar_follows_the_map_and_its_range(colored):
+    obj, _ = colored
+    bpy.ops.leaflight.add_color_bar()
+    obj.leaflight.texture_high = 4.0
+    obj.leaflight.texture_low = -2.0
+    obj.leaflight.texture_map = "MAGMA"
+    bar, heights, colors, texts = _bar()
+    close(colors, _expected(obj, "MAGMA", heights), 1e-5)
+    assert {"-2", "1", "4"} < set(texts)
+    obj.leaflight.texture_steps = 2
+    assert len(np.unique(_bar()[2].round(4), axis=0)) == 2
+    bpy.ops.leaflight.add_color_bar()
+    (bar, *_) = _bar()
+    obj.leaflight.texture_volume = None
+    assert not bar.children and not len(bar.data.vertices)
+    obj.leaflight.texture_kind = "HEIGHT"
+    assert "height" in " ".join(_bar()[3])
+
+
+@pytest.mark.parametrize("engine", ["CYCLES", "EEVEE"])
+def check_the_color_bar_renders_in_its_colors(colored, tmp_path, engine):
+    bpy.context.scene.view_settings.exposure = 0.0
+    bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 64
+    bpy.ops.leaflight.add_color_bar()
+    bpy.context.view_layer.update()
+    bar, camera = _bar()[0], bpy.context.scene.camera
+    pixels = render_exr(tmp_path / "bar.exr", engine, size=64)[..., :3]
+    for share in (0.1, 0.9):
+        (low, *_, high) = sorted(bar.bound_box, key=sum)
+        middle = [low[0] + 0.5 * (high[0] - low[0]), low[1] + share * (high[1] - low[1]), 0.0]
+        x, y, _ = world_to_camera_view(bpy.context.scene, camera, bar.matrix_world @ Vector(middle))
+        found = pixels[int(64 * (1 - y)), int(64 * x)]
+        close(found, _expected(colored[0], shares=np.array([share]))[0], 0.05)
+
+
+def check_colors_without_a_range_have_no_bar(colored, tmp_path):
+    obj, _ = colored
+    labels = np.broadcast_to(np.arange(N, dtype=np.uint8) // 8, (N, N, N))
+    other = _import(obj, np.ascontiguousarray(labels), tmp_path / "labels.raw", "uint8")
+    obj.leaflight.texture_volume = other
+    obj.leaflight.texture_kind = "LABELS"
+    assert "no range for a color bar" in error_of(bpy.ops.leaflight.add_color_bar)
+    bpy.data.objects.remove(bpy.context.scene.camera)
+    assert "no camera" in error_of(bpy.ops.leaflight.add_color_bar)
 
 
 def check_labels_have_separate_colors(boxed, tmp_path):

@@ -196,6 +196,7 @@ ROWS = (
     _instant("add_scale_bar", "baked", "labels"),
     _instant("add_letters", "baked", "labels"),
     _instant("add_orientation_cube", "baked", "labels"),
+    _instant("add_color_bar", "colored", "labels"),
 )
 
 # Operators that cannot be pressed, each with its reason.

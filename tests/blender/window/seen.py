@@ -40,7 +40,7 @@ _folder = [None]
 
 
 def _labels():
-    return [displays(kind) for kind in ("scale bar", "letter", "orientation cube")]
+    return [displays(kind) for kind in ("scale bar", "letter", "orientation cube", "color bar")]
 
 
 def _look():
