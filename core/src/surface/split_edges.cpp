@@ -54,7 +54,12 @@ void write_parts(const Triangle& t, const Middles& middle, Triangle* parts) {
 // Returns the point of the isosurface nearest to the midpoint of an edge. Returns the midpoint if
 // the isosurface is too far away, as in a tunnel that the mesh does not follow.
 Vec3 middle_of(const Field<3>& field, double isovalue, const Vec3& a, const Vec3& b) {
-  const Vec3 middle = (a + b) * 0.5, found = project_to_isosurface(field, middle, isovalue);
+  const Vec3 middle = (a + b) * 0.5;
+  Vec3 found = project_to_isosurface(field, middle, isovalue);
+  if (field.ramp != nullptr) {
+    const Vec3 index = field.world_to_index.point(found);
+    found = field.index_to_world.point(flat_on_cut(field, index, isovalue));
+  }
   return (found - middle).length() <= 0.25 * (b - a).length() ? found : middle;
 }
 
