@@ -36,6 +36,7 @@ _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
     *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "field"),
+    *("hide", "label_table"),
     "memory",
 }
 
@@ -128,7 +129,7 @@ def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
     """Returns the Checkpoint of a bake. Its recipe is the options, with absolute paths."""
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
-    for name in ("scene", "previous"):
+    for name in ("scene", "previous", "label_table"):
         recipe[name] = recipe[name] and os.path.abspath(recipe[name])
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)
 

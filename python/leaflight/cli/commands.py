@@ -9,6 +9,7 @@ Ctrl-C; no file is written then.
 import warnings
 from argparse import Namespace
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -32,8 +33,10 @@ from ..flatland.flatland import (
 from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.ply import write_photons, write_ply
+from ..io.readers.checks import listed
 from ..measure.compare import compare
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
+from ..volume.label_table import labels_of
 from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
@@ -89,6 +92,8 @@ def _info(options: Namespace) -> Output:
     lo, hi = default_isovalue_range(volume)
     isovalue = default_isovalue(volume)
     least, most, first, last, shown = figures(low, high, lo, hi, isovalue)
+    is_map = volume.labels and options.field is None
+    labels = labels_of(volume.values, volume.labels) if is_map else ()
     result = {
         "source": volume.source,
         "name": volume.name,
@@ -102,12 +107,15 @@ def _info(options: Namespace) -> Output:
         "isovalues": [lo, hi],
         "isovalue": isovalue,
         "notes": list(volume.notes),
+        "labels": [asdict(label) for label in labels],
     }
+    names = [f"{label.number} {label.name}" for label in labels]
     return result, [
         f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
         f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
         f"values {least}..{most}; by default isovalues {first}..{last} are baked "
         f"and {shown} is shown",
+        *([f"labels {listed(names)}"] if names else []),
         *volume.notes,
     ]
 
@@ -140,7 +148,9 @@ def _photons(options: Namespace) -> Output:
 def _in_flags(error: LeaflightError) -> str:
     """Returns the message of an error on one line, with settings as flags."""
     sentence = " ".join(str(error).split())
-    flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
+    flags = ", ".join(
+        f"--{setting.replace('_', '-')}" for setting in getattr(error, "settings", ())
+    )
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 

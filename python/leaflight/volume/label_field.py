@@ -10,6 +10,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .label_table import label_numbers
 from .smoothing import smoothed
 
 # Standard deviation of the Gaussian, in voxels.
@@ -23,8 +24,9 @@ _BISECTIONS = 12
 def label_field(values: Array, progress: _core.Progress) -> Array:
     """Returns the field, float32 in 0..1, of labels [z, y, x]. NaN is outside.
 
-    Raises Cancelled, and LeaflightError if there are no labels, or nothing else.
+    Raises Cancelled, and LeaflightError as label_numbers(), or without labels or anything else.
     """
+    label_numbers(values)
     inside = values > 0
     count = int(np.count_nonzero(inside))
     if count in (0, inside.size):

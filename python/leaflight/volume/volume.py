@@ -15,6 +15,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..words import by, html_table
 from .distribution import Distribution
+from .label_table import Label
 from .setting_error import SettingError
 from .smoothing import checked, smoothed
 from .units import METERS, unit_of
@@ -36,6 +37,7 @@ class Given(AxisAligned, total=False):
     """The arguments of Volume that can only be given by name."""
 
     notes: Sequence[str]
+    labels: Sequence[Label]
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -53,6 +55,7 @@ class Volume:
     smooth_normals: Standard deviation in voxels of a Gaussian on the values from which normals are
         computed; 0 is none. The isosurfaces do not change.
     notes: Sentences for the user about choices of the reader, such as a guessed type.
+    labels: Names and colors of the labels in a label map, as far as its file has them.
 
     Instead of index_to_world you can give spacing, the voxel size (one number or (x, y, z)), and
     origin, the position (x, y, z) of the first node. Their defaults are 1 and 0.
@@ -66,6 +69,7 @@ class Volume:
     patient: bool
     smooth_normals: float
     notes: tuple[str, ...]
+    labels: tuple[Label, ...]
 
     def __init__(
         self,
@@ -80,7 +84,7 @@ class Volume:
     ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
-        notes = tuple(grid.pop("notes", ()))
+        notes, labels = tuple(grid.pop("notes", ())), tuple(grid.pop("labels", ()))
         axis_aligned = _axis_aligned(values.ndim, grid.get("spacing"), grid.get("origin"))
         if index_to_world is None:
             index_to_world = axis_aligned
@@ -97,7 +101,7 @@ class Volume:
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
         self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
-        self.__dict__.update(notes=notes)
+        self.__dict__.update(notes=notes, labels=labels)
 
     @cached_property
     def _field(self) -> _core.Field:
