@@ -26,6 +26,7 @@ _SETTINGS = (
     "capped",
     "smooth",
     "smooth_normals",
+    "hide",
 )
 
 # Full name of an object -> (its settings at the estimate, the error of the pilot, the Pilot).

@@ -43,6 +43,7 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_fingerprint = state.fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_smoothing = settings.smooth, bake.volumes[index].smooth_normals
+    settings.bake_hide = settings.hide
     settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_target = bake.provenance.error or 0

@@ -17,7 +17,7 @@ from leaflight.words import figures
 
 from ..operators import background, failures, jobs
 from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
-from ..show import display, isovalues, surface_object, volume_properties
+from ..show import display, isovalues, label_list, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
@@ -108,6 +108,12 @@ class LEAFLIGHT_OT_import_volume(
         "Show labels as closed surfaces, each in its own color",
         True,
     )
+    label_table: StringProperty(
+        "Label Table",
+        "File with the names and colors of labels, of 3D Slicer, FreeSurfer, ITK-SNAP or BIDS; "
+        "empty takes those of the file, or the table of that name beside it",
+        options={"SKIP_SAVE"},
+    )
     all_channels: BoolProperty(
         "All Channels",
         "Import each channel as a separate volume in the same place, with its own isovalue "
@@ -143,7 +149,7 @@ class LEAFLIGHT_OT_import_volume(
         return list(stored.datasets) if stored is not None else []
 
     # Choices of source_files.CHOICES that the resolution and the values set later.
-    downsample, field = 1, ""
+    downsample, field, hide = 1, "", ""
     _patience = 0.3
 
     def draw(self, context):
@@ -169,6 +175,7 @@ class LEAFLIGHT_OT_import_volume(
         layout.prop(self, "smooth_normals")
         layout.prop(self, "both_signs")
         layout.prop(self, "labels")
+        layout.prop(self, "label_table")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
@@ -192,7 +199,7 @@ class LEAFLIGHT_OT_import_volume(
                 layout.prop(self, "level")
             return
         open_choices = (
-            len(stored.datasets) > 1 and not self.dataset,
+            len(stored.datasets) > 1 and not self.dataset and stored.dims is None,
             stored.frames > 1 and self.frame < 0 and not self.animate,
             stored.channels > 1 and self.channel < 0 and not self.all_channels,
         )
@@ -259,6 +266,7 @@ class ImportJob(jobs.Job):
         self._axes = [x if x in orientation.AXES else "" for x in (operator.up, operator.front)]
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
         self._both_signs, self._labels = operator.both_signs, operator.labels
+        self._label_table = operator.label_table and bpy.path.abspath(operator.label_table)
         self._all_channels = operator.all_channels
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
@@ -275,11 +283,12 @@ class ImportJob(jobs.Job):
         self._read, self._colors = [], None
         for channel in channels:
             chosen = {**choices, "channel": channel}
-            volume = source_files.read_volume(path, progress=progress, **chosen)
+            volume = source_files.read_volume(path, progress, self._label_table, **chosen)
             field = self._field_of(volume, channels)
             if field:
                 self._colors = _Read.of_volume(volume, chosen)
-                volume = replace(volume, values=FIELDS[field](volume.values, progress))
+                values = FIELDS[field](volume.values, progress)
+                volume = replace(volume, values=values, labels=())
             read = _Read.of_volume(volume, {**chosen, "field": field})
             if field == "labels":
                 read = replace(read, isovalue=0.5, isovalue_range=_AROUND_BOUNDARY)
@@ -292,9 +301,11 @@ class ImportJob(jobs.Job):
             return ""
         if self._both_signs and has_lobes(volume):
             return "absolute"
+        if not self._labels or volume.labels:
+            return "labels" if self._labels else ""
         found = volume.distribution
-        is_map = self._labels and found.are_labels and len(found.levels[0]) > 2
-        return "labels" if is_map and min(found.levels[0]) == 0 else ""
+        is_map = found.are_labels and len(found.levels[0]) > 2 and min(found.levels[0]) == 0
+        return "labels" if is_map else ""
 
     def apply(self):
         context, first = bpy.context, self._read[0]
@@ -349,6 +360,8 @@ class ImportJob(jobs.Job):
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
+        if volume.labels:
+            label_list.fill_if_empty(obj)
         settings["isovalue"] = read.isovalue
         settings.limit_isovalue(read.range, read.isovalue_range, read.isovalue)
         surface_object.update(obj, read.isovalue)
@@ -368,7 +381,9 @@ class ImportJob(jobs.Job):
         name = iface_("%s sign") if field == "absolute" else iface_("%s labels")
         other = self._add_over(context, obj, read, name % obj.name)
         settings, width = obj.leaflight, SIGN_WIDTH * self._read[0].range[1]
-        settings.texture_kind = "LABELS" if field == "labels" else "MAP"
+        if field == "labels":
+            label_list.fill_if_empty(other)
+            settings.texture_kind = "LABELS"
         settings.texture_map = _OF_SIGNS
         settings.texture_volume = other
         settings.texture_low, settings.texture_high = -width, width

@@ -127,6 +127,7 @@ class BakeRecord:
     bake_values: StringProperty("Hash of the Values at the Bake")
     bake_file_state: StringProperty("Volume File at the Bake")
     bake_smoothing: FloatVectorProperty("Smoothing of Values and Normals at the Bake", size=2)
+    bake_hide: StringProperty("Hidden Labels at the Bake")
     bake_index: IntProperty("Number Among the Volumes Baked Together")
     bake_low: FloatProperty("Lowest Isovalue of the Bake")
     bake_high: FloatProperty("Highest Isovalue of the Bake")

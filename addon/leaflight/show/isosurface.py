@@ -178,7 +178,7 @@ def is_lit(obj, isovalue):
     # The radiance of a mirror or glass depends on the view, so no bake holds it.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
-    if source_files.smoothing_changed(settings):
+    if source_files.is_read_otherwise(settings):
         return False
     low, high = (bake.isovalue_of(index, c) for c in bake.isovalues)
     rounding = 1e-6 * (high - low)

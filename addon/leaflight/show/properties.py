@@ -4,7 +4,7 @@
 import bpy
 from leaflight.color_maps import MAPS
 
-from . import isovalues, surface_object, texture, walls
+from . import isovalues, label_list, surface_object, texture, walls
 from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
@@ -38,6 +38,8 @@ def _texture_chosen(settings, _context):
     others = texture.volumes_that_color(settings.id_data)
     if others:
         settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
+        if others[0].leaflight.labels:
+            settings.texture_kind = "LABELS"
     _texture_changed(settings, _context)
 
 
@@ -45,6 +47,13 @@ def _channel_chosen(settings, _context):
     for other in texture.volumes_that_color(settings.id_data)[1:]:
         texture.begin(other)
     _texture_changed(settings, _context)
+
+
+def _kind_changed(settings, context):
+    if settings.texture_kind == "LABELS":
+        for other in texture.volumes_that_color(settings.id_data):
+            label_list.fill_if_empty(other)
+    _texture_changed(settings, context)
 
 
 def _texture_changed(settings, _context):
@@ -106,7 +115,7 @@ class Isosurfaces:
             ("LABELS", "Labels", "Each whole number has its own color, without colors between"),
             ("CHANNELS", "Red, Green, Blue", "Three volumes are red, green and blue"),
         ],
-        update=_texture_changed,
+        update=_kind_changed,
     )
     texture_green: PointerProperty(
         bpy.types.Object,
@@ -183,6 +192,10 @@ class LeaflightSettings(
     """
 
     is_volume: BoolProperty("Leaflight Volume")
+    labels: CollectionProperty(
+        label_list.LeaflightLabel, "Labels", "Labels of a label map, with names and colors"
+    )
+    label: IntProperty("Active Label")
 
     @property
     def isovalue(self):
@@ -229,7 +242,7 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
+CLASSES = (LeaflightColorStop, label_list.LeaflightLabel, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
     (bpy.types.Object, "leaflight", PointerProperty(LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),

@@ -112,6 +112,8 @@ def _change(context, obj):
         return str(error)
     if source_files.smoothing_changed(obj.leaflight):
         return "Smooth has changed since the bake: bake again"
+    if source_files.hidden_changed(obj.leaflight):
+        return "Other labels are hidden than in the bake: bake again"
     if source_files.changed_since_bake(obj):
         return f"{obj.leaflight.source} has changed since the bake: bake again"
     try:

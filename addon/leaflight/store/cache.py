@@ -302,7 +302,7 @@ def _baked_key(obj):
         return None
     if bake is None or bake.scene.isosurfaces[settings.bake_index].capped != settings.capped:
         return None
-    if source_files.smoothing_changed(settings):
+    if source_files.is_read_otherwise(settings):
         return None
     return _key_in_bake(settings)
 

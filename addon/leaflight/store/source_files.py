@@ -32,13 +32,14 @@ CHOICES = (
     "dataset",
     "downsample",
     "field",
+    "hide",
     "smooth",
     "smooth_normals",
 )
 # Largest value of each property that has no effect.
 _NONE = {
     **{"frame": -1, "channel": -1, "downsample": 1},
-    **{"field": "", "smooth": 0, "smooth_normals": 0},
+    **{"field": "", "hide": "", "smooth": 0, "smooth_normals": 0},
 }
 # Properties for the smoothing of values and of normals alone.
 SMOOTHING = CHOICES[-2:]
@@ -68,10 +69,17 @@ def _plain(value):
     return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
-def read_volume(path, progress=None, **choices):
-    """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError."""
+def read_volume(path, progress=None, label_table="", **choices):
+    """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError.
+
+    label_table: Path of a table of labels, empty without one.
+    """
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
+    if "hide" in options:
+        options["hide"] = [int(number) for number in options["hide"].split()]
+    if label_table:
+        options["label_table"] = label_table
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 
@@ -192,6 +200,16 @@ def smoothing_changed(settings):
     """True if the smoothing of values or of normals alone has changed since the bake."""
     now = [getattr(settings, name) for name in SMOOTHING]
     return now != list(settings.bake_smoothing)
+
+
+def hidden_changed(settings):
+    """True if other labels are hidden than at the bake."""
+    return settings.hide != settings.bake_hide
+
+
+def is_read_otherwise(settings):
+    """True if the file of a volume is no longer read as for its bake."""
+    return smoothing_changed(settings) or hidden_changed(settings)
 
 
 def changed_since_bake(obj):

@@ -53,22 +53,26 @@ def labels_for(
     table: None takes the file of that name beside it, if there is one. Raises LeaflightError.
     """
     if table is not None:
-        return _matching(path, values, Path(table)), ()
+        return matching_table(path.name, values, table), ()
     beside = _beside(path)
     if beside is None:
         return (), ()
     try:
-        return _matching(path, values, beside), ()
+        return matching_table(path.name, values, beside), ()
     except LeaflightError as error:
         # Other programs write notes as text files.
         return (), () if beside.suffix == ".txt" else (f"{error}",)
 
 
-def _matching(path: Path, values: Array, table: Path) -> tuple[Label, ...]:
+def matching_table(name: str, values: Array, table: str | os.PathLike[str]) -> tuple[Label, ...]:
+    """Returns the labels of a table that has some of those in a label map. Raises LeaflightError.
+
+    name: That of the label map, for the error.
+    """
     labels = read_label_table(table)
     if not {label.number for label in labels}.intersection(label_numbers(values)):
         raise SettingError(
-            f"{table}: the label table has none of the labels in {path.name}: give the table of "
+            f"{table}: the label table has none of the labels in {name}: give the table of "
             "this file.",
             "label_table",
         )

@@ -196,7 +196,7 @@ def _processed(
         labels, remarks = labels_for(path, values, wanted.label_table)
         notes += remarks
     if wanted.field is not None:
-        values = FIELDS[wanted.field](values, progress)
+        values, labels = FIELDS[wanted.field](values, progress), ()
     return replace(
         volume,
         values=values,
