@@ -230,6 +230,7 @@ def test_segments_of_highdicom(tmp_path, masks):
             segmented_property_category=codes.SCT.Organ,
             segmented_property_type=codes.SCT.Liver,
             algorithm_type="MANUAL",
+            display_color=highdicom.color.CIELabColor.from_rgb(221, 130, 101),
         )
         for n, label in enumerate(["Liver", "Spleen"])
     ]
@@ -250,6 +251,8 @@ def test_segments_of_highdicom(tmp_path, masks):
     ).save_as(path)
     for n, label in enumerate(["Liver", "Spleen"]):
         reads(masks[n], path, dataset=label)
+    colors = [label.color for label in read_volume(path).labels]
+    assert np.abs(np.array(colors) * 255 - (221, 130, 101)).max() < 0.6
     # The folder also contains its scan.
     segments = ("300 SEG: all segments", "300 SEG: Liver", "300 SEG: Spleen")
     assert probe(tmp_path).datasets == ("3 Head CT", *segments)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from leaflight import read_volume
 from leaflight.io.readers import probe
+from leaflight.io.readers.label_files import read_label_table
 from leaflight.scene.volume_texture import label_texture
 from leaflight.srgb import linear_from_srgb
 from leaflight.volume.label_table import Label, label_numbers, labels_of
@@ -104,6 +105,23 @@ def test_bad_tables(tmp_path, nifti):
         table = written(tmp_path / file, content)
         refused(f"{file}: .*{sentence}", read_volume, nifti, label_table=table)
     refused("gone.ctbl: cannot read", read_volume, nifti, label_table=tmp_path / "gone.ctbl")
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_damage_of_a_table_is_one_error(tmp_path, name):
+    """Checks that each damaged table is read or refused."""
+    file, content, _ = TABLES[name]
+    random = np.random.default_rng(7)
+    for _ in range(200):
+        data = bytearray(content.encode())
+        for place in random.integers(len(data), size=random.integers(1, 5)):
+            data[place] = random.choice(list(b'\0\t\n "#09\xff\xc2\x85'))
+        try:
+            read_label_table(written(tmp_path / file, bytes(data[: random.integers(len(data))])))
+        except leaflight.LeaflightError as error:
+            assert str(error).startswith(f"{tmp_path / file}: ")
+    for line in ("9" * 5000 + " a 1 2 3", "² a 1 2 3", "-3 a 1 2 3", "1" + 100_000 * " " + "x"):
+        refused("label table", read_label_table, written(tmp_path / file, f"{line}\n"))
 
 
 def test_a_bad_table_beside_a_map_is_left_out(tmp_path, nifti):

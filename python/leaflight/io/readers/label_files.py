@@ -4,7 +4,6 @@
 3D Slicer writes .ctbl, FreeSurfer a ColorLUT, ITK-SNAP a label description, BIDS a _dseg.tsv.
 """
 
-import csv
 import os
 import re
 from pathlib import Path
@@ -16,10 +15,11 @@ from ...volume.setting_error import SettingError
 
 # Upper bound on the bytes of a table.
 _MOST = 1 << 24
+_NUMBER = r"(\d{1,9})"
 # Number, name, red, green, blue and opacity, as FreeSurfer and 3D Slicer write them.
-_NAME_FIRST = re.compile(r'(\d+)\s+"?(.*?)"?' + 3 * r"\s+(\d+)" + r"(?:\s+\d+)?")
+_NAME_FIRST = re.compile(_NUMBER + r'\s+"?(.*?)"?' + 3 * (r"\s+" + _NUMBER) + r"(?:\s+\d+)?")
 # Number, red, green, blue, opacity, two flags and the name, as ITK-SNAP writes them.
-_COLOR_FIRST = re.compile(r"(\d+)" + 3 * r"\s+(\d+)" + r"\s+[\d.]+\s+[01]\s+[01]\s+\"(.*)\"")
+_COLOR_FIRST = re.compile(_NUMBER + 3 * (r"\s+" + _NUMBER) + r"\s+[\d.]+\s+[01]\s+[01]\s+\"(.*)\"")
 # Suffixes of tables, by which they are found.
 _SUFFIXES = (".ctbl", ".tsv", ".txt")
 
@@ -90,7 +90,8 @@ def _beside(path: Path) -> Path | None:
 def _of_lines(path: Path, lines: list[str]) -> list[Label]:
     found = []
     for number, line in enumerate(lines, 1):
-        line = line.strip()
+        # Single spaces keep the patterns from trying many divisions.
+        line = " ".join(line.split())
         if not line or line.startswith("#"):
             continue
         name_first, color_first = (each.fullmatch(line) for each in (_NAME_FIRST, _COLOR_FIRST))
@@ -102,26 +103,23 @@ def _of_lines(path: Path, lines: list[str]) -> list[Label]:
             raise _damaged(path, number, "a number, a name and a color")
         # 3D Slicer writes spaces as underscores.
         name = name.replace("_", " ") if path.suffix.lower() == ".ctbl" else name
-        found.append(Label.of(_number(key), name.strip(), [int(part) / 255.0 for part in color]))
+        found.append(Label.of(int(key), name.strip(), [int(part) / 255.0 for part in color]))
     return found
 
 
 def _of_bids(path: Path, lines: list[str]) -> list[Label]:
     """Returns the labels of a BIDS table. Its column of colors may be absent."""
+    names = lines[0].split("\t") if lines else []
     found = []
-    for number, row in enumerate(csv.DictReader(lines, delimiter="\t"), 2):
-        key, name = (row.get("index") or "").strip(), row.get("name")
-        color = re.fullmatch(r"#?([0-9a-fA-F]{6})", (row.get("color") or "").strip())
-        if not key.isdecimal() or name is None:
+    for number, line in enumerate(lines[1:], 2):
+        row = {name.strip(): word.strip() for name, word in zip(names, line.split("\t"))}
+        key = re.fullmatch(_NUMBER, row.get("index", ""))
+        if key is None or "name" not in row:
             raise _damaged(path, number, "a number and a name under index and name")
+        color = re.fullmatch(r"#?([0-9a-fA-F]{6})", row.get("color", ""))
         parts = [byte / 255.0 for byte in bytes.fromhex(color[1])] if color else None
-        found.append(Label.of(_number(key), name.strip(), parts))
+        found.append(Label.of(int(key[0]), row["name"], parts))
     return found
-
-
-def _number(word: str) -> int:
-    """Returns a number of a table, which may have any number of digits."""
-    return int(word[:18])
 
 
 def _damaged(path: Path, line: int, what: str) -> LeaflightError:

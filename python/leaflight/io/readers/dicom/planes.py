@@ -195,7 +195,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         order=_order(tags, page),
         label=label,
         segment=segment,
-        labels=tuple(file.segments.values()),
+        labels=tuple(label for label in file.segments.values() if label.number > 0),
         slope=slope,
         intercept=intercept,
         position=position,
