@@ -81,6 +81,15 @@ def test_a_table_beside_its_map(tmp_path, nifti, suffix):
     assert [label.number for label in read_volume(nifti).labels] == [3, 7]
 
 
+def test_a_table_of_bids_for_all_subjects(tmp_path, nifti):
+    folder = tmp_path / "sub-1" / "anat"
+    folder.mkdir(parents=True)
+    path = nifti.rename(folder / "sub-1_desc-aseg_dseg.nii.gz")
+    written(tmp_path / "desc-other_dseg.tsv", BIDS.replace("Left", "Right"))
+    written(tmp_path / "desc-aseg_dseg.tsv", BIDS)
+    assert [label.name for label in read_volume(path).labels] == ["Left Lung", "b"]
+
+
 def test_labels_without_a_table_have_numbers_and_separate_colors(nifti):
     volume = read_volume(nifti)
     assert volume.labels == ()

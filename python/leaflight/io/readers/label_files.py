@@ -20,6 +20,8 @@ _NUMBER = r"(\d{1,9})"
 _NAME_FIRST = re.compile(_NUMBER + r'\s+"?(.*?)"?' + 3 * (r"\s+" + _NUMBER) + r"(?:\s+\d+)?")
 # Number, red, green, blue, opacity, two flags and the name, as ITK-SNAP writes them.
 _COLOR_FIRST = re.compile(_NUMBER + 3 * (r"\s+" + _NUMBER) + r"\s+[\d.]+\s+[01]\s+[01]\s+\"(.*)\"")
+# Folders of a file in which BIDS has its table: of the image, the session, the subject, all.
+_ABOVE = 4
 # Suffixes of tables, by which they are found.
 _SUFFIXES = (".ctbl", ".tsv", ".txt")
 
@@ -80,10 +82,17 @@ def matching_table(name: str, values: Array, table: str | os.PathLike[str]) -> t
 
 
 def _beside(path: Path) -> Path | None:
-    """Returns the label table with the name of a file, in the same folder, or None."""
+    """Returns the label table with the name of a file, in the same folder, or None.
+
+    By BIDS a table in a folder above may lack parts of the name, such as the subject.
+    """
     name = path.name.removesuffix(".gz")
     stem = name.rpartition(".")[0]
     found = [path.parent / f"{each}{suffix}" for each in (stem, name) for suffix in _SUFFIXES]
+    if stem.endswith("_dseg"):
+        parts = set(stem.split("_"))
+        above = (table for folder in path.parents[:_ABOVE] for table in folder.glob("*dseg.tsv"))
+        found += [table for table in above if parts.issuperset(table.stem.split("_"))]
     return next((table for table in found if table != path and table.is_file()), None)
 
 
