@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 from bpy_extras.io_utils import ImportHelper
+from leaflight import LeaflightError
 from leaflight.io.readers.label_files import matching_table
 from leaflight.volume.label_table import labels_of
 
@@ -30,6 +31,13 @@ class _LabelOperator(checks.VolumeOperator):
         ),
     )
 
+    def label_map(self, context):
+        """Returns the object of the label map. Raises LeaflightError if it was just deleted."""
+        found = label_map_of(active_volume(context))
+        if found is None:
+            raise LeaflightError("The label map was deleted: import it again.")
+        return found
+
 
 class LEAFLIGHT_OT_show_labels(_LabelOperator, bpy.types.Operator):
     bl_label = "Show Labels"
@@ -45,7 +53,7 @@ class LEAFLIGHT_OT_show_labels(_LabelOperator, bpy.types.Operator):
     )
 
     def run(self, context):
-        label_map = label_map_of(active_volume(context))
+        label_map = self.label_map(context)
         items, active = label_map.leaflight.labels, label_map.leaflight.label
         shown = np.ones(len(items), bool)
         if self.which == "OTHERS":
@@ -67,7 +75,7 @@ class LEAFLIGHT_OT_read_label_table(_LabelOperator, bpy.types.Operator, ImportHe
     filter_glob: StringProperty(default="*.ctbl;*.txt;*.tsv", options={"HIDDEN"})
 
     def run(self, context):
-        label_map = label_map_of(active_volume(context))
+        label_map = self.label_map(context)
         values = cache.volume_of(label_map).values
         table = matching_table(label_map.name, values, bpy.path.abspath(self.filepath))
         label_list.fill(label_map, labels_of(values, table))

@@ -32,6 +32,7 @@ def draw_labels(layout, volume):
     layout.template_list("LEAFLIGHT_UL_labels", "", settings, "labels", settings, "label", rows=6)
     if volume.leaflight.field == "labels":
         row = layout.row(align=True)
+        row.use_property_split = False
         row.operator_enum(label_operators.LEAFLIGHT_OT_show_labels.bl_idname, "which")
     layout.operator(label_operators.LEAFLIGHT_OT_read_label_table.bl_idname)
 

@@ -112,6 +112,10 @@ def _color(scenes):
     _stage(scenes)
 
 
+def _labels(scenes):
+    _import(scenes, "regions.nii.gz")
+
+
 def _frames(scenes):
     _import(scenes, "beating.nii.gz", frame=0)
     _stage(scenes)
@@ -206,6 +210,7 @@ _SCENES = {
     "stopped": ("staged", _nothing),
     "two": ("imported", _two),
     "colored": ("imported", _color),
+    "labeled": ("home", _labels),
     "frames": ("home", _frames),
     "graph": ("home", _graph),
 }
