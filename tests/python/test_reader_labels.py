@@ -164,6 +164,8 @@ def test_hidden_labels_are_zero(nifti, map_of_labels):
     # The label takes the place of a hidden one in the colors of its boundary.
     found = label_texture(volume).channels[0].values
     assert found[1, 2, 2] == 5 and map_of_labels[1, 2, 2] == 3
+    refused("give the numbers of labels", read_volume, nifti, hide="3")
+    refused("give the numbers of labels", read_volume, nifti, hide=3)
     refused("all labels are hidden", read_volume, nifti, hide=[3, 5, 7], field="labels")
 
 
@@ -309,8 +311,9 @@ def test_info_lists_labels(tmp_path, nifti, cli):
 
 
 def test_a_scene_file_colors_by_labels(tmp_path, nifti):
-    written(tmp_path / "a_dseg.ctbl", CTBL)
-    texture = {"channels": [{"name": "a", "source": nifti.name}], "labels": True}
+    written(tmp_path / "t.ctbl", CTBL)
+    channel = {"name": "a", "source": nifti.name, "reading": {"label_table": "t.ctbl"}}
+    texture = {"channels": [channel], "labels": True}
     scene = json.loads((SCENES / "cornell.json").read_text())
     del scene["isosurface_albedo"]
     volume = {"name": "a", "albedo": [1, 1, 1], "source": nifti.name, "texture": texture}

@@ -11,6 +11,7 @@ from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
 from leaflight.io.readers.reading import FIELDS
+from leaflight.io.readers.usable import about_labels
 from leaflight.scene.volume_texture import SIGN_WIDTH
 from leaflight.volume.lobes import has_lobes
 from leaflight.words import figures
@@ -288,7 +289,9 @@ class ImportJob(jobs.Job):
             if field:
                 self._colors = _Read.of_volume(volume, chosen)
                 values = FIELDS[field](volume.values, progress)
-                volume = replace(volume, values=values, labels=())
+                # The boundary of labels is smooth without Smooth, which the notes propose.
+                notes = [note for note in volume.notes if note not in about_labels(volume)]
+                volume = replace(volume, values=values, labels=(), notes=notes)
             read = _Read.of_volume(volume, {**chosen, "field": field})
             if field == "labels":
                 read = replace(read, isovalue=0.5, isovalue_range=_AROUND_BOUNDARY)

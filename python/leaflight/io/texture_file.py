@@ -59,6 +59,8 @@ def _channel(item: JsonObject, folder: str | os.PathLike[str]) -> Volume:
         if "reading" in item:
             item.child("reading").only(*OPTIONS)
         reading = item.get("reading") if "reading" in item else {}
+        if "label_table" in reading:
+            reading = {**reading, "label_table": Path(folder) / str(reading["label_table"])}
         source = item.text("source")
         if is_generated(source):
             return open_volume(source, **reading)

@@ -165,12 +165,15 @@ def _wanted(path: Path, options: ReadOptions) -> _Wanted:
         raise SettingError(
             f"{path}: the field is {field}; choose one of {', '.join(FIELDS)}.", "field"
         )
+    hide = options.get("hide") or ()
+    if len(np.shape(hide)) != 1 or (len(hide) and np.asarray(hide).dtype.kind not in "iu"):
+        raise SettingError(f"{path}: hide is {hide!r}; give the numbers of labels.", "hide")
     return _Wanted(
         downsample or 1,
         checked(options.get("smooth") or 0.0, "smooth", path),
         checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
         field,
-        options.get("hide") or (),
+        hide,
         options.get("label_table"),
     )
 
