@@ -287,6 +287,27 @@ def test_the_color_table_of_freesurfer(aseg, map_of_labels, pack):
     ]
 
 
+def test_an_early_color_table_of_freesurfer(tmp_path, aseg, map_of_labels):
+    """Checks the version of annotations that nibabel calls the old format."""
+    path, _ = aseg
+    entries = [
+        (b"Unknown", (0, 0, 0)),
+        (b"a", (1, 2, 3)),
+        (b"b", (4, 5, 6)),
+        (b"Lung", (255, 0, 0)),
+    ]
+    table = struct.pack(">3i2s", 1, len(entries), 2, b"x")
+    for name, color in entries:
+        table += struct.pack(f">i{len(name) + 1}s4i", len(name) + 1, name, *color, 0)
+    annotation = written(tmp_path / "x.annot", struct.pack(">3i", 1, 0, 0) + table)
+    _, colors, names = freesurfer.read_annot(annotation)
+    path.write_bytes(path.read_bytes() + table)
+    volume = reads(map_of_labels, path)
+    assert [label.name.encode() for label in volume.labels] == names[1:]
+    for label in volume.labels:
+        np.testing.assert_allclose(np.array(label.color) * 255, colors[label.number, :3])
+
+
 def test_a_damaged_color_table_of_freesurfer(aseg, map_of_labels):
     path, table = aseg
     whole = path.read_bytes()

@@ -44,16 +44,18 @@ def read_labels(file: BufferedIOBase) -> tuple[Label, ...] | None:
 
 def _table(file: BufferedIOBase) -> tuple[Label, ...] | None:
     try:
-        if _number(file) != _VERSION:
-            return None
-        most = _number(file)
+        version = _number(file)
+        # In early tables the version is the number of labels, whose numbers are their places.
+        is_early = version > 0
+        most = version if is_early else _number(file)
         _text(file)
-        count = _number(file)
-        if not 0 <= count <= most <= MOST_LABELS + 1:
+        count = version if is_early else _number(file)
+        if version < 1 and version != _VERSION or not 0 <= count <= most <= MOST_LABELS + 1:
             return None
         found = []
-        for _ in range(count):
-            number, name = _number(file), _text(file)
+        for place in range(count):
+            number = place if is_early else _number(file)
+            name = _text(file)
             red, green, blue, _ = (_number(file) / 255.0 for _ in range(4))
             found.append(Label.of(number, name, (red, green, blue)))
     except (error, ValueError):
