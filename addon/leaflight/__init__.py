@@ -54,7 +54,8 @@ else:
     from . import translations
     from .bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
     from .compare import render_comparison
-    from .edit import add_isosurface, animation, data_picture, labels, looks, pick_isovalue
+    from .edit import add_isosurface, animation, data_picture, label_operators, labels, looks
+    from .edit import pick_isovalue
     from .export import export_bake
     from .flatland import isolines
     from .importing import channels, import_volume, open_example, regions, smooth_volume
@@ -62,7 +63,8 @@ else:
     from .show import look_properties, properties
     from .stage import hidden, orientation, presets, stage
     from .store import preferences
-    from .ui import bake_panel, clip_outline, handlers, look_panel, stage_panel, volume_panel
+    from .ui import bake_panel, clip_outline, handlers, label_panel, look_panel, stage_panel
+    from .ui import volume_panel
 
     # Panels of the sidebar, from top to bottom.
     PANELS = (volume_panel, stage_panel, bake_panel, look_panel)
@@ -96,6 +98,8 @@ else:
         add_isosurface,
         looks,
         labels,
+        label_operators,
+        label_panel,
         animation,
         pick_isovalue,
         data_picture,

@@ -25,7 +25,7 @@ from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
 from .scene.scene import fit_scene
-from .scene.volume_texture import VolumeTexture, texture_of
+from .scene.volume_texture import VolumeTexture, label_texture, texture_of
 from .stills.still import still
 from .version import __version__
 from .volume.derived import gradient_of, height_of
@@ -60,6 +60,7 @@ __all__ = [
     "flatland",
     "gradient_of",
     "height_of",
+    "label_texture",
     "lapr",
     "limit_memory",
     "load_bake",

@@ -145,6 +145,12 @@ def _add_value_options(parser: argparse._ArgumentGroup) -> None:
         choices=("absolute", "labels"),
         help="values without their sign, for both lobes of an orbital; or boundary of labels",
     )
+    parser.add_argument(
+        "--hide", type=integer, nargs="+", metavar="N", help="labels that are read as 0"
+    )
+    parser.add_argument(
+        "--label-table", metavar="FILE", help="names and colors of labels (from the volume's file)"
+    )
     add_region_options(parser)
 
 

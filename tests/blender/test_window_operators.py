@@ -36,17 +36,19 @@ def _params(presses):
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """Writes small files to import: of a patient, a second one, two parts, a series, an image."""
+    """Writes small files to import: patients, parts, a series, labels and an image."""
     folder = tmp_path_factory.mktemp("files")
     head = leaflight.bump_box(24).values.T
     other = head[::-1]
     parts = head.copy()
     parts[6:8] = 0
+    (folder / "names.txt").write_text('1 255 0 0 1 1 1 "Outside"\n2 0 0 255 1 1 1 "Inside"\n')
     for name, values in (
         ("head", head),
         ("other", other),
         ("parts", parts),
         ("beating", np.stack([head, other], axis=-1)),
+        ("regions", np.digitize(head, (40.0, 70.0))),
     ):
         image = nibabel.Nifti1Image(values.astype(np.float32), np.diag([2.0, 2.0, 2.0, 1.0]))
         image.header.set_xyzt_units("mm")

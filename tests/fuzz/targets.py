@@ -106,7 +106,10 @@ def _nrrd(folder):
     )
     seeds.append(plain.replace(b"raw", b"gzip") + ends + b"\n" + packed[b"gzip"])
     four = plain.replace(b"dimension: 3", b"dimension: 4").replace(b"8 7 6", b"1 8 7 6")
-    return [*seeds, four + b"kinds: vector domain domain domain\n\n" + data]
+    layers = four.replace(b"1 8 7 6", b"2 4 7 6") + b"kinds: list domain domain domain\n"
+    layers += b"Segment0_Name:=a\nSegment0_Color:=1 0 0.5\nSegment0_LabelValue:=3\n"
+    layers += b"Segment0_Layer:=0\nSegment1_LabelValue:=4\nSegment1_Layer:=1\n\n" + data
+    return [*seeds, four + b"kinds: vector domain domain domain\n\n" + data, layers]
 
 
 def _detached_nrrd(folder):
@@ -214,12 +217,16 @@ def _unnamed(folder):
 
 def _mgh(folder):
     import gzip
+    import struct
 
     import nibabel
     from test_damaged_files import VALUES
 
     data = nibabel.MGHImage(VALUES.T.astype(np.int16), np.eye(4)).to_bytes()
-    return [data, gzip.compress(data, mtime=0)]
+    # A command line, and a color table with one label.
+    tags = struct.pack(">iq4s", 3, 4, b"mri") + struct.pack(">4i2si", 1, -2, 9, 2, b"x", 1)
+    tags += struct.pack(">2i2s4i", 3, 2, b"a", 255, 0, 0, 0)
+    return [data, gzip.compress(data, mtime=0), data + tags]
 
 
 def _analyze(folder):

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from leaflight import read_volume
 from leaflight.io.readers import probe
+from leaflight.srgb import linear_from_srgb
+from leaflight.volume.label_table import Label
 from outcomes import reads, refused
 
 pydicom = pytest.importorskip("pydicom")
@@ -21,6 +23,7 @@ from dicom_files import (  # noqa: E402
 )
 
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
+LABEL_MAP = "1.2.840.10008.5.1.4.1.1.66.7"
 
 
 def test_an_enhanced_file_holds_all_slices(tmp_path, values):
@@ -179,12 +182,17 @@ def test_segments_are_volumes_by_their_labels(tmp_path, masks):
     bits = np.packbits(np.array([plane for *_, plane in planes]).ravel(), bitorder="little")
     packed = bits.tobytes() + b"\0" * (bits.size % 2)
     edit(path, PixelData=packed, BitsAllocated=1, BitsStored=1, HighBit=0)
-    assert probe(path).datasets == ("Spleen", "Liver")
+    assert probe(path).datasets == ("all segments", "Spleen", "Liver")
     for n, label in enumerate(["Liver", "Spleen"]):
         volume = reads(masks[n], path, dataset=label)
         assert volume.values.dtype == np.uint8
         np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
-    refused("Spleen, Liver", read_volume, path)
+    refused("all segments, Spleen, Liver", read_volume, path, dataset="Heart")
+    # Without a choice the file is a label map, in which higher numbers are on top.
+    volume = reads(np.where(masks[1], 2, masks[0]), path)
+    assert [(label.number, label.name) for label in volume.labels] == [(1, "Liver"), (2, "Spleen")]
+    np.testing.assert_allclose(np.diag(volume.index_to_world), [-0.25, -0.5, 2, 1])
+    assert volume.patient and probe(path).dims == (7, 5, 5)
 
 
 def test_segments_by_their_share(tmp_path, masks):
@@ -222,6 +230,7 @@ def test_segments_of_highdicom(tmp_path, masks):
             segmented_property_category=codes.SCT.Organ,
             segmented_property_type=codes.SCT.Liver,
             algorithm_type="MANUAL",
+            display_color=highdicom.color.CIELabColor.from_rgb(221, 130, 101),
         )
         for n, label in enumerate(["Liver", "Spleen"])
     ]
@@ -242,9 +251,52 @@ def test_segments_of_highdicom(tmp_path, masks):
     ).save_as(path)
     for n, label in enumerate(["Liver", "Spleen"]):
         reads(masks[n], path, dataset=label)
+    colors = [label.color for label in read_volume(path).labels]
+    assert np.abs(np.array(colors) * 255 - (221, 130, 101)).max() < 0.6
     # The folder also contains its scan.
-    assert probe(tmp_path).datasets == ("3 Head CT", "300 SEG: Liver", "300 SEG: Spleen")
+    segments = ("300 SEG: all segments", "300 SEG: Liver", "300 SEG: Spleen")
+    assert probe(tmp_path).datasets == ("3 Head CT", *segments)
     reads(masks[1], tmp_path, dataset="Spleen")
+    refused("choose one of 3 Head CT, 300 SEG: all", read_volume, tmp_path)
+    reads(np.where(masks[1], 2, masks[0]), tmp_path, dataset="300")
+
+
+@pytest.mark.parametrize("rgb", [(255, 0, 0), (0, 128, 128), (221, 130, 101), (0, 0, 0)])
+def test_colors_of_segments(tmp_path, masks, rgb):
+    """Compares with colors as DCMTK writes them."""
+    planes = [(n + 1, k, masks[n, k]) for n in (0, 1) for k in (0, 1, 4)]
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver", "Spleen"])
+    data = pydicom.dcmread(path)
+    data.SegmentSequence[1].RecommendedDisplayCIELabValue = cielab(rgb)
+    data.save_as(str(path), write_like_original=False)
+    without, colored = read_volume(path).labels
+    assert np.abs(np.array(colored.color) * 255 - rgb).max() < 0.6
+    assert without == Label.of(1, "Liver")
+    (alone,) = read_volume(path, dataset="Spleen").labels
+    assert (alone.number, alone.name, alone.color) == (1, "Spleen", colored.color)
+
+
+def cielab(rgb):
+    """Returns the three stored numbers of an sRGB color in 0..255."""
+    linear = linear_from_srgb(np.array(rgb) / 255)
+    matrix = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    share = matrix @ linear / (0.950456, 1.0, 1.088754)
+    x, y, z = np.where(share > (6 / 29) ** 3, np.cbrt(share), share * 841 / 108 + 4 / 29)
+    stored = (116 * y - 16) / 100, (500 * (x - y) + 128) / 255, (200 * (y - z) + 128) / 255
+    return [round(65535 * part) for part in stored]
+
+
+def test_a_label_map_of_dicom(tmp_path, masks):
+    """Checks the kind of segmentation whose pixels are the numbers of segments."""
+    numbers = np.where(masks[1], 2, masks[0]).astype(np.uint16)
+    planes = [(1, k, numbers[k]) for k in range(5)]
+    path = segments(tmp_path / "seg.dcm", planes, ["Liver", "Spleen"], SOPClassUID=LABEL_MAP)
+    data = pydicom.dcmread(path)
+    for page in data.PerFrameFunctionalGroupsSequence:
+        del page.SegmentIdentificationSequence
+    data.save_as(str(path), write_like_original=False)
+    volume = reads(numbers, path)
+    assert [label.name for label in volume.labels] == ["Liver", "Spleen"]
 
 
 def test_a_real_dose():

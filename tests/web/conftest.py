@@ -20,6 +20,7 @@ from leaflight.scene.scene import (
     SunLight,
 )
 from leaflight.scene.volume_texture import VolumeTexture, label_colors, texture_of
+from leaflight.volume.label_table import labels_of
 from leaflight.volume.particles import lapr
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -114,7 +115,8 @@ def colored():
 def labeled():
     """Returns the same colored by labels, which cover a part of it."""
     labels = replace(_inner(np.sin), values=(_inner(np.sin).values > 0).astype(np.uint8))
-    return _with_texture(VolumeTexture((labels,), label_colors(labels.values), nearest=True))
+    colors = label_colors(labels_of(labels.values))
+    return _with_texture(VolumeTexture((labels,), colors, nearest=True))
 
 
 def _inner(wave):

@@ -27,6 +27,7 @@ _SETTINGS = (
     "regions",
     "smooth",
     "smooth_normals",
+    "hide",
 )
 
 # Full name of an object -> (its settings at the estimate, the error of the pilot, the Pilot).

@@ -10,13 +10,14 @@ from leaflight import LeaflightError, blender
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.io import readers
 from leaflight.io.readers.reading import FIELDS
+from leaflight.io.readers.usable import about_labels
 from leaflight.scene.volume_texture import SIGN_WIDTH
 from leaflight.volume.lobes import has_lobes
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
 from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
-from ..show import display, isovalues, surface_object, volume_properties
+from ..show import display, isovalues, label_list, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
@@ -103,6 +104,12 @@ class LEAFLIGHT_OT_import_volume(
         "Show labels as closed surfaces, each in its own color",
         True,
     )
+    label_table: StringProperty(
+        "Label Table",
+        "File with the names and colors of labels, of 3D Slicer, FreeSurfer, ITK-SNAP or BIDS; "
+        "empty takes those of the file, or the table of that name beside it",
+        options={"SKIP_SAVE"},
+    )
     use_spacing: BoolProperty(
         "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
     )
@@ -132,7 +139,7 @@ class LEAFLIGHT_OT_import_volume(
         return list(stored.datasets) if stored is not None else []
 
     # Choices of source_files.CHOICES that the resolution and the values set later.
-    downsample, field, regions, brightest = 1, "", "", (-1, -1, -1)
+    downsample, field, hide, regions, brightest = 1, "", "", "", (-1, -1, -1)
     _patience = 0.3
 
     def draw(self, context):
@@ -158,6 +165,7 @@ class LEAFLIGHT_OT_import_volume(
         layout.prop(self, "smooth_normals")
         layout.prop(self, "both_signs")
         layout.prop(self, "labels")
+        layout.prop(self, "label_table")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
         layout.prop(self, "up")
@@ -181,7 +189,7 @@ class LEAFLIGHT_OT_import_volume(
                 layout.prop(self, "level")
             return
         open_choices = (
-            len(stored.datasets) > 1 and not self.dataset,
+            len(stored.datasets) > 1 and not self.dataset and stored.dims is None,
             stored.frames > 1 and self.frame < 0 and not self.animate,
             channels.Choice.of(self).is_open(stored),
         )
@@ -246,6 +254,7 @@ class ImportJob(jobs.Job):
         self._animate, self._unit = operator.animate, volume_properties.unit_of(operator.unit)
         self._both_signs, self._labels = operator.both_signs, operator.labels
         self._chosen = channels.Choice.of(operator)
+        self._label_table = operator.label_table and bpy.path.abspath(operator.label_table)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -265,7 +274,8 @@ class ImportJob(jobs.Job):
         for one in of_each:
             chosen = {**choices, **one}
             is_needed = one is of_each[-1] and not self._read
-            volume = channels.read(path, self._stored, chosen, is_needed, progress)
+            how = {**chosen, "label_table": self._label_table}
+            volume = channels.read(path, self._stored, how, is_needed, progress)
             if volume is None:
                 self._left_out.append(channels.why_left_out(self._stored, one["channel"]))
                 self._read += [None] if self._is_rgb else []
@@ -273,7 +283,10 @@ class ImportJob(jobs.Job):
             field = self._field_of(volume) if len(of_each) == 1 else ""
             if field:
                 self._colors = _Read.of_volume(volume, chosen)
-                volume = replace(volume, values=FIELDS[field](volume.values, progress))
+                values = FIELDS[field](volume.values, progress)
+                # The boundary of labels is smooth without Smooth, which the notes propose.
+                notes = [note for note in volume.notes if note not in about_labels(volume)]
+                volume = replace(volume, values=values, labels=(), notes=notes)
             read = _Read.of_volume(volume, {**chosen, "field": field})
             if self._is_rgb and self._read:
                 # Only the isosurfaces of the first are shown.
@@ -293,9 +306,11 @@ class ImportJob(jobs.Job):
             return ""
         if self._both_signs and has_lobes(volume):
             return "absolute"
+        if not self._labels or volume.labels:
+            return "labels" if self._labels else ""
         found = volume.distribution
-        is_map = self._labels and found.are_labels and len(found.levels[0]) > 2
-        return "labels" if is_map and min(found.levels[0]) == 0 else ""
+        is_map = found.are_labels and len(found.levels[0]) > 2 and min(found.levels[0]) == 0
+        return "labels" if is_map else ""
 
     def apply(self):
         context, first = bpy.context, self._read[0]
@@ -351,6 +366,8 @@ class ImportJob(jobs.Job):
         settings.is_volume = True
         cache.forget_unused()
         cache.keep_volume(obj, volume)
+        if volume.labels:
+            label_list.fill_if_empty(obj)
         settings["isovalue"] = read.isovalue
         settings.limit_isovalue(read.range, read.isovalue_range, read.isovalue)
         surface_object.update(obj, read.isovalue)
@@ -370,7 +387,9 @@ class ImportJob(jobs.Job):
         name = iface_("%s sign") if field == "absolute" else iface_("%s labels")
         other = self._add_over(context, obj, read, name % obj.name)
         settings, width = obj.leaflight, SIGN_WIDTH * self._read[0].range[1]
-        settings.texture_kind = "LABELS" if field == "labels" else "MAP"
+        if field == "labels":
+            label_list.fill_if_empty(other)
+            settings.texture_kind = "LABELS"
         settings.texture_map = _OF_SIGNS
         settings.texture_volume = other
         settings.texture_low, settings.texture_high = -width, width

@@ -58,6 +58,13 @@ MESSAGES = {
     "%s channel %d": "%s Kanal %d",
     "In the colors of the picture": "In den Farben des Bildes",
     "Labels as Surfaces": "Bezeichnungen als Flächen",
+    "Label Table": "Tabelle der Bezeichnungen",
+    "Read Label Table": "Tabelle der Bezeichnungen lesen",
+    "Show Labels": "Bezeichnungen zeigen",
+    "Only Active": "Nur die aktive",
+    "Choose a label map as Color By first": (
+        "Erst ein Volumen mit Bezeichnungen als Farbe nach wählen"
+    ),
     "Both Signs": "Beide Vorzeichen",
     "Color By": "Farbe nach",
     "Color Map": "Farbskala",

@@ -8,7 +8,7 @@ from leaflight import LeaflightError
 from leaflight.color_maps import CATEGORICAL, MAPS
 from leaflight.scene.volume_texture import MOST_STEPS
 
-from . import color_bar, isovalues, surface_object, texture, walls
+from . import color_bar, isovalues, label_list, surface_object, texture, walls
 from .bake_properties import BakeOptions, BakeRecord
 from .overridable import (
     BoolProperty,
@@ -37,8 +37,16 @@ def _can_color(settings, obj):
     return obj.leaflight.is_volume and obj != settings.id_data
 
 
-def _texture_chosen(settings, _context):
-    """Hides the volume of the colors, and shows its whole range."""
+def _texture_chosen(settings, context):
+    """Hides the volume of the colors, and shows its whole range, or its labels."""
+    _show_whole_range(settings)
+    others = texture.volumes_that_color(settings.id_data)
+    if others and others[0].leaflight.labels:
+        settings.texture_kind = "LABELS"
+    _texture_changed(settings, context)
+
+
+def _show_whole_range(settings):
     obj = settings.id_data
     others = texture.volumes_that_color(obj)
     if others:
@@ -47,13 +55,21 @@ def _texture_chosen(settings, _context):
         # An unreadable volume shows its error elsewhere.
         with suppress(LeaflightError):
             settings["texture_low"], settings["texture_high"] = texture.own_range(obj)
-    _texture_changed(settings, _context)
 
 
 def _channel_chosen(settings, _context):
     for other in texture.volumes_that_color(settings.id_data)[1:]:
         texture.begin(other)
     _texture_changed(settings, _context)
+
+
+def _kind_changed(settings, context):
+    if settings.texture_kind == "LABELS":
+        for other in texture.volumes_that_color(settings.id_data):
+            label_list.fill_if_empty(other)
+    else:
+        _show_whole_range(settings)
+    _texture_changed(settings, context)
 
 
 def _texture_changed(settings, _context):
@@ -134,7 +150,7 @@ class Isosurfaces:
             ("GRADIENT", "Gradient", "A color map over the change of the values per length"),
             ("HEIGHT", "Height", "A color map over the height, in the coordinates of the file"),
         ],
-        update=_texture_chosen,
+        update=_kind_changed,
     )
     texture_green: PointerProperty(
         bpy.types.Object,
@@ -216,6 +232,10 @@ class LeaflightSettings(
     """
 
     is_volume: BoolProperty("Leaflight Volume")
+    labels: CollectionProperty(
+        label_list.LeaflightLabel, "Labels", "Labels of a label map, with names and colors"
+    )
+    label: IntProperty("Active Label")
 
     @property
     def isovalue(self):
@@ -262,7 +282,7 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-CLASSES = (LeaflightColorStop, LeaflightSettings, LeaflightSceneSettings)
+CLASSES = (LeaflightColorStop, label_list.LeaflightLabel, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
     (bpy.types.Object, "leaflight", PointerProperty(LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),

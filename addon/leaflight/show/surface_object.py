@@ -321,6 +321,7 @@ def _wanted(obj, isovalue):
     shape = f"{smooth} {settings.regions} {settings.capped} {obj.leaflight_look.dust}"
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     volume += texture.label_of(volume_object)
+    volume += f" without {settings.hide}" if settings.hide else ""
     isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)
     if seen is None:
         light = f"{settings.bake_id} {settings.bake_index}"

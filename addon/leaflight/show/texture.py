@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 from leaflight import LeaflightError, gradient_of, height_of
 from leaflight.scene.volume_texture import label_texture, picture_stops, texture_of
+from leaflight.volume.label_table import without_labels
 
 from .. import session
 from ..store import cache
 from . import display
 
-# Cache: address of labels -> (labels, their VolumeTexture).
+# Cache: full name of an object -> (values of its label map, hidden labels, VolumeTexture).
 _labels = session.cache()
 # Cache: (address of values, unit, place, name) -> (values, the Volume computed from them).
 _derived = session.cache()
@@ -70,7 +71,9 @@ def label_of(obj):
         sources.append(f"{_up(obj).round(6).tolist()}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r} {settings.texture_srgb}"
     numbers += f" {_options(settings)}"
-    return f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
+    label = f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
+    colors = _colors_of_labels(others[0]) if settings.texture_kind == "LABELS" else {}
+    return f"{label} {hash(tuple(colors.items()))}" if colors else label
 
 
 def world_texture(obj):
@@ -116,7 +119,7 @@ def _texture(obj, volume_of, to_place):
         volumes = _with_black(volumes, settings.texture_low)
     try:
         if settings.texture_kind == "LABELS":
-            return _label_texture(volumes[0])
+            return _label_texture(obj, volumes[0], _colors_of_labels(_colors(obj)[0]))
         limits = settings.texture_low, settings.texture_high
         if len(volumes) == 3 and settings.texture_srgb:
             return texture_of(volumes, picture_stops(*limits))
@@ -184,14 +187,26 @@ def _rounded(matrix):
     return np.round(matrix, digits)
 
 
-def _label_texture(volume):
-    key = id(volume.values)
-    if key not in _labels:
-        # Keep the array, so that no other gets its address.
-        _labels[key] = volume.values, label_texture(volume)
-    found = _labels[key][1]
+def _label_texture(obj, volume, colors):
+    """Returns the texture of a label map without the hidden labels of the object that it colors."""
+    hide = obj.leaflight.hide
+    values, hidden, found = _labels.get(obj.name_full, (None, None, None))
+    if values is not volume.values or hidden != hide:
+        shown = without_labels(volume.values, map(int, hide.split())) if hide else volume.values
+        found = label_texture(replace(volume, values=shown))
+        _labels[obj.name_full] = volume.values, hide, found
     channel = replace(found.channels[0], index_to_world=volume.index_to_world)
-    return replace(found, channels=(channel,))
+    stops = sorted({**dict(found.colors), **colors}.items())
+    return replace(found, channels=(channel,), colors=stops)
+
+
+def _colors_of_labels(label_map):
+    """Returns {number: color} of the list of labels of an object."""
+    labels = label_map.leaflight.labels
+    numbers, colors = np.empty(len(labels), np.int32), np.empty(3 * len(labels), np.float32)
+    labels.foreach_get("number", numbers)
+    labels.foreach_get("color", colors)
+    return dict(zip(map(float, numbers), map(tuple, colors.reshape(-1, 3).tolist())))
 
 
 def begin(obj):

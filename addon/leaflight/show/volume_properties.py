@@ -126,6 +126,9 @@ class VolumeSource(ReadingChoices):
     downsample: IntProperty("Downsample", default=1, min=1, max=8)
     field: StringProperty("Field")
     regions: StringProperty("Regions", update=shape_changed)
+    hide: StringProperty(
+        "Hidden Labels", "Numbers of the labels that have no surface", update=shape_changed
+    )
     smooth: FloatProperty(
         "Smooth",
         "Standard deviation, in voxels, of the Gaussian that smooths the values",

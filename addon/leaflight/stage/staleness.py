@@ -111,7 +111,7 @@ def _change(context, obj):
     except LeaflightError as error:
         return str(error)
     if source_files.values_changed(obj.leaflight):
-        return "The data were smoothed or cut since the bake: bake again"
+        return "Smooth, cuts, parts or hidden labels have changed since the bake: bake again"
     if source_files.changed_since_bake(obj):
         return f"{obj.leaflight.source} has changed since the bake: bake again"
     try:

@@ -34,6 +34,7 @@ CHOICES = (
     "dataset",
     "downsample",
     "field",
+    "hide",
     "regions",
     "smooth",
     "smooth_normals",
@@ -41,10 +42,10 @@ CHOICES = (
 # Largest value of each property that has no effect.
 _NONE = {
     **{"frame": -1, "channel": -1, "brightest": (-1, -1, -1), "downsample": 1},
-    **{"field": "", "regions": "", "smooth": 0, "smooth_normals": 0},
+    **{"field": "", "hide": "", "regions": "", "smooth": 0, "smooth_normals": 0},
 }
 # Properties for changes of the values since the import.
-CHANGES = CHOICES[-3:]
+CHANGES = CHOICES[-4:]
 
 # Cache: key_of() -> hash of the values, so that each file is read only once for it.
 _hashes = session.cache()
@@ -71,14 +72,21 @@ def _plain(value):
     return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
-def read_volume(path, progress=None, **choices):
-    """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError."""
+def read_volume(path, progress=None, label_table="", **choices):
+    """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError.
+
+    label_table: Path of a table of labels, empty without one.
+    """
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     if "regions" in options:
         options["regions"] = _records(options["regions"])
     if "brightest" in options:
         options["channel"] = options.pop("brightest")
+    if "hide" in options:
+        options["hide"] = [int(number) for number in options["hide"].split()]
+    if label_table:
+        options["label_table"] = label_table
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 

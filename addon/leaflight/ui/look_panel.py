@@ -11,7 +11,7 @@ from ..operators.checks import active_volume
 from ..show import data_faces, display, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
-from . import clip_outline
+from . import clip_outline, label_panel
 from .sidebar import ClosedPanel, sentence, split
 
 
@@ -46,7 +46,7 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         buttons.operator(looks.LEAFLIGHT_OT_add_stop.bl_idname, text="", icon="ADD")
         if settings.isosurface_stops:
             buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
-        _draw_texture(layout, settings)
+        _draw_texture(layout, volume)
         column = layout.column(align=True)
         column.prop(settings, "isosurface_emission")
         column.prop(settings, "isosurface_emission_strength")
@@ -62,13 +62,15 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
             sentence(context, layout, look.NEW_COLOR, icon="INFO")
 
 
-def _draw_texture(layout, settings):
+def _draw_texture(layout, volume):
+    settings = volume.leaflight
     layout.prop(settings, "texture_kind")
     if settings.texture_kind not in texture.OWN:
         layout.prop(settings, "texture_volume")
         if settings.texture_volume is None and settings.texture_kind != "CHANNELS":
             return
     if settings.texture_kind == "LABELS":
+        label_panel.draw_labels(layout, volume)
         return
     if settings.texture_kind == "CHANNELS":
         layout.prop(settings, "texture_green")

@@ -37,7 +37,7 @@ _RECIPE = {
     *("volumes", "scene", "previous", "capped", "isovalues", "both_sides", "walls", "seed"),
     *("error", "time", "resolution", "dims", "type", "endian", "skip", "spacing", "grid", "frame"),
     *("channel", "level", "dataset", "downsample", "smooth", "smooth_normals", "field"),
-    "regions",
+    *("hide", "label_table", "regions"),
     "memory",
     *COLOR_OPTIONS,
 }
@@ -132,7 +132,7 @@ def checkpoint_of(options: Namespace, resumed: bool) -> Checkpoint:
     recipe = {name: value for name, value in vars(options).items() if name in _RECIPE}
     recipe["volumes"] = [path_anywhere(volume) for volume in options.volumes]
     recipe["color_by"] = source_anywhere(options.color_by)
-    for name in ("scene", "previous"):
+    for name in ("scene", "previous", "label_table"):
         recipe[name] = recipe[name] and os.path.abspath(recipe[name])
     return Checkpoint(checkpoint_for(options.out), recipe, resumed)
 

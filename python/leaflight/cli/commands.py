@@ -39,6 +39,7 @@ from ..io.readers.reading import StoredOptions, probe
 from ..io.sources import is_generated
 from ..measure.compare import compare
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
+from ..volume.label_table import labels_of
 from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
@@ -105,6 +106,8 @@ def _info(options: Namespace) -> Output:
     isovalue = default_isovalue(volume)
     least, most, first, last, shown = figures(low, high, lo, hi, isovalue)
     numbered = [f"{k} {channel.name}".strip() for k, channel in enumerate(channels)]
+    is_map = volume.labels and options.field is None
+    labels = labels_of(volume.values, volume.labels) if is_map else ()
     result = {
         "source": volume.source,
         "name": volume.name,
@@ -119,13 +122,16 @@ def _info(options: Namespace) -> Output:
         "isovalue": isovalue,
         "channels": [asdict(channel) for channel in channels],
         "notes": list(volume.notes),
+        "labels": [asdict(label) for label in labels],
     }
+    names = [f"{label.number} {label.name}" for label in labels]
     return result, [
         f"{volume.source}: {by(result['dims'])} voxels of {by(result['spacing'])}"
         f" {volume.unit or '(no unit)'}" + (", some without data" if field.masked else ""),
         f"values {least}..{most}; by default isovalues {first}..{last} are baked "
         f"and {shown} is shown",
         *([f"channels {listed(numbered)}"] if channels else []),
+        *([f"labels {listed(names)}"] if names else []),
         *volume.notes,
     ]
 
@@ -158,7 +164,9 @@ def _photons(options: Namespace) -> Output:
 def _in_flags(error: LeaflightError) -> str:
     """Returns the message of an error on one line, with settings as flags."""
     sentence = " ".join(str(error).split())
-    flags = ", ".join(f"--{setting}" for setting in getattr(error, "settings", ()))
+    flags = ", ".join(
+        f"--{setting.replace('_', '-')}" for setting in getattr(error, "settings", ())
+    )
     return f"{sentence.removesuffix('.')} ({flags})." if flags else sentence
 
 

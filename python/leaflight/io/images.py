@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..srgb import linear_from_srgb
+from ..srgb import linear_from_srgb, srgb_from_linear
 from .output import replaced
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
@@ -76,9 +76,7 @@ def luminance(pixels: Array) -> Array:
 def display_colors(radiance: ArrayLike, exposure: float) -> Array:
     """Returns uint8 sRGB of radiance (..., 3): times the exposure, clamped to 0..1, encoded."""
     linear = np.clip(np.asarray(radiance, dtype=np.float32) * np.float32(exposure), 0.0, 1.0)
-    curve = 1.055 * np.power(linear, 1.0 / 2.4) - 0.055
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, curve)
-    colors: Array = np.rint(255.0 * encoded).astype(np.uint8)
+    colors: Array = np.rint(255.0 * srgb_from_linear(linear)).astype(np.uint8)
     return colors
 
 

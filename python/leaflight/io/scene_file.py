@@ -28,8 +28,9 @@ A volume has "name" and "albedo", and these optional keys.
     or three for red, green and blue. Each has "name", "source" and optionally "reading", as a
     volume. "colors" are stops [[value, [r, g, b]], ...]. Instead, "map" is a color map such as
     "VIRIDIS" over "range": [low, high], by default that of the data. "reverse", "symmetric" and
-    "steps" are those of texture_of(). "nearest": true takes the value of the nearest voxel, as for
-    labels. A texture multiplies the albedo.
+    "steps" are those of texture_of(). "nearest": true takes the value of the nearest voxel.
+    "labels": true takes the colors of labels instead, by the table of the file. A texture
+    multiplies the albedo.
 "source": File, relative to the scene file, or a generated volume.
 "reading": Options of read_volume() for the source, such as {"frame": 1}.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..scene.volume_texture import MOST_STEPS, Stops, VolumeTexture, texture_of
+from ..scene.volume_texture import MOST_STEPS, Stops, VolumeTexture, label_texture, texture_of
 from ..volume.volume import Volume
 from ..volume.voxels import VOXEL_TYPES, as_voxels
 from .json_object import JsonObject
@@ -23,7 +23,8 @@ _TYPES = {np.dtype(kind).name: np.dtype(kind) for kind in VOXEL_TYPES}
 
 def texture_from(item: JsonObject, folder: str | os.PathLike[str]) -> VolumeTexture:
     """Returns the texture of a volume. Raises LeaflightError. folder: of the files it names."""
-    item.only("channels", "colors", "map", "range", "nearest", "reverse", "symmetric", "steps")
+    keys = ("channels", "colors", "map", "range", "nearest", "labels")
+    item.only(*keys, "reverse", "symmetric", "steps")
     channels = [_channel(channel, folder) for channel in item.named("channels", "channel")]
     if len(channels) not in (1, 3):
         raise item.error('"channels" must be one volume, or three for red, green and blue')
@@ -37,6 +38,8 @@ def texture_from(item: JsonObject, folder: str | os.PathLike[str]) -> VolumeText
         low, high = item.vector("range", 2)
         value_range = low, high
     try:
+        if item.flag("labels"):
+            return label_texture(channels[0])
         return texture_of(
             channels,
             colors,
@@ -65,6 +68,8 @@ def _channel(item: JsonObject, folder: str | os.PathLike[str]) -> Volume:
         if "reading" in item:
             item.child("reading").only(*OPTIONS)
         reading = item.get("reading") if "reading" in item else {}
+        if "label_table" in reading:
+            reading = {**reading, "label_table": Path(folder) / str(reading["label_table"])}
         source = item.text("source")
         if is_generated(source):
             return open_volume(source, **reading)

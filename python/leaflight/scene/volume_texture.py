@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Textures of isosurfaces: their color by the values of another volume at the point."""
 
-import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,6 +11,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..color_maps import CATEGORICAL, MAPS, colors_of
 from ..srgb import linear_from_srgb
+from ..volume.label_table import Label, labels_of
 from ..volume.volume import Volume
 from ..volume.voxels import as_voxels
 
@@ -24,8 +24,6 @@ SIGN_WIDTH = 1e-3
 STEP_WIDTH = 1e-3
 # Largest number of steps.
 MOST_STEPS = 256
-# Largest label.
-MOST_LABELS = 65535
 # Colors of red, green and blue channels: a value of 0 is dark, 1 is bright.
 RGB: Stops = [(0.0, (0.0, 0.0, 0.0)), (1.0, (1.0, 1.0, 1.0))]
 
@@ -148,11 +146,11 @@ def sign_texture(volume: Volume, colors: str = "CET_D1") -> VolumeTexture:
 
 
 def label_texture(volume: Volume) -> VolumeTexture:
-    """Returns the texture of labels. Raises LeaflightError.
+    """Returns the texture of a label map, in the colors of its labels. Raises LeaflightError.
 
     Each label extends to the next voxels without one, where isosurfaces of its boundary lie.
     """
-    colors = label_colors(volume.values)
+    colors = label_colors(labels_of(volume.values, volume.labels))
     return VolumeTexture((replace(volume, values=_extended(volume.values)),), colors, nearest=True)
 
 
@@ -167,26 +165,10 @@ def _extended(labels: Array) -> Array:
     return extended
 
 
-def label_colors(values: Array) -> Stops:
-    """Returns stops for labels, in 0..65535: white for 0, and a separate color for each other.
-
-    NaN is no label. Raises LeaflightError for other values.
-    """
-    values = np.nan_to_num(values)
-    if not (values % 1 == 0).all():
-        raise LeaflightError("The values are not labels, because they are not whole numbers.")
-    if values.min() < 0 or values.max() > MOST_LABELS:
-        raise LeaflightError(
-            f"The labels {values.min():g} to {values.max():g} are outside 0 to {MOST_LABELS}."
-        )
-    labels = np.flatnonzero(np.bincount(values.ravel().astype(np.int64)))
-    # Hues of the golden ratio, so that near numbers have different ones.
-    return [
-        (float(n), _linear(colorsys.hsv_to_rgb(n * 0.618034 % 1.0, 0.55 + 0.3 * (n % 2), 0.9)))
-        if n
-        else (0.0, (1.0, 1.0, 1.0))
-        for n in labels.tolist()
-    ]
+def label_colors(labels: Sequence[Label]) -> Stops:
+    """Returns stops for labels: white for 0, and the color of each label."""
+    white: Stops = [(0.0, (1.0, 1.0, 1.0))]
+    return white + [(float(label.number), _linear(label.color)) for label in labels]
 
 
 def color_map(key: str, reverse: bool = False, steps: int = 0) -> Stops:

@@ -10,12 +10,15 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .label_table import label_numbers
 from .smoothing import smoothed
 
 # Standard deviation of the Gaussian, in voxels.
 _WIDTH = 1.0
 # Least distance of the field from one half, at which labels would touch their outside.
 _APART = 0.02
+# Voxels around labels beyond which the Gaussian is 0.
+_MARGIN = 6
 # Number of bisections of the offset that keeps the volume, to 1/4096 of the range of the field.
 _BISECTIONS = 12
 
@@ -23,12 +26,15 @@ _BISECTIONS = 12
 def label_field(values: Array, progress: _core.Progress) -> Array:
     """Returns the field, float32 in 0..1, of labels [z, y, x]. NaN is outside.
 
-    Raises Cancelled, and LeaflightError if there are no labels, or nothing else.
+    Raises Cancelled, and LeaflightError as label_numbers(), or without labels or anything else.
     """
+    label_numbers(values)
     inside = values > 0
     count = int(np.count_nonzero(inside))
     if count in (0, inside.size):
         raise LeaflightError("There are no labels above 0, or nothing around them.")
+    box = _box_of(inside)
+    inside = inside[box]
     smooth = smoothed(inside.astype(np.float32), _WIDTH, progress)
     low, high = -0.5, 0.5
     progress.begin("Keeping the volume")
@@ -41,7 +47,20 @@ def label_field(values: Array, progress: _core.Progress) -> Array:
             low = offset
         else:
             high = offset
-    return _apart(smooth, inside, 0.5 * (low + high))
+    offset = 0.5 * (low + high)
+    field = np.full(values.shape, np.clip(offset, 0.0, 0.5 - _APART), np.float32)
+    field[box] = _apart(smooth, inside, offset)
+    return field
+
+
+def _box_of(inside: Array) -> tuple[slice, ...]:
+    """Returns the box of labels and their margin, outside which the field is constant."""
+    box = []
+    for axis in range(3):
+        others = tuple(other for other in range(3) if other != axis)
+        places = np.flatnonzero(inside.any(axis=others))
+        box.append(slice(max(0, places[0] - _MARGIN), places[-1] + 1 + _MARGIN))
+    return tuple(box)
 
 
 def _apart(smooth: Array, inside: Array, offset: float) -> Array:

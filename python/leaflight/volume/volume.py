@@ -16,6 +16,7 @@ from ..arrays import Array
 from ..words import by, html_table
 from .cuts import Cuts
 from .distribution import Distribution
+from .label_table import Label
 from .setting_error import SettingError
 from .smoothing import checked, smoothed
 from .units import METERS, unit_of
@@ -37,6 +38,7 @@ class Given(AxisAligned, total=False):
     """The arguments of Volume that can only be given by name."""
 
     notes: Sequence[str]
+    labels: Sequence[Label]
     cuts: Cuts | None
 
 
@@ -55,6 +57,7 @@ class Volume:
     smooth_normals: Standard deviation in voxels of a Gaussian on the values from which normals are
         computed; 0 is none. The isosurfaces do not change.
     notes: Sentences for the user about choices of the reader, such as a guessed type.
+    labels: Names and colors of the labels in a label map, as far as its file has them.
     cuts: Capped cuts of the values, in index coordinates; or None. Values below the range of the
         data close isosurfaces there.
 
@@ -70,6 +73,7 @@ class Volume:
     patient: bool
     smooth_normals: float
     notes: tuple[str, ...]
+    labels: tuple[Label, ...]
     cuts: Cuts | None
 
     def __init__(
@@ -85,7 +89,8 @@ class Volume:
     ) -> None:
         if not isinstance(values, np.ndarray):
             values = np.asarray(values)
-        others = {"notes": tuple(grid.pop("notes", ())), "cuts": grid.pop("cuts", None)}
+        notes, labels = tuple(grid.pop("notes", ())), tuple(grid.pop("labels", ()))
+        cuts = grid.pop("cuts", None)
         axis_aligned = _axis_aligned(values.ndim, grid.get("spacing"), grid.get("origin"))
         if index_to_world is None:
             index_to_world = axis_aligned
@@ -102,7 +107,7 @@ class Volume:
         fields = {"values": values, "index_to_world": index_to_world, "name": name}
         self.__dict__.update(fields, source=source, unit=unit_of(unit), patient=patient)
         self.__dict__.update(smooth_normals=checked(smooth_normals, "smooth_normals", name))
-        self.__dict__.update(others)
+        self.__dict__.update(notes=notes, labels=labels, cuts=cuts)
 
     @cached_property
     def _field(self) -> _core.Field:

@@ -125,6 +125,10 @@ def _add_clip_box(_scenes):
     bpy.ops.leaflight.add_clip_box()
 
 
+def _labels(scenes):
+    _import(scenes, "regions.nii.gz")
+
+
 def _frames(scenes):
     _import(scenes, "beating.nii.gz", frame=0)
     _stage(scenes)
@@ -222,6 +226,7 @@ _SCENES = {
     "parts": ("home", _parts),
     "cleaned": ("parts", _clean),
     "clipped": ("imported", _add_clip_box),
+    "labeled": ("home", _labels),
     "frames": ("home", _frames),
     "graph": ("home", _graph),
 }

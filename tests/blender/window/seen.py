@@ -93,6 +93,8 @@ SEEN = {
     "isovalue": lambda: round(volume().leaflight.isovalue, 3),
     "smoothing": lambda: volume().leaflight.smooth,
     "regions": lambda: volume().leaflight.regions,
+    "hidden labels": lambda: [obj.leaflight.hide for obj in volumes()],
+    "names of labels": lambda: [label.name for obj in volumes() for label in obj.leaflight.labels],
     "look": _look,
     "stops": lambda: len(volume().leaflight.isosurface_stops),
     "isosurfaces": lambda: [obj.name for obj in display.added_to(volume())],

@@ -17,6 +17,7 @@ from .channels import RGB, Channel
 from .checks import text
 from .data_files import data_files
 from .nrrd_axes import axes_of
+from .nrrd_segments import LAYERS, merged, segments_of
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 
@@ -52,9 +53,10 @@ _LARGEST_SIDE, _MOST_AXES = 1 << 16, 16
 def open_volume(path: Path) -> StoredVolume:
     """Opens a volume. Axes of time are frames.
 
-    Other axes outside space, such as those of vectors, are channels.
+    Other axes outside space, such as those of vectors, are channels. The layers of segments become
+    one label map.
     """
-    fields, listed, end = _header(path)
+    fields, keys, listed, end = _header(path)
     sizes = _sizes(path, fields)
     dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
     if dtype.kind == "V":
@@ -74,25 +76,35 @@ def open_volume(path: Path) -> StoredVolume:
     stored.check(sizes[::-1], dtype)
     counts = [[sizes[i] for i in group] for group in (axes.frames, axes.channels)]
 
+    channels = math.prod(counts[1])
+    segments = segments_of(path, keys, channels) if len(axes.channels) < 2 else ()
+    are_layers = bool(segments) and channels > 1
+
     def load(frame: int, channel: int, progress: Progress) -> Volume:
         index: list[int | slice] = [slice(None)] * len(sizes)
-        for group, count, chosen in zip((axes.frames, axes.channels), counts, (frame, channel)):
+        groups = (axes.frames,) if are_layers else (axes.frames, axes.channels)
+        for group, count, chosen in zip(groups, counts, (frame, channel)):
             for i, place in zip(group, np.unravel_index(chosen, count) if group else ()):
                 index[i] = int(place)
         picked: Index = tuple(index[::-1])
-        return Volume(stored.read(sizes[::-1], dtype, picked, progress), axes.matrix, path.stem)
+        values = stored.read(sizes[::-1], dtype, picked, progress)
+        if are_layers:
+            slower = sum(axis > axes.channels[0] for axis in axes.space)
+            values = merged(np.moveaxis(values, slower, 0), segments)
+        labels = [segment.label for segment in segments]
+        return Volume(values, axes.matrix, path.stem, labels=labels)
 
     return StoredVolume(
         dims=dims,
-        dtype=dtype,
+        dtype=np.dtype(np.uint16) if are_layers else dtype,
         load=load,
         voxel_size=lengths(axes.matrix),
         unit=axes.unit,
         frames=math.prod(counts[0]),
-        channels=math.prod(counts[1]),
-        channel_list=_colors(fields, axes.channels, counts[1]),
+        channels=1 if are_layers else math.prod(counts[1]),
+        channel_list=() if are_layers else _colors(fields, axes.channels, counts[1]),
         patient=axes.patient,
-        notes=axes.notes,
+        notes=axes.notes + (LAYERS,) if are_layers else axes.notes,
     )
 
 
@@ -107,21 +119,28 @@ def _colors(
     return ()
 
 
-def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
-    """Returns (fields, file names after them, start of the data if they follow)."""
+def _header(path: Path) -> tuple[dict[str, str], dict[str, str], list[str], int]:
+    """Returns (fields, keys, file names after them, start of the data if they follow).
+
+    keys: Values that other programs have added.
+    """
     with open(path, "rb") as file:
         head = file.read(_MOST)
     if not re.match(rb"NRRD000\d\r?\n", head):
         raise LeaflightError(f"{path}: this is not a readable NRRD file; fetch it again.")
-    fields, place, closed = {}, head.find(b"\n") + 1, False
+    fields, keys, place, closed = {}, {}, head.find(b"\n") + 1, False
     while place < len(head) and not closed:
         end = head.find(b"\n", place)
         end = len(head) if end < 0 else end
         line = head[place:end].rstrip(b"\r").decode("utf-8", "replace")
         place = end + 1
         closed = not line
-        if line.startswith("#") or re.match(r"[^:]*:=", line):
-            continue  # a comment, or a key and a value for other programs
+        if line.startswith("#"):
+            continue
+        if re.match(r"[^:]*:=", line):
+            key, _, value = line.partition(":=")
+            keys[key] = value
+            continue
         name, colon, value = line.partition(":")
         name = {"datafile": "data file"}.get(name.strip().lower(), name.strip().lower())
         if colon and name in fields:
@@ -132,13 +151,13 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
             fields[name] = value.strip()
         # This is the last field by the format's rule.
         if name == "data file" and value.strip()[:4].upper() == "LIST":
-            return fields, head[place:].decode("utf-8", "replace").splitlines(), place
+            return fields, keys, head[place:].decode("utf-8", "replace").splitlines(), place
     if not closed and "data file" not in fields:
         raise LeaflightError(
             f"{path}: the header does not end with a blank line: it is truncated or damaged, "
             "fetch it again."
         )
-    return fields, [], place
+    return fields, keys, [], place
 
 
 def _need(path: Path, fields: dict[str, str], name: str) -> str:

@@ -16,6 +16,7 @@ from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...arrays import Array
 from ...progress_bar import with_progress
 from ...volume.label_field import label_field
+from ...volume.label_table import without_labels
 from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
 from ...volume.regions import Region, as_regions, changed
@@ -27,6 +28,7 @@ from .channels import Chosen, chosen_channels
 from .checks import choose, text
 from .downsampling import downsampled
 from .formats import RAW, Format, format_of, left_out
+from .label_files import labels_for
 from .missing_package import MissingPackage
 from .page_process import kept_processes
 from .stored import StoredVolume
@@ -64,6 +66,8 @@ class ValueOptions(TypedDict, total=False):
     smooth: float | None
     smooth_normals: float | None
     field: str | None
+    hide: Sequence[int] | None
+    label_table: str | os.PathLike[str] | None
     regions: Sequence[Any] | None
 
 
@@ -110,6 +114,9 @@ def read_volume(
     smooth_normals: The same for the normals alone (see Volume).
     field: "absolute" takes the values without their sign, for orbitals and other values around 0.
         "labels" takes the field whose isosurface at 0.5 is the boundary of labels (label_field.py).
+    hide: Numbers of labels that are read as 0.
+    label_table: File with names and colors of labels (label_files.py). None takes those of the
+        volume's file, or the table of that name beside it.
     regions: Cuts and removed parts (volume/regions.py), regions or records. They come last.
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
@@ -167,6 +174,8 @@ class _Wanted:
     smooth: float
     smooth_normals: float
     field: str | None
+    hide: Sequence[int]
+    label_table: str | os.PathLike[str] | None
     regions: tuple[Region, ...]
 
 
@@ -183,11 +192,16 @@ def _wanted(path: Path, options: ReadOptions) -> _Wanted:
         raise SettingError(
             f"{path}: the field is {field}; choose one of {', '.join(FIELDS)}.", "field"
         )
+    hide = options.get("hide") or ()
+    if len(np.shape(hide)) != 1 or (len(hide) and np.asarray(hide).dtype.kind not in "iu"):
+        raise SettingError(f"{path}: hide is {hide!r}; give the numbers of labels.", "hide")
     return _Wanted(
         downsample or 1,
         checked(options.get("smooth") or 0.0, "smooth", path),
         checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
         field,
+        hide,
+        options.get("label_table"),
         as_regions(options.get("regions")),
     )
 
@@ -202,9 +216,18 @@ def _processed(
     if step > 1:
         values = downsampled(path, values, step, progress)
         matrix = matrix @ _from_downsampled(step)
+    if wanted.hide:
+        values = without_labels(_held(values, progress), wanted.hide)
+        if not values.any():
+            raise LeaflightError(f"{path}: all labels are hidden; show one of them.")
     values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
+    # Means of labels are no labels.
+    labels = volume.labels if step == 1 and smooth == 0 else ()
+    if wanted.label_table is not None or not labels:
+        labels, remarks = labels_for(path, values, wanted.label_table)
+        notes += remarks
     if wanted.field is not None:
-        values = FIELDS[wanted.field](values, progress)
+        values, labels = FIELDS[wanted.field](values, progress), ()
     return replace(
         volume,
         values=values,
@@ -215,6 +238,7 @@ def _processed(
         patient=opened.patient,
         smooth_normals=wanted.smooth_normals,
         notes=(*opened.notes, *volume.notes, *notes),
+        labels=labels,
     )
 
 

@@ -32,6 +32,10 @@ class Choice:
         return self.found
 
     @property
+    def is_map(self) -> bool:
+        return isinstance(self.found, Part) and self.found.is_map
+
+    @property
     def is_slice(self) -> bool:
         return isinstance(self.found, Part) and len(self.found.within) == 1
 
@@ -61,11 +65,17 @@ def choices_of(path: Path, found: list[Series]) -> tuple[dict[str, Choice], tupl
 
 
 def meant(choices: dict[str, Choice], word: str | None) -> str | None:
-    """Returns the name of the only choice with this word, else the word."""
-    if word is None or word in choices:
+    """Returns the name of the only choice with this word, else the word. None fits all choices.
+
+    The label map of a series stands for all of its segments.
+    """
+    if word in choices:
         return word
-    names = [name for name, choice in choices.items() if word in choice.words]
-    return names[0] if len(names) == 1 else word
+    names = [name for name, choice in choices.items() if word is None or word in choice.words]
+    if len(names) == 1:
+        return names[0]
+    is_one = len({choices[name].series for name in names}) == 1
+    return names[0] if is_one and choices[names[0]].is_map else word
 
 
 def _parts(path: Path, series: Series) -> list[tuple[str, Part | LeaflightError]]:

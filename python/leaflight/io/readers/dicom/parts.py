@@ -18,6 +18,8 @@ _SAME_AXES, _SAME_SPACING = 1e-3, 1e-4
 _FEWEST = 3
 # Upper bound on the directions and sizes of planes in a series.
 _MOST_KINDS = 64
+# Name of the label map of all segments.
+_ALL = "all segments"
 _DIRECTIONS = ("sagittal", "coronal", "axial")
 
 
@@ -27,25 +29,39 @@ class Part:
 
     label: Name of the part, "" if the series has only one.
     within: All planes of the grid that segments share.
+    is_map: True for the label map of all segments.
     """
 
     label: str
     planes: list[Plane]
     within: list[Plane]
     notes: tuple[str, ...] = ()
+    is_map: bool = False
 
 
 def parts_of(path: Path, series: Series) -> list[Part]:
     """Returns the volumes of a series. Raises LeaflightError if its planes make none."""
     groups = _groups(path, series.planes)
     if series.planes[0].sparse:
-        return [Part(planes[0].label, planes, series.planes) for planes in groups]
+        parts = [Part(planes[0].label, planes, series.planes) for planes in groups]
+        return _map_of(parts) + parts
     most = max(len(planes) for planes in groups)
     kept = [planes for planes in groups if len(planes) >= min(most, _FEWEST)]
     left = sum(len(planes) for planes in groups) - sum(len(planes) for planes in kept)
     notes = (_left_out(left),) if left else ()
     labels = _labels(kept) if len(kept) > 1 else [""]
     return [Part(label, planes, planes, notes) for label, planes in zip(labels, kept)]
+
+
+def _map_of(parts: list[Part]) -> list[Part]:
+    """Returns the label map of several segments in one grid, none if they have no numbers."""
+    planes, first = parts[0].within, parts[0].planes[0]
+    if len(parts) < 2 or len({part.label for part in parts}) < len(parts):
+        return []
+    # Segments by their share have slopes.
+    if not all(one.segment > 0 and one.slope == 1 and _is_alike(first, one) for one in planes):
+        return []
+    return [Part(_ALL, planes, planes, is_map=True)]
 
 
 def _groups(path: Path, planes: list[Plane]) -> list[list[Plane]]:

@@ -10,7 +10,9 @@ import pydicom
 
 from ...._core import LeaflightError
 from ....arrays import Array
+from ....volume.label_table import Label
 from .header import Header, Pixels, damaged_header, pixels_of
+from .segments import segments_of
 
 # Numbers of the standard: kinds of objects, and tags that mark pages as times.
 _SEGMENTATIONS = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
@@ -31,6 +33,8 @@ class Plane:
     uid: Identifier of the file's object.
     order: Sort key of planes at one position: time, number, page, acquisition and its time.
     label: Name of the segment or the stack that the plane belongs to.
+    segment: Number of the segment, 0 without one.
+    labels: The segments of the file.
     slope, intercept: Factor and offset from stored numbers to values.
     position: Position of the first pixel in LPS, None if the header has none.
     location: Distance along the patient.
@@ -49,6 +53,8 @@ class Plane:
     uid: str
     order: Floats
     label: str
+    segment: int
+    labels: tuple[Label, ...]
     slope: float
     intercept: float
     position: Floats | None
@@ -67,14 +73,14 @@ class Plane:
 class _File:
     """The data that all pages of a file share.
 
-    labels: Labels of segments, by number.
+    segments: Segments by number.
     offsets: Distance of each page from the position of the file, or None.
     slices: Number of each page along the volume, or None.
     """
 
     tags: pydicom.Dataset
     pixels: Pixels
-    labels: dict[int, str]
+    segments: dict[int, Label]
     remarks: tuple[str, ...]
     offsets: Floats | None
     slices: Floats | None
@@ -107,7 +113,7 @@ def planes_of(header: Header) -> list[Plane]:
         file = _File(
             tags=tags,
             pixels=pixels,
-            labels=_labels(tags),
+            segments=segments_of(tags),
             remarks=_remarks(tags),
             offsets=_vector(tags, "GridFrameOffsetVector", pixels),
             slices=_vector(tags, "SliceVector", pixels),
@@ -179,6 +185,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
     if not gap and (position is None or (stepped and file.offsets is None)):
         remarks += ("The header has no distance between slices; 1 mm is assumed.",)
     slope, intercept = _scale(tags)
+    segment, label = _segment(tags, file.segments)
     location = header.get("SliceLocation", None)
     padding = _padding(file)
     return Plane(
@@ -186,7 +193,9 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         page=page,
         uid=str(header.get("SOPInstanceUID", "")),
         order=_order(tags, page),
-        label=_label(tags, file.labels),
+        label=label,
+        segment=segment,
+        labels=tuple(label for label in file.segments.values() if label.number > 0),
         slope=slope,
         intercept=intercept,
         position=position,
@@ -284,22 +293,14 @@ def _order(tags: _Tags, page: int) -> Floats:
     return tuple(order)
 
 
-def _labels(header: pydicom.Dataset) -> dict[int, str]:
-    """Returns {number of a segment: its unique label}."""
-    labels: dict[int, str] = {}
-    for item in header.get("SegmentSequence", None) or []:
-        number = int(item.SegmentNumber)
-        label = str(item.get("SegmentLabel", None) or "").strip() or f"segment {number}"
-        labels[number] = f"{label} ({number})" if label in labels.values() else label
-    return labels
-
-
-def _label(tags: _Tags, labels: dict[int, str]) -> str:
+def _segment(tags: _Tags, segments: dict[int, Label]) -> tuple[int, str]:
+    """Returns the number of a plane's segment, 0 without one, and its name or that of its stack."""
     number = tags.get("ReferencedSegmentNumber", "SegmentIdentificationSequence")
     if number is not None:
-        return labels.get(int(number), f"segment {number}")
+        known = segments.get(int(number))
+        return (known.number, known.name) if known else (0, f"segment {number}")
     stack = tags.get("StackID", "FrameContentSequence")
-    return f"stack {stack}" if stack else ""
+    return 0, f"stack {stack}" if stack else ""
 
 
 def _remarks(header: pydicom.Dataset) -> tuple[str, ...]:

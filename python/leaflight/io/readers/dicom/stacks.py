@@ -61,22 +61,30 @@ def stack_of(path: Path, planes: list[Plane]) -> Stack:
     return Stack(frames, _matrix(path, places[0][0], places[-1][0], len(places)), tuple(notes))
 
 
-def sparse_stack_of(path: Path, planes: list[Plane], label: str) -> Stack:
-    """Returns the planes of one segment in the grid of all segments. Raises LeaflightError."""
+def sparse_stack_of(path: Path, planes: list[Plane], segments: Sequence[str]) -> Stack:
+    """Returns the planes of segments in the grid of all segments, a frame for each.
+
+    Raises LeaflightError.
+    """
     if any(one.position is None for one in planes):
         raise LeaflightError(f"{path}: the header has no positions of the segments; repair it.")
     places = _places(planes)
     indices = _indices(path, np.array([_along(place[0], planes[0]) for place in places]), planes[0])
-    frame: list[Plane | None] = [None] * int(indices[-1] + 1)
+    depth = int(indices[-1] + 1)
+    frames: dict[str, list[Plane | None]] = {segment: [None] * depth for segment in segments}
     for index, place in zip(indices, places):
-        segment = [one for one in place if one.label == label]
-        if len(segment) > 1 and len({digest(one) for one in segment}) > 1:
-            raise LeaflightError(
-                f"{path}: the segment {label!r} has {len(segment)} different slices at one "
-                "position; choose a file with one of them."
-            )
-        frame[index] = segment[0] if segment else None
-    return Stack([frame], _matrix(path, places[0][0], places[-1][0], len(frame)))
+        for one in place:
+            if one.label not in frames:
+                continue
+            other = frames[one.label][index]
+            if other is not None and digest(one) != digest(other):
+                raise LeaflightError(
+                    f"{path}: the segment {one.label!r} has 2 different slices at one position; "
+                    "choose a file with one of them."
+                )
+            frames[one.label][index] = other or one
+    matrix = _matrix(path, places[0][0], places[-1][0], depth)
+    return Stack(list(frames.values()), matrix)
 
 
 def _indices(path: Path, along: Array, first: Plane) -> Array:

@@ -56,6 +56,23 @@ def values_of_frame(
     return values
 
 
+def label_map(
+    frames: list[list[Plane | None]], shape: tuple[int, int], progress: Progress
+) -> Array:
+    """Returns the label map of segments, a frame for each; higher numbers are on top.
+
+    Raises LeaflightError.
+    """
+    most = max(one.segment for planes in frames for one in planes if one is not None)
+    values = new_voxels((len(frames[0]), *shape), np.uint8 if most < 256 else np.uint16)
+    opened = lru_cache(maxsize=_OPEN)(open_pages)
+    for page, planes in zip(values, watched(progress, zip(*frames))):
+        page[...] = 0
+        for one in sorted(filter(None, planes), key=lambda one: one.segment):
+            page[values_of(one, opened(one.pixels)) > 0] = one.segment
+    return values
+
+
 def _fits(page: Array, dtype: np.dtype[Any]) -> bool:
     limits = np.iinfo(dtype)
     return bool(limits.min <= page.min() and page.max() <= limits.max)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The labels of a label map: their numbers, names and colors."""
+
+import colorsys
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .._core import LeaflightError
+from ..arrays import Array
+
+# Largest label.
+MOST_LABELS = 65535
+
+
+@dataclass(frozen=True)
+class Label:
+    """A label of a map. color: sRGB, each component in 0..1."""
+
+    number: int
+    name: str
+    color: tuple[float, float, float]
+
+    @staticmethod
+    def of(number: int, name: str = "", color: Iterable[float] | None = None) -> "Label":
+        """Returns a Label, by default with its number as name, and a color of its own."""
+        if color is None:
+            # Hues of the golden ratio, so that near numbers have different ones.
+            color = colorsys.hsv_to_rgb(number * 0.618034 % 1.0, 0.55 + 0.3 * (number % 2), 0.9)
+        red, green, blue = (min(max(float(part), 0.0), 1.0) for part in color)
+        return Label(number, name or f"Label {number}", (red, green, blue))
+
+
+def labels_of(values: Array, table: Iterable[Label] = ()) -> tuple[Label, ...]:
+    """Returns the labels that occur in a map, as in its table if they are in it.
+
+    Raises LeaflightError as label_numbers().
+    """
+    known = {label.number: label for label in table}
+    return tuple(known.get(n) or Label.of(n) for n in label_numbers(values))
+
+
+def label_numbers(values: Array) -> list[int]:
+    """Returns the numbers above 0 that occur in a label map [z, y, x], ascending.
+
+    NaN is no label. Raises LeaflightError unless all values are whole numbers in 0..MOST_LABELS.
+    """
+    found, low, high = np.zeros(MOST_LABELS + 1, bool), 0.0, 0.0
+    for plane in values:
+        numbers = np.nan_to_num(plane)
+        if numbers.dtype.kind == "f" and (numbers != np.rint(numbers)).any():
+            raise LeaflightError("The values are not labels, because they are not whole numbers.")
+        low, high = min(low, float(numbers.min())), max(high, float(numbers.max()))
+        if low >= 0 and high <= MOST_LABELS:
+            found[numbers.astype(np.int64)] = True
+    if low < 0 or high > MOST_LABELS:
+        raise LeaflightError(
+            f"The labels {low:g} to {high:g} are outside 0 to {MOST_LABELS}: renumber them."
+        )
+    numbers_above: list[int] = (np.flatnonzero(found[1:]) + 1).tolist()
+    return numbers_above
+
+
+def without_labels(values: Array, hidden: Iterable[int]) -> Array:
+    """Returns a label map in which hidden labels are 0."""
+    kept: Array = np.where(np.isin(values, list(hidden)), values.dtype.type(0), values)
+    return kept
