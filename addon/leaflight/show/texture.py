@@ -66,6 +66,29 @@ def local_texture(obj):
     return _texture(obj, local)
 
 
+def texture_in_bake(obj):
+    """Returns the texture that an object shows now, in the world of its bake, or None.
+
+    Raises LeaflightError.
+    """
+    colors = local_texture(obj)
+    if colors is None:
+        return None
+    to_world = np.array(obj.leaflight.bake_matrix, np.float64).reshape(4, 4)
+    channels = (replace(c, index_to_world=to_world @ c.index_to_world) for c in colors.channels)
+    return replace(colors, channels=tuple(channels))
+
+
+def retextured(bake, textures):
+    """Returns a bake for an export, with other textures, {number of a volume: texture or None}."""
+    isosurfaces, grids = list(bake.scene.isosurfaces), list(bake.grids)
+    for index, colors in textures.items():
+        isosurfaces[index] = replace(isosurfaces[index], texture=colors)
+        on_field = isosurfaces[index].texture_on(bake.volumes[index].field())
+        grids[index] = grids[index].with_texture(on_field)
+    return replace(bake, scene=replace(bake.scene, isosurfaces=isosurfaces), grids=grids)
+
+
 def _between(obj, other):
     """Returns the matrix from the coordinates of the other object to those of the first."""
     to_world, from_other = (np.array(one.matrix_world, np.float64) for one in (obj, other))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks isosurfaces that another volume colors."""
 
+import addon_utils
 import bpy
 import leaflight
 import numpy as np
@@ -98,6 +99,37 @@ def check_another_map_shows_at_once(colored):
     obj.leaflight.texture_map = "CET_D1"
     bpy.context.view_layer.update()
     assert staleness.change_since_bake(bpy.context, obj) == ""
+
+
+def check_an_export_has_the_colors_that_are_shown(colored, uncut, tmp_path, monkeypatch):
+    obj, _ = colored
+    bpy.ops.leaflight.bake()
+    obj.leaflight.texture_map = "MAGMA"
+    obj.matrix_world.translation.x += 1.0
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "box.glb"))
+    if addon_utils.enable("io_scene_gltf2") is None:
+        pytest.skip("this Blender has no importer of glTF")
+    # Debian's importer needs an older NumPy.
+    monkeypatch.setattr(np, "bool", bool, raising=False)
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=str(tmp_path / "box.glb"), merge_vertices=False)
+    (found,) = [each for each in set(bpy.data.objects) - before if each.type == "MESH"]
+    mesh, shares = found.data, _shares(obj)
+    # Blender 3.4 leaves out the values.
+    if bpy.app.version >= (4, 2, 0):
+        values = np.empty(len(mesh.vertices), np.float32)
+        mesh.attributes["_ALONG_X"].data.foreach_get("value", values)
+        close(values, shares, 1e-5)
+    colors = mesh.color_attributes[0]
+    linear = np.empty(4 * len(colors.data), np.float32)
+    colors.data.foreach_get("color", linear)
+    corners = np.arange(len(shares))
+    if colors.domain == "CORNER":
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+    # Blender keeps eight bits of sRGB in some versions.
+    close(linear.reshape(-1, 4)[:, :3], np.clip(colors_of(obj), 0, 1)[corners], 0.01)
 
 
 def check_labels_have_separate_colors(boxed, tmp_path):
