@@ -7,8 +7,8 @@ import numpy as np
 from leaflight import LeaflightError
 from leaflight.scene.volume_texture import label_texture, texture_of
 
-from .. import session
-from ..store import cache
+from .. import session, versions
+from ..store import cache, frame_bakes
 from . import display
 
 # Cache: address of labels -> (labels, their VolumeTexture).
@@ -43,7 +43,7 @@ def label_of(obj):
         source = other.leaflight
         place = [round(x, 6) for row in _between(obj, other) for x in row]
         read = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
-        sources.append(f"{read} {place}")
+        sources.append(f"{read} {_plays(other)} {place}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r}"
     return f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
 
@@ -102,6 +102,7 @@ def _texture(obj, volume_of):
         return None
     volumes = [volume_of(other) for other in others]
     try:
+        _check_frames(settings, others)
         if settings.texture_kind == "LABELS":
             return _label_texture(volumes[0])
         limits = settings.texture_low, settings.texture_high
@@ -109,6 +110,20 @@ def _texture(obj, volume_of):
     except LeaflightError as error:
         names = " and ".join(f'"{other.name}"' for other in others)
         raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
+
+
+def _check_frames(settings, others):
+    for other in others:
+        frames = other.leaflight.frames
+        if _plays(other) and settings.frames not in (1, frames):
+            raise LeaflightError(
+                f"the series has {frames} frames, but this volume has {settings.frames}: choose "
+                "one with as many, or delete its keyframes."
+            )
+
+
+def _plays(other):
+    return other.leaflight.frames > 1 and versions.is_animated(other, frame_bakes.PATH)
 
 
 def _label_texture(volume):

@@ -9,7 +9,7 @@ from blends import open_blend, open_saved
 from leaflight import blender
 from leaflight.scene.volume_texture import color_map
 from leaflight_addon.bake import load_bake
-from leaflight_addon.show import surface_material
+from leaflight_addon.show import surface_material, surface_object
 from leaflight_addon.store import bake_files, cache, frame_bakes
 from tools import add_camera, assert_shows, change, close, colors_of, mesh_arrays, vertices_of
 
@@ -42,8 +42,12 @@ def played(values, tmp_path):
 @pytest.fixture
 def colored(played, tmp_path):
     """Returns a series whose isosurfaces another series colors: frame number + x along x."""
+    return color(played, tmp_path, FRAMES)
+
+
+def color(played, tmp_path, frames):
     x = np.broadcast_to(np.linspace(0.0, 1.0, 12, dtype=np.float32)[:, None, None], (12, 12, 12))
-    values = np.stack([x + frame for frame in range(FRAMES)], axis=-1)
+    values = np.stack([x + frame for frame in range(frames)], axis=-1)
     path = tmp_path / "colors.nii"
     nibabel.save(nibabel.Nifti1Image(values, np.eye(4)), path)
     other = blender.import_volume(path, partner=played.name, size_from="SAME", animate=True)
@@ -92,14 +96,30 @@ def check_a_series_of_colors_follows_in_renders(colored, tmp_path):
     assert len(found) == FRAMES and np.ptp(found, axis=0).max() > 0.1
 
 
-def check_each_frame_is_baked_with_its_colors(colored):
-    blender.bake_frames(colored, error=40.0)
-    for number in range(FRAMES):
-        show_frame(number)
-        bake = cache.bake_of(colored)
-        (channel,) = bake.scene.isosurfaces[0].texture.channels
-        assert np.floor(channel.values.min()) == number
-        assert change(colored) == ""
+def check_series_of_other_lengths_are_refused(played, tmp_path):
+    color(played, tmp_path, FRAMES + 2)
+    sentence = surface_object.problems[played.name_full]
+    assert "the series has 5 frames, but this volume has 3" in sentence
+    assert "texture" not in played.data.attributes
+    other = played.leaflight.texture_volume
+    other.animation_data_clear()
+    other.leaflight.shown_frame = 1
+    bpy.context.view_layer.update()
+    assert_colors(played, 1)
+    assert played.name_full not in surface_object.problems
+
+
+def check_a_frame_is_baked_with_its_colors(colored):
+    show_frame(1)
+    bpy.ops.leaflight.bake()
+    bake = cache.bake_of(colored)
+    (channel,) = bake.scene.isosurfaces[0].texture.channels
+    assert channel.values.min() == 1.0 and change(colored) == ""
+    show_frame(2)
+    assert not colored.leaflight.bake_id
+    show_frame(1)
+    assert_colors(colored, 1)
+    assert colored.leaflight.bake_id == bake.id and change(colored) == ""
 
 
 def show_frame(number):
