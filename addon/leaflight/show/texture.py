@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.volume_texture import label_texture, texture_of
+from leaflight.scene.volume_texture import check_overlap, label_texture, texture_of
 
 from .. import session, versions
 from ..store import cache, frame_bakes
@@ -63,7 +63,10 @@ def local_texture(obj):
         volume = cache.volume_of(other)
         return cache.placed(volume, _between(obj, other) @ volume.index_to_world)
 
-    return _texture(obj, local)
+    found = _texture(obj, local)
+    if found is not None:
+        check_overlap(found, cache.volume_of(obj))
+    return found
 
 
 def texture_in_bake(obj):

@@ -186,6 +186,7 @@ def _range_of(volume: Volume) -> tuple[float, float]:
 
 
 def _check_values(volume: Volume) -> None:
+    """Raises LeaflightError unless some value is a finite number."""
     kind = volume.values.dtype.kind
     if kind not in "buif" or not np.isfinite(volume.values).any():
         raise LeaflightError(
@@ -193,10 +194,15 @@ def _check_values(volume: Volume) -> None:
         )
 
 
-def check_overlap(texture: VolumeTexture, volume: Volume) -> None:
-    """Raises LeaflightError if a texture has no values within the volume that it colors."""
+def check_texture(texture: VolumeTexture, volume: Volume) -> None:
+    """Raises LeaflightError if a texture has no values, or none within the volume it colors."""
     for channel in texture.channels:
         _check_values(channel)
+    check_overlap(texture, volume)
+
+
+def check_overlap(texture: VolumeTexture, volume: Volume) -> None:
+    """Raises LeaflightError if a texture lies outside the volume that it colors."""
     low, high = volume.field().bounds
     own_low, own_high = _bounds(texture.channels[0])
     if (own_low > high).any() or (own_high < low).any():
