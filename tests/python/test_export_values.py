@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from leaflight import Volume, texture_of
 from leaflight.export.gltf import LACKING
+from leaflight.export.point_grid import point_grid
 from leaflight.io.scene_file import cornell_box
 from leaflight.scene.texture_values import identifiers, named_values
 from leaflight.scene.volume_texture import VolumeTexture
@@ -103,6 +104,15 @@ def test_vti(bake, tmp_path):
     assert np.isnan(found[-1]) and not np.isnan(found[0])
     has_values = ~np.isnan(found)
     np.testing.assert_allclose(found[has_values], np.minimum(x, 0.75)[has_values], atol=1e-6)
+
+
+def test_light_at_the_points_of_a_grid_has_their_color(bake):
+    grid = point_grid(bake)
+    index = np.argwhere((grid.values > 31.0) & (grid.values < 69.0))[::97]
+    points = (np.c_[index[:, ::-1], np.ones(len(index))] @ grid.index_to_world.T)[:, :3]
+    found, expected = grid.radiance[tuple(index.T)], bake.radiance(points)
+    assert len(index) > 50 and np.ptp(expected, axis=0).max() > 0.1
+    np.testing.assert_allclose(found, expected, atol=0.03 * expected.max())
 
 
 def test_without_a_texture_files_have_no_other_values(box_bake, tmp_path):
