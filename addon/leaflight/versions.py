@@ -161,6 +161,12 @@ def is_animated(owner, path):
     return any(curve.data_path == path for curve in curves)
 
 
+def keyed_value(owner, path, frame):
+    """Returns the value of the keyframes of a property at a frame, None without keyframes."""
+    curves = (curve for curve in fcurves(owner) if curve.data_path == path)
+    return next((curve.evaluate(frame) for curve in curves), None)
+
+
 def image_format(**values):
     """Returns the settings of an image file. Since 5.0 a media type must precede the format."""
     medium = {"media_type": "IMAGE"}

@@ -139,6 +139,8 @@ def test_another_volume_colors_isosurfaces_as_in_the_core(browser, bakes, pages,
     check_like_still(browser, bake)
     browser.click("#local")
     check_like_still(browser, bake, local=True)
+    browser.open(pages(name).as_uri() + browser.evaluate("location.hash"), SIZE)
+    check_like_still(browser, bake, local=True)
 
 
 def is_local(url):

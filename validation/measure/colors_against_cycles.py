@@ -4,7 +4,8 @@
     validation/run colors_against_cycles [--data DIR] [--points N] [--spp N]
     validation/run colors_against_cycles --data DIR --picture FILE.webp
 
-prints a row of a Markdown table for each isosurface. Cycles interpolates colors between vertices;
+prints a row of a Markdown table for each isosurface, and one for each white wall beside a ball with
+a red and a blue half. Cycles interpolates colors between vertices;
 the bake has the color of the point. Their difference counts as an error of the bake.
 """
 
@@ -19,6 +20,7 @@ import volume_recipes
 from PIL import Image
 from leaflight import Volume, gradient_of, read_volume
 from leaflight.io.scene_file import cornell_box, packaged_scene
+from leaflight.measure.sides import MeshSide
 from leaflight.scene.volume_texture import VolumeTexture, sign_texture, texture_of
 from leaflight.volume.lobes import without_sign
 
@@ -131,6 +133,8 @@ def main():
             continue
         volume, texture = made
         rows(case, volume, texture, options)
+    if not options.names or "walls" in options.names:
+        wall_rows(options)
 
 
 # Isovalues and size of the pictures.
@@ -168,6 +172,33 @@ def rows(case, volume, texture, options):
             f"| {colored.statistics.seconds:.1f} | {plain.statistics.seconds:.1f} |",
             flush=True,
         )
+
+
+HEAD_OF_WALLS = """
+| white wall | red / blue | by Cycles | mean / Cycles: red | green | blue |
+|---|---|---|---|---|---|"""
+
+
+def wall_rows(options):
+    axis = np.linspace(-1.0, 1.0, 48, dtype=np.float32)
+    square = axis**2 + axis[:, None] ** 2 + axis[:, None, None] ** 2
+    ball = Volume(100.0 - 60.0 * np.sqrt(square), spacing=2.0 / 47, origin=-1.0, name="ball")
+    halves = replace(ball, values=np.broadcast_to((axis > 0).astype(np.uint8), square.shape))
+    colors = [(0.0, (0.9, 0.05, 0.05)), (1.0, (0.05, 0.05, 0.9))]
+    scene = scene_with(texture_of(halves, colors, nearest=True))
+    white = [replace(mesh, albedo=(0.8, 0.8, 0.8)) for mesh in scene.meshes]
+    bake = leaflight.bake(ball, replace(scene, meshes=white), walls=True, progress=False)
+    print(HEAD_OF_WALLS)
+    for name, back in (("beside red", False), ("beside blue", True)):
+        side = MeshSide(bake, "right wall" if back else "left wall", 55.0, back)
+        truth = side.by_cycles(options.points, options.spp, 1, 0, None)
+        found, expected = (
+            np.average(radiance, axis=0, weights=truth.weights)
+            for radiance in (side.baked(truth.points), truth.radiance)
+        )
+        ratios = " | ".join(f"{ratio:.3f}" for ratio in found / expected)
+        both = f"{found[0] / found[2]:.3f} | {expected[0] / expected[2]:.3f}"
+        print(f"| {name} | {both} | {ratios} |", flush=True)
 
 
 def scene_with(texture):

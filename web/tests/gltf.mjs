@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Prints data of a .glb by three.js: the size of each mesh in meters, and world positions and
-// colors of the first one. tests/web/test_gltf.py runs it.
+// Prints data of a .glb by three.js: the size of each mesh in meters, and world positions, colors
+// and the attribute _ALONG of the first one. tests/web/test_gltf.py runs it.
 import { readFile } from 'node:fs/promises';
 
 import { Box3 } from 'three';
@@ -14,7 +14,7 @@ scene.traverse((each) => {
   if (each.isMesh) meshes.push(each);
 });
 const [first] = meshes;
-const { position, color } = first.geometry.attributes;
+const { position, color, _along } = first.geometry.attributes;
 console.log(
   JSON.stringify({
     names: meshes.map(({ name }) => name),
@@ -23,5 +23,6 @@ console.log(
     places: [...position.clone().applyMatrix4(first.matrixWorld).array],
     colors: [...color.array],
     channels: color.itemSize,
+    values: _along ? [..._along.array] : null,
   }),
 );

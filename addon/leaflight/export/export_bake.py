@@ -15,7 +15,7 @@ from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
-from ..show import isovalues, lamps
+from ..show import isovalues, lamps, texture
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
 
@@ -41,13 +41,14 @@ class ExportJob(jobs.Job):
         if not obj.leaflight.bake_id:
             raise LeaflightError(f'"{obj.name}" has no bake: bake it first.')
         self._bake, self._index = lamps.whole_of(obj), obj.leaflight.bake_index
+        self._textures = _textures_of(obj)
         self._path, self._page = path, page
         self._isovalues = values
         self._surfaces = {}
 
     def run(self, progress):
         self._surfaces = leaflight.export(
-            self._bake(progress),
+            texture.retextured(self._bake(progress), self._textures),
             self._path,
             self._isovalues,
             volume=self._index,
@@ -257,6 +258,16 @@ def _absent(suffix):
         f"writing {suffix} needs the Python package {package}, which Blender's Python lacks: run "
         f"{source_files.install_command(package, of_debian)} in a terminal, and restart Blender."
     )
+
+
+def _textures_of(obj):
+    """Returns {number: texture or None} of the volumes that the bake of an object lights."""
+    identifier = obj.leaflight.bake_id
+    volumes = [
+        other for other in obj.users_scene[0].objects if other.leaflight.bake_id == identifier
+    ]
+    # A copy of the object may have another texture.
+    return {each.leaflight.bake_index: texture.texture_in_bake(each) for each in (*volumes, obj)}
 
 
 def _lengths(obj):

@@ -145,9 +145,9 @@ def isosurface_of(obj, isovalue, halvings=None):
     if not lit:
         return Isosurface(volume, isovalue, None, np.inf, *shape, colors)
     bake, index = lit_by(obj)
-    grid = bake.grids[index]
-    if colors is not None:
-        grid = grid.with_texture(colors.core().on(volume.field()))
+    # The texture may have changed since the bake, or be gone.
+    shown = None if colors is None else colors.core().on(volume.field())
+    grid = bake.grids[index].with_texture(shown)
     return Isosurface(volume, isovalue, grid, bake.largest_step, *shape, colors)
 
 

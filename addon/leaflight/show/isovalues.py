@@ -18,7 +18,7 @@ from . import display, surface_material, surface_object, walls
 
 # Paths of the properties for drivers and keyframes, from the object.
 ISOVALUE_PATH = 'leaflight["isovalue"]'
-FRAME_PATH = "leaflight.shown_frame"
+FRAME_PATH = frame_bakes.PATH
 
 
 def isovalue_range(settings):
@@ -110,12 +110,25 @@ def update(scene, depsgraph, moving=False):
     found = [obj for obj in isosurfaces(scene) if obj.mode == "OBJECT"]
     evaluated = {obj: obj.evaluated_get(depsgraph) for obj in found}
     for obj in found:
+        if depsgraph.mode == "RENDER" and obj.hide_render:
+            _choose_frame(obj, scene)
+            evaluated[obj] = obj
         if frame_bakes.is_behind(obj, evaluated[obj]):
             frame_bakes.switch(obj, frame_bakes.wanted(evaluated[obj].leaflight))
     moved = _show(scene, {obj: e.leaflight.isovalue for obj, e in evaluated.items()}, moving)
     for obj in found:
         surface_material.show_opacity(obj, evaluated[obj].leaflight_look.opacity)
     return moved
+
+
+def _choose_frame(obj, scene):
+    """Gives an object the frame of its keyframes, because its values may color another volume.
+
+    A render does not evaluate hidden objects.
+    """
+    frame = versions.keyed_value(obj, FRAME_PATH, scene.frame_current)
+    if frame is not None:
+        obj.leaflight["shown_frame"] = int(frame)
 
 
 def update_before_evaluation(scene, moving=False):

@@ -5,11 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 from leaflight import LeaflightError, gradient_of, height_of
-from leaflight.scene.volume_texture import label_texture, picture_stops, texture_of
+from leaflight.scene.volume_texture import (
+    check_overlap,
+    label_texture,
+    picture_stops,
+    texture_of,
+)
 from leaflight.volume.label_table import without_labels
 
-from .. import session
-from ..store import cache
+from .. import session, versions
+from ..store import cache, frame_bakes
 from . import display
 
 # Cache: full name of an object -> (values of its label map, hidden labels, VolumeTexture).
@@ -66,7 +71,7 @@ def label_of(obj):
         source = other.leaflight
         place = [round(x, 6) for row in _between(obj, other) for x in row]
         read = f"{source.source} {source.frame} {source.channel} {source.bake_id} {source.smooth}"
-        sources.append(f"{read} {place}")
+        sources.append(f"{read} {_plays(other)} {place}")
     if settings.texture_kind == "HEIGHT":
         sources.append(f"{_up(obj).round(6).tolist()}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r} {settings.texture_srgb}"
@@ -92,7 +97,33 @@ def local_texture(obj):
         volume = cache.volume_of(other)
         return cache.placed(volume, _between(obj, other) @ volume.index_to_world)
 
-    return _texture(obj, local, np.eye(4))
+    found = _texture(obj, local, np.eye(4))
+    if found is not None:
+        check_overlap(found, cache.volume_of(obj))
+    return found
+
+
+def texture_in_bake(obj):
+    """Returns the texture that an object shows now, in the world of its bake, or None.
+
+    Raises LeaflightError.
+    """
+    colors = local_texture(obj)
+    if colors is None:
+        return None
+    to_world = np.array(obj.leaflight.bake_matrix, np.float64).reshape(4, 4)
+    channels = (replace(c, index_to_world=to_world @ c.index_to_world) for c in colors.channels)
+    return replace(colors, channels=tuple(channels))
+
+
+def retextured(bake, textures):
+    """Returns a bake for an export, with other textures, {number of a volume: texture or None}."""
+    isosurfaces, grids = list(bake.scene.isosurfaces), list(bake.grids)
+    for index, colors in textures.items():
+        isosurfaces[index] = replace(isosurfaces[index], texture=colors)
+        on_field = isosurfaces[index].texture_on(bake.volumes[index].field())
+        grids[index] = grids[index].with_texture(on_field)
+    return replace(bake, scene=replace(bake.scene, isosurfaces=isosurfaces), grids=grids)
 
 
 def _between(obj, other):
@@ -118,6 +149,7 @@ def _texture(obj, volume_of, to_place):
     if None in volumes:
         volumes = _with_black(volumes, settings.texture_low)
     try:
+        _check_frames(settings, volumes_that_color(obj))
         if settings.texture_kind == "LABELS":
             return _label_texture(obj, volumes[0], _colors_of_labels(_colors(obj)[0]))
         limits = settings.texture_low, settings.texture_high
@@ -128,6 +160,20 @@ def _texture(obj, volume_of, to_place):
     except LeaflightError as error:
         names = " and ".join(f'"{other.name}"' for other in volumes_that_color(obj) or [obj])
         raise LeaflightError(f'"{obj.name}" cannot be colored by {names}: {error}') from None
+
+
+def _check_frames(settings, others):
+    for other in others:
+        frames = other.leaflight.frames
+        if _plays(other) and settings.frames not in (1, frames):
+            raise LeaflightError(
+                f"the series has {frames} frames, but this volume has {settings.frames}: choose "
+                "one with as many, or delete its keyframes."
+            )
+
+
+def _plays(other):
+    return other.leaflight.frames > 1 and versions.is_animated(other, frame_bakes.PATH)
 
 
 def _with_black(volumes, low):

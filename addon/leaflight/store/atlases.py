@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The slice atlases of bakes: images beside the bake, so that a scene renders without this add-on.
 
+They hold the light without the colors of another volume, because they are shown only without it.
+
 The comments in the header of an atlas hold the id of its bake, its volume and its side. An atlas
 that is missing or holds other comments is written again from the bake.
 """
@@ -54,7 +56,7 @@ def write(grid, bake_path, identifier, index):
         return 0
     columns = 0
     for back in (False, True) if grid.has_back else (False,):
-        pixels, columns, _ = grid.atlas(back=back)
+        pixels, columns, _ = grid.with_texture(None).atlas(back=back)
         if max(pixels.shape) > LARGEST_ATLAS:
             return 0
         _write(pixels, path_of(bake_path, index, back), label(identifier, index, back))
@@ -73,7 +75,7 @@ def require(grid, bake_path, identifier, index, back):
             return path, False
     except LeaflightError:
         pass
-    _write(grid().atlas(back=back)[0], path, expected)
+    _write(grid().with_texture(None).atlas(back=back)[0], path, expected)
     return path, True
 
 

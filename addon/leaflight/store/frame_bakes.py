@@ -10,6 +10,8 @@ import json
 # Properties that change with the frame, in addition to those that begin with bake_.
 _MORE = ("atlas_columns", "comparison")
 _OF_ALL = ("bake_folder",)
+# Path of the property that chooses the frame, from the object.
+PATH = "leaflight.shown_frame"
 
 
 def wanted(settings):

@@ -22,7 +22,7 @@ from ..scene.scene import (
     fit_scene,
     match_isosurfaces,
 )
-from ..scene.volume_texture import VolumeTexture, check_overlap
+from ..scene.volume_texture import VolumeTexture, check_texture
 from ..volume.other_arrays import as_volumes
 from ..volume.volume import Volume
 from .baked import Bake
@@ -90,7 +90,7 @@ def _texture(isosurfaces: Isosurfaces, volume: Volume, unit: str) -> VolumeTextu
     if isosurfaces.texture is None:
         return None
     texture = isosurfaces.texture.in_unit(unit)
-    check_overlap(texture, volume)
+    check_texture(texture, volume)
     return texture
 
 

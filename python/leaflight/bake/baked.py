@@ -5,7 +5,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -20,6 +20,7 @@ from ..io.output import check_writable
 from ..words import by, figures, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
+from ..scene.texture_values import named_values
 from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume
 from .relit import relit
@@ -56,6 +57,8 @@ class Surface:
     triangles: Vertex numbers, int32 (m, 3).
     seconds: Time of contouring and lookup.
     unit: Unit of the world, as in a Volume.
+    values: Values of the volumes that color it, by name, float32 (n,) each; NaN where there are
+        none.
     """
 
     vertices: Array
@@ -64,6 +67,7 @@ class Surface:
     radiance: Array
     seconds: float
     unit: str = ""
+    values: dict[str, Array] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
@@ -209,8 +213,9 @@ class Bake:
         radiance = np.zeros((len(vertices), 3), np.float32) if dark else sides[back]
         if back:
             normals, triangles = -normals, np.ascontiguousarray(triangles[:, ::-1])
+        values = named_values(self.scene.isosurfaces[volume].texture, vertices)
         seconds = time.perf_counter() - start
-        return Surface(vertices, normals, triangles, radiance, seconds, self.unit)
+        return Surface(vertices, normals, triangles, radiance, seconds, self.unit, values)
 
     def radiance(self, points: ArrayLike, volume: int = 0, back: bool = False) -> Array:
         """Returns baked radiance of a volume's isosurfaces, float32 (n, 3), at world points (n, 3).

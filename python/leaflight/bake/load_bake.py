@@ -80,10 +80,12 @@ def open_bake(
     ]
     for volume in volumes:
         volume.field()
-    grids = [
-        grid.with_texture(material.texture_on(volume.field()))
-        for grid, material, volume in zip(grids, scene.isosurfaces, volumes)
-    ]
+    # Texels of fixed samples hold the color.
+    if provenance.fixed is None:
+        grids = [
+            grid.with_texture(material.texture_on(volume.field()))
+            for grid, material, volume in zip(grids, scene.isosurfaces, volumes)
+        ]
     bake = Bake(volumes, scene, (lo, hi), grids, None, statistics, provenance)
     if bake.id != identifier:
         raise LeaflightError(

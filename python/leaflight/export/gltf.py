@@ -15,12 +15,15 @@ import numpy as np
 from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
+from ..scene.texture_values import identifiers
 from ..version import __version__
 from ..volume.units import METERS
 
 # A quarter turn about x, because z points up in the world and y in glTF.
 _UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 _SECONDS = 0.1
+# Stands for NaN, which glTF forbids.
+LACKING = float(np.finfo(np.float32).min)
 # Smallest size in meters that viewers do not clip. The unit of smaller objects becomes a meter.
 _SMALLEST = 1e-4
 # Codes of the format for types of arrays, and for their use.
@@ -46,8 +49,9 @@ def write_glb(
 
     Coordinates are those of the world; the root node takes them to meters, with y up. Vertices have
     POSITION, NORMAL, COLOR_0 and _RADIANCE. COLOR_0 is float RGBA, linear as glTF demands: radiance
-    times the exposure, clamped to 0..1. _RADIANCE is float, W/(m^2 sr), linear RGB. The material is
-    KHR_materials_unlit, because colors contain the light. Several surfaces are the frames of an
+    times the exposure, clamped to 0..1. _RADIANCE is float, W/(m^2 sr), linear RGB. The values
+    of volumes that color a surface are float, _NAME, and LACKING where there are none. The material
+    is KHR_materials_unlit, because colors contain the light. Several surfaces are the frames of an
     animation, each shown for `seconds`. Viewers without animation show the first.
     """
     check_writable(path, ".glb")
@@ -126,6 +130,8 @@ def _primitive(file: _File, surface: Surface, exposure: float) -> dict[str, Any]
         "COLOR_0": file.add(colors, _VERTICES),
         "_RADIANCE": file.add(surface.radiance, _VERTICES),
     }
+    for name, values in identifiers(surface.values, ["radiance"]).items():
+        attributes[f"_{name.upper()}"] = file.add(np.nan_to_num(values, nan=LACKING), _VERTICES)
     indices = file.add(surface.triangles.astype(np.uint32).ravel(), _INDICES)
     return {"attributes": attributes, "indices": indices, "material": 0}
 

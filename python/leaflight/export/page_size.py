@@ -80,8 +80,8 @@ class _Sampled(PageData):
 
 def _bytes_of_colors_and_walls(bake: Bake) -> float:
     sampled = _Sampled(Progress())
-    for isosurfaces, volume in zip(bake.scene.isosurfaces, bake.volumes):
-        colors_data(sampled, isosurfaces.texture, volume)
+    for number, volume in enumerate(bake.volumes):
+        colors_data(sampled, bake, number, volume)
     walls_data(sampled, bake)
     return sampled.bytes
 

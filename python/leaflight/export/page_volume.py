@@ -13,7 +13,6 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..scene.scene import Ramp, core_scene, is_color
-from ..scene.volume_texture import VolumeTexture
 from ..stills.still import back_side
 from ..volume.volume import Volume
 from .light_bricks import light_bricks
@@ -121,15 +120,18 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
         "backIs": back_side(bake, number),
         "albedo": _stops(isosurfaces.albedo),
         "emission": _stops(isosurfaces.emission),
-        "texture": colors_data(data, isosurfaces.texture, volume),
+        "texture": colors_data(data, bake, number, volume),
     }
 
 
-def colors_data(
-    data: "PageData", texture: VolumeTexture | None, volume: Volume
-) -> dict[str, Any] | None:
-    """Returns the part of the header about the colors of another volume, or None."""
-    if texture is None:
+def colors_data(data: "PageData", bake: Bake, number: int, volume: Volume) -> dict[str, Any] | None:
+    """Returns the part of the header about the colors of another volume, or None.
+
+    volume: The volume of that number, perhaps with fewer voxels.
+    """
+    texture = bake.scene.isosurfaces[number].texture
+    # Texels of fixed samples hold the color.
+    if texture is None or bake.provenance.fixed is not None:
         return None
     dims = np.array(texture.channels[0].values.shape[::-1])
     # The page interpolates colors, the bake the values. Finer nodes make both nearly equal.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samples a bake, values and radiance, at the points of one regular grid."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from .._core import Field
 from ..arrays import Array
 from ..bake.baked import Bake
+from ..scene.texture_values import named_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +22,8 @@ class PointGrid:
         ny, nx, 3). It is 0 outside the isovalue range.
     error: Standard error of the mean of radiance over the channels, float32 (nz, ny, nx).
     radiance_back: Radiance of the backs. None if they were not baked.
+    of_texture: Values of the volumes that color the isosurfaces, by name, float32 (nz, ny, nx)
+        each; NaN where there are none.
     """
 
     index_to_world: Array
@@ -28,6 +31,7 @@ class PointGrid:
     radiance: Array
     error: Array
     radiance_back: Array | None
+    of_texture: dict[str, Array]
 
 
 def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
@@ -46,7 +50,15 @@ def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
         error = _looked_up(field, grid.lookup_error)
         back = [_looked_up(field, grid.lookup, True)] if grid.has_back else []
     index_to_world = np.asarray(bake.volumes[volume].index_to_world) @ np.diag([*step, 1.0])
-    return PointGrid(index_to_world, values, radiance, error, back[0] if back else None)
+    planes = [
+        named_values(bake.scene.isosurfaces[volume].texture, points)
+        for points in _planes(index_to_world, values.shape)
+    ]
+    of_texture = {
+        name: np.stack([plane[name] for plane in planes]).reshape(values.shape)
+        for name in planes[0]
+    }
+    return PointGrid(index_to_world, values, radiance, error, back[0] if back else None, of_texture)
 
 
 def _between_voxels(values: Array, texels: Array) -> Array:
@@ -67,12 +79,16 @@ def _between_voxels(values: Array, texels: Array) -> Array:
 
 def _looked_up(field: Field, lookup: Callable[..., Array], *options: bool) -> Array:
     """Looks up all voxels plane by plane, which bounds the memory of their coordinates."""
-    nx, ny, nz = field.dims
+    shape = field.dims[::-1]
+    planes = _planes(field.index_to_world, shape)
+    found = np.stack([lookup(field, points, *options) for points in planes])
+    return found.reshape(*shape, *found.shape[2:])
+
+
+def _planes(index_to_world: Array, shape: Sequence[int]) -> Iterator[Array]:
+    """Yields the world points (ny * nx, 3) of each plane of a grid (nz, ny, nx)."""
+    nz, ny, nx = shape
     y, x = np.mgrid[:ny, :nx]
-    planes = []
     for z in range(nz):
         index = np.stack([x, y, np.full_like(x, z), np.ones_like(x)], axis=-1).reshape(-1, 4)
-        points = (index @ field.index_to_world.T)[:, :3]
-        planes.append(lookup(field, points, *options))
-    found = np.stack(planes)
-    return found.reshape(nz, ny, nx, *found.shape[2:])
+        yield (index @ index_to_world.T)[:, :3]

@@ -12,9 +12,12 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
+from ..scene.texture_values import identifiers
 from ..volume.units import METERS
 
 SUFFIXES = (".usda", ".usdc", ".usd")
+# Names of primvars with another meaning.
+_TAKEN = ("displaycolor", "displayopacity", "normals", "radiance", "st", "widths")
 _FRAMES_PER_SECOND = 24.0
 
 
@@ -26,8 +29,9 @@ def write_usd(
     metersPerUnit is that of the world, 1 if unknown. The mesh is /Leaflight/isosurface, with
     points, normals, primvars and the attribute isovalue. The primvar displayColor is linear RGB:
     radiance times the exposure, not clamped. The primvar radiance is linear RGB in W/(m^2 sr). The
-    material emits displayColor and reflects nothing. Several isovalues are time samples from frame
-    1 on, 24 per second.
+    values of volumes that color the surface are primvars by their names, NaN where there are none.
+    The material emits displayColor and reflects nothing. Several isovalues are time samples from
+    frame 1 on, 24 per second.
     """
     path = Path(path)
     check_writable(path, path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0])
@@ -77,6 +81,11 @@ def _fill(mesh: UsdGeom.Mesh, surfaces: Mapping[float, Surface], exposure: float
         mesh.GetExtentAttr().Set(_vectors(np.stack([low, high])), time)
         colors.Set(_vectors(surface.radiance * np.float32(exposure)), time)
         radiances.Set(_vectors(surface.radiance), time)
+        for name, values in identifiers(surface.values, _TAKEN).items():
+            primvar = primvars.CreatePrimvar(
+                name, Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex
+            )
+            primvar.Set(Vt.FloatArray.FromNumpy(values), time)
         isovalues.Set(float(isovalue), time)
 
 

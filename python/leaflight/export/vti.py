@@ -13,6 +13,7 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
+from ..scene.texture_values import identifiers
 from .point_grid import point_grid
 from .vtk_arrays import add_text_and_numbers, write
 
@@ -21,10 +22,10 @@ def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
     Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error,
-    color (uchar, sRGB at the scene's exposure), and radiance_back if backs were baked. The radiance
-    is that of the isosurface through the point, 0 outside the isovalue range. The error is the
-    standard error of its mean over the channels. Field data are isovalues, exposure, bake_id and
-    unit (of lengths).
+    color (uchar, sRGB at the scene's exposure), radiance_back if backs were baked, and the values
+    of volumes that color it (float, NaN where there are none). The radiance is that of the
+    isosurface through the point, 0 outside the isovalue range. The error is the standard error of
+    its mean over the channels. Field data are isovalues, exposure, bake_id and unit (of lengths).
     """
     check_writable(path, ".vti")
     grid = point_grid(bake, volume)
@@ -41,6 +42,7 @@ def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None
     }
     if grid.radiance_back is not None:
         arrays["radiance_back"] = grid.radiance_back
+    arrays |= identifiers(grid.of_texture, arrays)
     for name, values in arrays.items():
         rows = np.ascontiguousarray(values).reshape(nx * ny * nz, -1)
         array = numpy_to_vtk(rows, deep=True)

@@ -12,6 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from ..bake.baked import Surface
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
+from ..scene.texture_values import identifiers
 from .vtk_arrays import add_text_and_numbers, write
 
 
@@ -20,7 +21,8 @@ def write_vtp(
 ) -> None:
     """Writes a Surface, in world coordinates. Raises LeaflightError.
 
-    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals.
+    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals, and
+    the values of volumes that color it (float, NaN where there are none).
     Field data: isovalue, exposure, unit (of lengths).
     """
     check_writable(path, ".vtp")
@@ -37,6 +39,7 @@ def write_vtp(
         "radiance": surface.radiance,
         "color": display_colors(surface.radiance, exposure),
     }
+    arrays |= identifiers(surface.values, [*arrays, "normals"])
     for name, values in arrays.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)

@@ -18,6 +18,7 @@ from pathlib import Path
 import leaflight._core as _core
 import numpy as np
 
+from .._core import LeaflightError
 from ..arrays import Array
 from ..io.json_object import JsonObject, parse, read_text
 from ..scene.scene import Color, Fit, Isosurfaces, core_isosurfaces
@@ -138,6 +139,11 @@ def core_flat_scene(
     scene: FlatScene, field: _core.Field2, isovalue_range: tuple[float, float]
 ) -> _core.Scene2:
     """Returns the core's scene of a scene in world coordinates. Raises LeaflightError."""
+    if scene.isosurfaces.texture is not None:
+        raise LeaflightError(
+            f"{scene.isosurfaces.texture.name}: no image can color the isolines of another: leave "
+            "the texture out."
+        )
     walls = [
         _core.Mesh2(wall.name, wall.vertices, wall.segments, wall.albedo) for wall in scene.walls
     ]

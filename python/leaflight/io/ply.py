@@ -5,6 +5,7 @@ import os
 from typing import Protocol
 
 from ..arrays import Array
+from ..scene.texture_values import identifiers
 from .images import display_colors
 from .output import check_writable, replaced
 
@@ -18,6 +19,8 @@ class _Surface(Protocol):
     def triangles(self) -> Array: ...
     @property
     def radiance(self) -> Array: ...
+    @property
+    def values(self) -> dict[str, Array]: ...
 
 
 class _Photons(Protocol):
@@ -35,8 +38,9 @@ class _Photons(Protocol):
 def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
-    Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
-    and red green blue (uchar, see display_colors).
+    Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr),
+    linear), red green blue (uchar, see display_colors), and the values of volumes that color it
+    (float, NaN where there are none).
     """
     colors = display_colors(surface.radiance, exposure)
     properties = {
@@ -44,6 +48,7 @@ def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) 
         **_columns("radiance_r radiance_g radiance_b", surface.radiance),
         **_columns("red green blue", colors),
     }
+    properties |= identifiers(surface.values, [*"xyz", *properties])
     _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
 
 

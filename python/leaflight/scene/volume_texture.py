@@ -38,6 +38,7 @@ class VolumeTexture:
         between stops and constant beyond. Each of three channels takes its component.
     nearest: True takes the value of the nearest node, as for labels. False interpolates.
     Where there is no value the color is that of the albedo: outside the volume and next to NaN.
+    Infinite values have the colors of the ends.
     """
 
     channels: tuple[Volume, ...]
@@ -113,10 +114,10 @@ def texture_of(
     if symmetric:
         high = max(abs(low), abs(high))
         low = -high
-    if not low < high:
+    if not (low < high and np.isfinite(high - low)):
         raise LeaflightError(
-            f"{volumes[0].name}: the range {low:g} to {high:g} of its colors is empty: give the "
-            "lower value first."
+            f"{volumes[0].name}: the range {low:g} to {high:g} of its colors is empty or infinite: "
+            "give a lower and a higher value."
         )
     if colors is None and len(volumes) == 3:
         shares = RGB
@@ -213,9 +214,27 @@ def _linear(srgb: Sequence[float]) -> Color:
 
 
 def range_of(volume: Volume) -> tuple[float, float]:
-    """Returns the lowest and highest value of a volume."""
-    values = volume.values
-    return float(np.nanmin(values)), float(np.nanmax(values))
+    """Returns the lowest and the highest finite value. Raises LeaflightError without any."""
+    _check_values(volume)
+    values, is_finite = volume.values, np.isfinite(volume.values)
+    values = values if is_finite.all() else values[is_finite]
+    return float(values.min()), float(values.max())
+
+
+def _check_values(volume: Volume) -> None:
+    """Raises LeaflightError unless some value is a finite number."""
+    kind = volume.values.dtype.kind
+    if kind not in "buif" or not np.isfinite(volume.values).any():
+        raise LeaflightError(
+            f"{volume.name}: its values are not finite numbers: choose another volume to color by."
+        )
+
+
+def check_texture(texture: VolumeTexture, volume: Volume) -> None:
+    """Raises LeaflightError if a texture has no values, or none within the volume it colors."""
+    for channel in texture.channels:
+        _check_values(channel)
+    check_overlap(texture, volume)
 
 
 def check_overlap(texture: VolumeTexture, volume: Volume) -> None:

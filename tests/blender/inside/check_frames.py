@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from blends import open_blend, open_saved
 from leaflight import blender
+from leaflight.scene.volume_texture import color_map
 from leaflight_addon.bake import load_bake
-from leaflight_addon.show import surface_material
+from leaflight_addon.show import surface_material, surface_object
 from leaflight_addon.store import bake_files, cache, frame_bakes
-from tools import assert_shows, close, mesh_arrays
+from tools import add_camera, assert_shows, change, close, colors_of, mesh_arrays, vertices_of
 
 FRAMES = 3
 
@@ -36,6 +37,89 @@ def played(values, tmp_path):
     bpy.ops.leaflight.stage(preset="LIGHT_TENT")
     bpy.context.view_layer.objects.active = obj
     return obj
+
+
+@pytest.fixture
+def colored(played, tmp_path):
+    """Returns a series whose isosurfaces another series colors: frame number + x along x."""
+    return color(played, tmp_path, FRAMES)
+
+
+def color(played, tmp_path, frames):
+    x = np.broadcast_to(np.linspace(0.0, 1.0, 12, dtype=np.float32)[:, None, None], (12, 12, 12))
+    values = np.stack([x + frame for frame in range(frames)], axis=-1)
+    path = tmp_path / "colors.nii"
+    nibabel.save(nibabel.Nifti1Image(values, np.eye(4)), path)
+    other = blender.import_volume(path, partner=played.name, size_from="SAME", animate=True)
+    bpy.context.view_layer.objects.active = played
+    played.leaflight.texture_volume = other
+    played.leaflight.texture_low, played.leaflight.texture_high = 0.0, float(FRAMES)
+    return played
+
+
+def assert_colors(obj, number):
+    """Checks the colors of an isosurface: those of the series of colors at a frame."""
+    low, high = np.asarray(cache.volume_of(obj).field().bounds)[:, 0]
+    shares = (vertices_of(obj)[:, 0] - low) / (high - low)
+    stops = color_map("VIRIDIS")
+    positions = [FRAMES * share for share, _ in stops]
+    channels = np.array([color for _, color in stops]).T
+    expected = np.array([np.interp(number + shares, positions, c) for c in channels]).T
+    close(colors_of(obj, "texture"), expected, 2e-3)
+
+
+def check_a_series_of_colors_follows_the_frame(colored):
+    for number in (0, 2, 1):
+        show_frame(number)
+        assert colored.leaflight.frame == number
+        assert_colors(colored, number)
+
+
+def check_a_series_of_colors_follows_in_renders(colored, tmp_path):
+    found = []
+
+    def note(scene, *_):
+        found.append(colors_of(colored, "texture").mean(axis=0))
+        assert_colors(colored, scene.frame_current - scene.frame_start)
+
+    add_camera((0, -5, 0), (1.57, 0, 0))
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.frame_end = scene.frame_start + FRAMES - 1
+    scene.render.filepath = str(tmp_path / "frame")
+    bpy.app.handlers.render_post.append(note)
+    try:
+        bpy.ops.render.render(animation=True)
+    finally:
+        bpy.app.handlers.render_post.remove(note)
+    assert len(found) == FRAMES and np.ptp(found, axis=0).max() > 0.1
+
+
+def check_series_of_other_lengths_are_refused(played, tmp_path):
+    color(played, tmp_path, FRAMES + 2)
+    sentence = surface_object.problems[played.name_full]
+    assert "the series has 5 frames, but this volume has 3" in sentence
+    assert "texture" not in played.data.attributes
+    other = played.leaflight.texture_volume
+    other.animation_data_clear()
+    other.leaflight.shown_frame = 1
+    bpy.context.view_layer.update()
+    assert_colors(played, 1)
+    assert played.name_full not in surface_object.problems
+
+
+def check_a_frame_is_baked_with_its_colors(colored):
+    show_frame(1)
+    bpy.ops.leaflight.bake()
+    bake = cache.bake_of(colored)
+    (channel,) = bake.scene.isosurfaces[0].texture.channels
+    assert channel.values.min() == 1.0 and change(colored) == ""
+    show_frame(2)
+    assert not colored.leaflight.bake_id
+    show_frame(1)
+    assert_colors(colored, 1)
+    assert colored.leaflight.bake_id == bake.id and change(colored) == ""
 
 
 def show_frame(number):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks isosurfaces that another volume colors."""
 
+import addon_utils
 import bpy
 import leaflight
 import numpy as np
@@ -49,16 +50,17 @@ def _import(obj, values, path, kind):
     return other
 
 
-def _shares(obj):
-    """Returns the share 0..1 of each vertex along x of the volume."""
-    low, high = np.asarray(cache.volume_of(obj).field().bounds)[:, 0]
-    return (vertices_of(obj)[:, 0] - low) / (high - low)
+def _shares(obj, axis=0):
+    """Returns the share 0..1 of each vertex along an axis of the volume."""
+    low, high = np.asarray(cache.volume_of(obj).field().bounds)[:, axis]
+    return (vertices_of(obj)[:, axis] - low) / (high - low)
 
 
-def _expected(obj, key="CET_D1", shares=None, reverse=False):
+def _expected(obj, key="CET_D1", axis=0, share=1.0, shares=None, reverse=False):
+    """Returns the colors of the vertices. share: Part of the color map that the values cover."""
     stops = color_map(key, reverse)
     positions, colors = [p for p, _ in stops], np.array([c for _, c in stops])
-    shares = _shares(obj) if shares is None else shares
+    shares = share * _shares(obj, axis) if shares is None else shares
     return np.array([np.interp(shares, positions, channel) for channel in colors.T]).T
 
 
@@ -89,20 +91,74 @@ def check_a_bake_has_the_colors(colored):
     close(radiance, white * _expected(obj), 5e-3 * radiance.max())
 
 
-def check_another_map_shows_at_once(colored):
-    """Checks that the light of the bake is shown in the new color, and a note on a new bake."""
+def check_other_colors_show_at_once(colored, uncut, tmp_path):
+    """Checks that the light of the bake is shown in the new colors, and a note on a new bake."""
+    obj, other = colored
+    y = np.broadcast_to(np.linspace(0.0, 1.0, N, dtype="<f4")[:, None], (N, N, N))
+    along_y = _import(obj, np.ascontiguousarray(y), tmp_path / "along_y.raw", "float32")
+    along_y.hide_render = True
+    bpy.ops.leaflight.bake()
+    bake, field = cache.bake_of(obj), cache.volume_of(obj).field()
+    white = bake.grid.with_texture(None).lookup(field, vertices_of(obj))
+    for name, value, before, expected in (
+        ("texture_map", "MAGMA", "CET_D1", _expected(obj, "MAGMA")),
+        ("texture_high", 2.0, 1.0, _expected(obj, share=0.5)),
+        ("texture_volume", along_y, other, _expected(obj, axis=1)),
+        ("texture_volume", None, other, np.ones(3)),
+    ):
+        setattr(obj.leaflight, name, value)
+        bpy.context.view_layer.update()
+        radiance = colors_of(obj)
+        close(radiance, white * expected, 5e-3 * radiance.max())
+        note = staleness.change_since_bake(bpy.context, obj)
+        assert note == "The scene has changed since the bake: bake again"
+        setattr(obj.leaflight, name, before)
+        bpy.context.view_layer.update()
+        assert staleness.change_since_bake(bpy.context, obj) == ""
+        close(colors_of(obj), white * _expected(obj), 5e-3 * radiance.max())
+
+
+def check_a_volume_elsewhere_is_refused(colored):
+    obj, other = colored
+    other.matrix_world.translation.x += 100.0
+    bpy.context.view_layer.update()
+    obj.leaflight.isovalue += 1.0
+    assert "along_x: it does not overlap" in surface_object.problems[obj.name_full]
+    assert "does not overlap" in error_of(bpy.ops.leaflight.bake)
+    other.matrix_world.translation.x -= 100.0
+    bpy.context.view_layer.update()
+    assert obj.name_full not in surface_object.problems
+
+
+def check_an_export_has_the_colors_that_are_shown(colored, uncut, tmp_path, monkeypatch):
     obj, _ = colored
     bpy.ops.leaflight.bake()
     obj.leaflight.texture_map = "MAGMA"
+    obj.matrix_world.translation.x += 1.0
     bpy.context.view_layer.update()
-    bake, field = cache.bake_of(obj), cache.volume_of(obj).field()
-    white = bake.grid.with_texture(None).lookup(field, vertices_of(obj))
-    radiance = colors_of(obj)
-    close(radiance, white * _expected(obj, "MAGMA"), 5e-3 * radiance.max())
-    assert staleness.change_since_bake(bpy.context, obj).startswith("The scene has changed")
-    obj.leaflight.texture_map = "CET_D1"
-    bpy.context.view_layer.update()
-    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.export(filepath=str(tmp_path / "box.glb"))
+    if addon_utils.enable("io_scene_gltf2") is None:
+        pytest.skip("this Blender has no importer of glTF")
+    # Debian's importer needs an older NumPy.
+    monkeypatch.setattr(np, "bool", bool, raising=False)
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=str(tmp_path / "box.glb"), merge_vertices=False)
+    (found,) = [each for each in set(bpy.data.objects) - before if each.type == "MESH"]
+    mesh, shares = found.data, _shares(obj)
+    # Blender 3.4 leaves out the values.
+    if bpy.app.version >= (4, 2, 0):
+        values = np.empty(len(mesh.vertices), np.float32)
+        mesh.attributes["_ALONG_X"].data.foreach_get("value", values)
+        close(values, shares, 1e-5)
+    colors = mesh.color_attributes[0]
+    linear = np.empty(4 * len(colors.data), np.float32)
+    colors.data.foreach_get("color", linear)
+    corners = np.arange(len(shares))
+    if colors.domain == "CORNER":
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+    # Blender keeps eight bits of sRGB in some versions.
+    close(linear.reshape(-1, 4)[:, :3], np.clip(colors_of(obj), 0, 1)[corners], 0.01)
 
 
 def check_a_map_reversed_symmetric_and_in_steps(colored):
