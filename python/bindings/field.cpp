@@ -124,6 +124,14 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
            "Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the\n"
            "distance from the cut, at least the values of the field. step: Its difference a\n"
            "voxel. Call it before the field is part of a scene.")
+      .def_property_readonly(
+          "ramp",
+          [](const std::shared_ptr<Field<D>>& f) -> py::object {
+            if (f->ramp == nullptr) return py::none();
+            return py::array(array_shape(f->dims), f->ramp, py::cast(f));
+          },
+          "The ramp of cut_by(), or None.")
+      .def_readonly("ramp_step", &Field<D>::ramp_step, "The step of cut_by().")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")

@@ -141,6 +141,16 @@ class Field:
         True if some voxels are NaN.
         """
     @property
+    def ramp(self) -> typing.Any:
+        """
+        The ramp of cut_by(), or None.
+        """
+    @property
+    def ramp_step(self) -> float:
+        """
+        The step of cut_by().
+        """
+    @property
     def range(self) -> tuple[float, float]:
         """
         Least and greatest value, in data units.
@@ -226,6 +236,16 @@ class Field2:
     def masked(self) -> bool:
         """
         True if some voxels are NaN.
+        """
+    @property
+    def ramp(self) -> typing.Any:
+        """
+        The ramp of cut_by(), or None.
+        """
+    @property
+    def ramp_step(self) -> float:
+        """
+        The step of cut_by().
         """
     @property
     def range(self) -> tuple[float, float]:

@@ -218,7 +218,15 @@ def _isosurface(
 
 def _finer(field: Field, detail: int) -> Field:
     """Returns the same trilinear field with each cell cut into detail^3."""
-    values = field.values.astype(np.float32, copy=False)
+    index_to_world = field.index_to_world @ np.diag([1 / detail] * 3 + [1.0])
+    finer = _core.Field(_finer_values(field.values, detail), index_to_world)
+    if field.ramp is not None:
+        finer.cut_by(_finer_values(field.ramp, detail), field.ramp_step)
+    return finer
+
+
+def _finer_values(values: Array, detail: int) -> Array:
+    values = values.astype(np.float32, copy=False)
     for _ in range(3):
         fine = np.empty((detail * (len(values) - 1) + 1, *values.shape[1:]), np.float32)
         fine[::detail] = values
@@ -227,8 +235,7 @@ def _finer(field: Field, detail: int) -> Field:
             fine[i::detail] = values[:-1] + step
         # Three turns restore the order of the axes.
         values = np.moveaxis(fine, 0, -1)
-    index_to_world = field.index_to_world @ np.diag([1 / detail] * 3 + [1.0])
-    return _core.Field(np.ascontiguousarray(values), index_to_world)
+    return np.ascontiguousarray(values)
 
 
 def _mesh(mesh: Mesh) -> _Object:
