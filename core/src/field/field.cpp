@@ -255,13 +255,30 @@ CellCorners<D> ramp_corners(const Field<D>& field, const Index<D>& cell) {
   return corners;
 }
 
-// Greatest depth of the dents of a cut, in voxels.
-constexpr double deepest_dent = 0.8;
-
-// Returns how much lower than the ramp a value at a point is, in steps.
+// True if a point of the isosurface of this value lies on a cut: it is near the ramp, or some voxels
+// around it are lowered and all others are inside the isosurface. Only voxels with a weight in the
+// interpolation count.
 template <int D>
-double below_ramp(const Field<D>& field, const CellPoint<D>& point, double value) {
-  return (interpolate(ramp_corners(field, point.cell), point.local) - value) / field.ramp_step;
+bool is_on_cut(const Field<D>& field, const CellPoint<D>& point, double value) {
+  constexpr double near = 0.45;  // steps
+  const double below = interpolate(ramp_corners(field, point.cell), point.local) - value;
+  if (below < near * field.ramp_step) return true;
+  bool found = false;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    bool counts = true;
+    Index<D> voxel = point.cell;
+    for (int a = 0; a < D; ++a) {
+      const int bit = (corner >> a) & 1;
+      counts &= point.local[a] != 1 - bit;
+      voxel[a] += bit;
+    }
+    if (!counts) continue;
+    const std::size_t offset = field.offset(voxel);
+    const bool lowered = is_lowered(field, offset);
+    if (!lowered && value_at(field.values, offset) < value) return false;
+    found |= lowered;
+  }
+  return found;
 }
 
 }  // namespace
@@ -270,7 +287,7 @@ template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   if (field.ramp != nullptr) {
     const double value = interpolate(load_corners(field, point.cell), point.local);
-    if (below_ramp(field, point, value) < deepest_dent) {
+    if (is_on_cut(field, point, value)) {
       return geometric_gradient(ramp_corners(field, point.cell), point.local);
     }
   }
@@ -286,11 +303,12 @@ template <int D>
 Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue) {
   if (field.ramp == nullptr) return index_position;
   const CellPoint<D> at = locate(field, index_position);
-  const double below = below_ramp(field, at, isovalue);
-  const Vec<D> gradient = geometric_gradient(ramp_corners(field, at.cell), at.local);
+  if (!is_on_cut(field, at, isovalue)) return index_position;
+  const CellCorners<D> ramp = ramp_corners(field, at.cell);
+  const Vec<D> gradient = geometric_gradient(ramp, at.local);
   const double square = gradient.dot(gradient);
-  if (below > deepest_dent || !(square > 0)) return index_position;
-  return index_position - gradient * (below * field.ramp_step / square);
+  if (!(square > 0)) return index_position;
+  return index_position - gradient * ((interpolate(ramp, at.local) - isovalue) / square);
 }
 
 template <int D>

@@ -205,8 +205,12 @@ def _isosurface(
 ) -> _Object:
     isosurfaces = description.isosurfaces[volume]
     isovalue = isovalue_at(description, volume, c)
-    vertices, _, triangles = _core.contour(_finer(field, detail), isovalue)
-    normals = _core.normals(field, vertices)
+    # The mesh of a cut is flat there, but between the nodes its isosurface is not.
+    if field.ramp is not None:
+        vertices, normals, triangles = _core.contour(field, isovalue)
+    else:
+        vertices, _, triangles = _core.contour(_finer(field, detail), isovalue)
+        normals = _core.normals(field, vertices)
     albedo, emission = (
         ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
     )
@@ -218,15 +222,7 @@ def _isosurface(
 
 def _finer(field: Field, detail: int) -> Field:
     """Returns the same trilinear field with each cell cut into detail^3."""
-    index_to_world = field.index_to_world @ np.diag([1 / detail] * 3 + [1.0])
-    finer = _core.Field(_finer_values(field.values, detail), index_to_world)
-    if field.ramp is not None:
-        finer.cut_by(_finer_values(field.ramp, detail), field.ramp_step)
-    return finer
-
-
-def _finer_values(values: Array, detail: int) -> Array:
-    values = values.astype(np.float32, copy=False)
+    values = field.values.astype(np.float32, copy=False)
     for _ in range(3):
         fine = np.empty((detail * (len(values) - 1) + 1, *values.shape[1:]), np.float32)
         fine[::detail] = values
@@ -235,7 +231,8 @@ def _finer_values(values: Array, detail: int) -> Array:
             fine[i::detail] = values[:-1] + step
         # Three turns restore the order of the axes.
         values = np.moveaxis(fine, 0, -1)
-    return np.ascontiguousarray(values)
+    index_to_world = field.index_to_world @ np.diag([1 / detail] * 3 + [1.0])
+    return _core.Field(np.ascontiguousarray(values), index_to_world)
 
 
 def _mesh(mesh: Mesh) -> _Object:
