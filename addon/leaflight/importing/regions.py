@@ -41,7 +41,7 @@ def title(item):
 def _job(obj, regions, text, then=lambda _obj: None):
     """Returns the job that reads a volume again with regions.
 
-    text: What was done. then: Function of the object for the end.
+    text: The report. then: Function of the object for the end.
     """
 
     def done(obj):

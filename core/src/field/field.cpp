@@ -255,9 +255,9 @@ CellCorners<D> ramp_corners(const Field<D>& field, const Index<D>& cell) {
   return corners;
 }
 
-// True if a point of the isosurface of this value lies on a cut: it is near the ramp, or some voxels
-// around it are lowered and all others are inside the isosurface. Only voxels with a weight in the
-// interpolation count.
+// True if a point of the isosurface of this value lies on a cut. It is near the ramp, or some
+// voxels around it are lowered and all others are inside the isosurface. Only voxels that the
+// interpolation weighs count.
 template <int D>
 bool is_on_cut(const Field<D>& field, const CellPoint<D>& point, double value) {
   constexpr double near = 0.45;  // steps

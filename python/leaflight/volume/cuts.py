@@ -83,7 +83,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class HalfSpace:
-    """A plane. What its normal points to goes. cut: As in Box."""
+    """A plane. It removes the side to which its normal points. cut: As in Box."""
 
     point: Point
     normal: Point

@@ -24,7 +24,7 @@ class Label:
 
     @staticmethod
     def of(number: int, name: str = "", color: Iterable[float] | None = None) -> "Label":
-        """Returns a Label, by default with its number as name, and a color of its own."""
+        """Returns a Label, by default with its number as name, and a color by its number."""
         if color is None:
             # Hues of the golden ratio, so that near numbers have different ones.
             color = colorsys.hsv_to_rgb(number * 0.618034 % 1.0, 0.55 + 0.3 * (number % 2), 0.9)

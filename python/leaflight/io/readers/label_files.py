@@ -69,7 +69,7 @@ def labels_for(
 def matching_table(name: str, values: Array, table: str | os.PathLike[str]) -> tuple[Label, ...]:
     """Returns the labels of a table that has some of those in a label map. Raises LeaflightError.
 
-    name: That of the label map, for the error.
+    name: The path of the label map, for the error.
     """
     labels = read_label_table(table)
     if not {label.number for label in labels}.intersection(label_numbers(values)):
