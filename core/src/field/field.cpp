@@ -107,10 +107,18 @@ void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
   }
 }
 
+// The interpolation between the voxels around a point that no cut has lowered.
+template <int D>
+struct Uncut {
+  Vec<D> gradient{0.0};  // sum with the weights of the voxels
+  double value = 0;      // sum with the weights
+  double weight = 0;     // sum of the weights; below 1 next to lowered voxels
+};
+
 template <int D, class Value>
-Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPoint<D>& point) {
-  Vec<D> gradient(0.0);
-  double weights = 0;
+Uncut<D> interpolate_uncut(const Field<D>& field, const Value* shading_values,
+                           const CellPoint<D>& point) {
+  Uncut<D> sum;
   for (int corner = 0; corner < (1 << D); ++corner) {
     double weight = 1;
     Index<D> voxel;
@@ -121,10 +129,11 @@ Vec<D> shading_gradient(const Field<D>& field, const Value* values, const CellPo
     }
     // On an edge of the grid, where meshes have vertices, two of eight weights are positive.
     if (weight == 0 || is_lowered(field, field.offset(voxel))) continue;
-    gradient += voxel_gradient(field, values, voxel) * weight;
-    weights += weight;
+    sum.gradient += voxel_gradient(field, shading_values, voxel) * weight;
+    if (field.ramp != nullptr) sum.value += field.value(voxel) * weight;
+    sum.weight += weight;
   }
-  return field.ramp != nullptr && weights > 0 ? gradient * (1 / weights) : gradient;
+  return sum;
 }
 
 // Checks the range of values, because differences use single precision.
@@ -255,59 +264,36 @@ CellCorners<D> ramp_corners(const Field<D>& field, const Index<D>& cell) {
   return corners;
 }
 
-// True if a point of the isosurface of this value lies on a cut. It is near the ramp, or some
-// voxels around it are lowered and all others are inside the isosurface. Only voxels that the
-// interpolation weighs count.
-template <int D>
-bool is_on_cut(const Field<D>& field, const CellPoint<D>& point, double value) {
-  constexpr double near = 0.45;  // steps
-  const double below = interpolate(ramp_corners(field, point.cell), point.local) - value;
-  if (below < near * field.ramp_step) return true;
-  bool found = false;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    bool counts = true;
-    Index<D> voxel = point.cell;
-    for (int a = 0; a < D; ++a) {
-      const int bit = (corner >> a) & 1;
-      counts &= point.local[a] != 1 - bit;
-      voxel[a] += bit;
-    }
-    if (!counts) continue;
-    const std::size_t offset = field.offset(voxel);
-    const bool lowered = is_lowered(field, offset);
-    if (!lowered && value_at(field.values, offset) < value) return false;
-    found |= lowered;
-  }
-  return found;
-}
-
 }  // namespace
 
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
-  if (field.ramp != nullptr) {
-    const double value = interpolate(load_corners(field, point.cell), point.local);
-    if (is_on_cut(field, point, value)) {
-      return geometric_gradient(ramp_corners(field, point.cell), point.local);
-    }
-  }
-  const Vec<D> gradient =
-      std::visit([&](const auto* values) { return shading_gradient(field, values, point); },
+  const Uncut<D> uncut =
+      std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
                  field.shading_values);
-  const bool is_within_cut = field.ramp != nullptr && gradient.dot(gradient) == 0;
-  return is_within_cut ? geometric_gradient(ramp_corners(field, point.cell), point.local)
-                       : gradient;
+  if (field.ramp == nullptr) return uncut.gradient;
+  const CellCorners<D> ramp = ramp_corners(field, point.cell);
+  // The lesser of ramp and data is kept. Where the data are hardly higher, the interpolant has dents.
+  constexpr double dent = 0.25;  // voxels
+  const double lesser = interpolate(ramp, point.local) - dent * field.ramp_step;
+  const bool is_cut = uncut.weight < 1 && uncut.value >= lesser * uncut.weight;
+  if (is_cut || uncut.gradient.dot(uncut.gradient) == 0) {
+    return geometric_gradient(ramp, point.local);
+  }
+  return uncut.gradient * (1 / uncut.weight);
 }
 
 template <int D>
 Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue) {
   if (field.ramp == nullptr) return index_position;
   const CellPoint<D> at = locate(field, index_position);
-  if (!is_on_cut(field, at, isovalue)) return index_position;
+  const Uncut<D> uncut = interpolate_uncut(field, field.ramp, at);
+  // Without lowered voxels around it the point is not on the cut.
+  const bool is_cut = uncut.weight < 1 && uncut.value >= isovalue * uncut.weight;
   const CellCorners<D> ramp = ramp_corners(field, at.cell);
   const Vec<D> gradient = geometric_gradient(ramp, at.local);
   const double square = gradient.dot(gradient);
-  if (!(square > 0)) return index_position;
+  if (!is_cut || !(square > 0)) return index_position;
   return index_position - gradient * ((interpolate(ramp, at.local) - isovalue) / square);
 }
 

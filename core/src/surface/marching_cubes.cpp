@@ -146,10 +146,10 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
   resize(mesh.vertices, vertices_);
   resize(mesh.normals, normals ? vertices_ : 0);
   resize(mesh.triangles, triangles_);
-  const auto place = [&](std::int64_t first, const std::vector<Vec3>& positions) {
+  const auto place = [&](std::int64_t first, std::vector<Vec3>& positions) {
     for (std::size_t n = 0; n < positions.size(); ++n) {
-      const Vec3 position = flat_on_cut(field, positions[n], isovalue);
-      mesh.vertices[first + n] = Vec<3, float>(field.index_to_world.point(position));
+      positions[n] = flat_on_cut(field, positions[n], isovalue);
+      mesh.vertices[first + n] = Vec<3, float>(field.index_to_world.point(positions[n]));
       if (normals) mesh.normals[first + n] = Vec<3, float>(shading_normal(field, positions[n]));
     }
     if (visit && !positions.empty()) visit(static_cast<std::size_t>(first), positions);
