@@ -6,6 +6,8 @@ handles all events and draws. Their duration does not matter.
 """
 
 import bpy
+import mathutils
+from bpy_extras import view3d_utils
 import stepwise
 from leaflight_addon.stage import viewport
 
@@ -145,6 +147,20 @@ def drag(start, end, height):
     yield from steps(2)
     event("LEFTMOUSE", "RELEASE", end, height)
     yield from steps(2)
+
+
+def place_of(obj):
+    """Returns the middle of an object, as shares of the viewport's width and height."""
+    area = areas("VIEW_3D")[0]
+    region = next(part for part in area.regions if part.type == "WINDOW")
+    corners = [obj.matrix_world @ mathutils.Vector(corner) for corner in obj.bound_box]
+    middle = sum(corners, mathutils.Vector()) / len(corners)
+    space = area.spaces.active.region_3d
+    at = view3d_utils.location_3d_to_region_2d(region, space, middle)
+    return (
+        (region.x - area.x + at[0]) / area.width,
+        (region.y - area.y + at[1]) / area.height,
+    )
 
 
 def choose(path):

@@ -66,7 +66,7 @@ class Pressing:
         yield from self._press()
         yield from self._answer()
         if self._row.held == "modal":
-            yield from hand.drag(*self._row.drag)
+            yield from self._drag()
             yield from hand.key("RET")
         yield from self._settle()
         after = self._see()
@@ -211,6 +211,13 @@ class Pressing:
         elif self._row.asks:
             yield from hand.key("RET")
 
+    def _drag(self):
+        if self._row.clicks:
+            across, height = hand.place_of(seen.volume())
+            yield from hand.drag(across, across, height)
+        else:
+            yield from hand.drag(0.5, 0.6, 0.1)
+
     def _to_half_way(self):
         row = self._row
         if row.held in ("work", "pass"):
@@ -220,8 +227,8 @@ class Pressing:
             yield from self._answer()
             yield from self._until(lambda: gate.reached and jobs.running() is not None)
             yield from hand.steps(_FEW)
-        elif row.held == "modal":
-            yield from hand.drag(*self._row.drag)
+        elif row.held == "modal" and not row.clicks:
+            yield from self._drag()
 
     def _until(self, is_so):
         """Waits for a condition while work runs; raises Failed after many steps without work."""

@@ -34,7 +34,7 @@ class Row:
     held: the point halfway: before the "work" in the background, after its first "pass", while
     its "dialog" or browser is open, or while it takes events ("modal")
     without: {way: reason} for the ways that make no sense
-    drag: start, end and height of the drag in its "modal", as shares of the viewport
+    clicks: True if its "modal" waits for a click on the volume, not for a drag in the histogram
     also: words that distinguish it from another row of the same operator
     short: True if the short suite includes it
     undone: True if undo restores the state from before
@@ -48,7 +48,7 @@ class Row:
     file: str = ""
     held: str = ""
     without: dict = field(default_factory=dict)
-    drag: tuple = (0.5, 0.6, 0.1)
+    clicks: bool = False
     also: str = ""
     short: bool = False
     undone: bool = True
@@ -181,7 +181,7 @@ ROWS = (
     Row("smooth", "imported", "smoothing", {"what": "smooth", "amount": "1"}, held="work"),
     Row("cut_data", "clipped", "regions", {"cut": "capped"}, held="work"),
     Row("clean_data", "parts", "regions", {"kind": "largest_part"}, held="work"),
-    Row("remove_part", "parts", "regions", held="modal", drag=(0.5, 0.5, 0.5)),
+    Row("remove_part", "parts", "regions", held="modal", clicks=True),
     Row("switch_region", "cleaned", "regions", {"index": 0}, held="work"),
     _instant("isosurface_preset", "baked", "look", options={"preset": "COPPER"}, short=True),
     _instant("show_labels", "labeled", "hidden labels", options={"which": "ACTIVE"}),
