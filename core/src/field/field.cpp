@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -107,12 +108,16 @@ void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
   }
 }
 
-// The interpolation between the voxels around a point that no cut has lowered.
+// The voxels around a point that no cut has lowered and that the interpolation weighs.
 template <int D>
 struct Uncut {
   Vec<D> gradient{0.0};  // sum with the weights of the voxels
-  double value = 0;      // sum with the weights
-  double weight = 0;     // sum of the weights; below 1 next to lowered voxels
+  double least = std::numeric_limits<double>::infinity();
+  double weight = 0;  // sum of the weights; below 1 next to lowered voxels
+
+  // True if a point of the isosurface of this value lies on a cut: some voxels around it are
+  // lowered, and all others are inside the isosurface.
+  bool is_on_cut(double value) const { return weight < 1 && least >= value; }
 };
 
 template <int D, class Value>
@@ -130,7 +135,7 @@ Uncut<D> interpolate_uncut(const Field<D>& field, const Value* shading_values,
     // On an edge of the grid, where meshes have vertices, two of eight weights are positive.
     if (weight == 0 || is_lowered(field, field.offset(voxel))) continue;
     sum.gradient += voxel_gradient(field, shading_values, voxel) * weight;
-    if (field.ramp != nullptr) sum.value += field.value(voxel) * weight;
+    if (field.ramp != nullptr) sum.least = std::min<double>(sum.least, field.value(voxel));
     sum.weight += weight;
   }
   return sum;
@@ -272,13 +277,9 @@ Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
       std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
                  field.shading_values);
   if (field.ramp == nullptr) return uncut.gradient;
-  const CellCorners<D> ramp = ramp_corners(field, point.cell);
-  // The lesser of ramp and data is kept. Where the data are hardly higher, the interpolant has dents.
-  constexpr double dent = 0.25;  // voxels
-  const double lesser = interpolate(ramp, point.local) - dent * field.ramp_step;
-  const bool is_cut = uncut.weight < 1 && uncut.value >= lesser * uncut.weight;
-  if (is_cut || uncut.gradient.dot(uncut.gradient) == 0) {
-    return geometric_gradient(ramp, point.local);
+  const double value = interpolate(load_corners(field, point.cell), point.local);
+  if (uncut.is_on_cut(value) || uncut.gradient.dot(uncut.gradient) == 0) {
+    return geometric_gradient(ramp_corners(field, point.cell), point.local);
   }
   return uncut.gradient * (1 / uncut.weight);
 }
@@ -287,13 +288,11 @@ template <int D>
 Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue) {
   if (field.ramp == nullptr) return index_position;
   const CellPoint<D> at = locate(field, index_position);
-  const Uncut<D> uncut = interpolate_uncut(field, field.ramp, at);
-  // Without lowered voxels around it the point is not on the cut.
-  const bool is_cut = uncut.weight < 1 && uncut.value >= isovalue * uncut.weight;
+  const bool is_on_cut = interpolate_uncut(field, field.ramp, at).is_on_cut(isovalue);
   const CellCorners<D> ramp = ramp_corners(field, at.cell);
   const Vec<D> gradient = geometric_gradient(ramp, at.local);
   const double square = gradient.dot(gradient);
-  if (!is_cut || !(square > 0)) return index_position;
+  if (!is_on_cut || !(square > 0)) return index_position;
   return index_position - gradient * ((interpolate(ramp, at.local) - isovalue) / square);
 }
 
