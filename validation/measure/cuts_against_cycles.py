@@ -113,10 +113,10 @@ def main():
 
 # Isovalues, and directions to the camera by angles in degrees: around, and above.
 SHOWN = {
-    bump_box: (47.0, (40.0, 30.0)),
+    bump_box: (20.0, (110.0, 25.0)),
     brain: (45.5, (200.0, 25.0)),
-    tooth: (900.5, (-70.0, 15.0)),
-    engine: (150.5, (-35.0, 35.0)),
+    tooth: (500.5, (20.0, 15.0)),
+    engine: (50.5, (45.0, 35.0)),
 }
 PICTURE = (560, 420)
 

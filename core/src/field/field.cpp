@@ -117,7 +117,7 @@ struct Uncut {
 
   // True if a point of the isosurface of this value lies on a cut: some voxels around it are
   // lowered, and all others are inside the isosurface.
-  bool is_on_cut(double value) const { return weight < 1 && least >= value; }
+  bool is_on_cut(double isovalue) const { return weight < 1 && least >= isovalue; }
 };
 
 template <int D, class Value>
@@ -277,11 +277,13 @@ Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
       std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
                  field.shading_values);
   if (field.ramp == nullptr) return uncut.gradient;
+  const Vec<D> on_cut = geometric_gradient(ramp_corners(field, point.cell), point.local);
+  const double steepness = on_cut.length(), own = uncut.gradient.length();
   const double value = interpolate(load_corners(field, point.cell), point.local);
-  if (uncut.is_on_cut(value) || uncut.gradient.dot(uncut.gradient) == 0) {
-    return geometric_gradient(ramp_corners(field, point.cell), point.local);
-  }
-  return uncut.gradient * (1 / uncut.weight);
+  if (own == 0 || uncut.is_on_cut(value)) return on_cut;
+  if (uncut.weight == 1 || steepness == 0) return uncut.gradient;
+  // The edge of a cut is a voxel wide, so its normals turn from one side to the other.
+  return uncut.gradient + on_cut * ((1 - uncut.weight) / uncut.weight * own / steepness);
 }
 
 template <int D>
