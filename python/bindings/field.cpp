@@ -98,12 +98,30 @@ void bind_voxels(FieldClass<D>& field) {
 }
 
 template <int D>
+void bind_cut(FieldClass<D>& field) {
+  field
+      .def("cut_by", &cut_by<D>, py::arg("ramp").noconvert(), py::arg("step"),
+           "Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the\n"
+           "distance from the cut, at least the values of the field. step: Its difference a\n"
+           "voxel. Call it before the field is part of a scene.")
+      .def_property_readonly(
+          "ramp",
+          [](const std::shared_ptr<Field<D>>& f) -> py::object {
+            if (f->ramp == nullptr) return py::none();
+            return py::array(array_shape(f->dims), f->ramp, py::cast(f));
+          },
+          "The ramp of cut_by(), or None.")
+      .def_readonly("ramp_step", &Field<D>::ramp_step, "The step of cut_by().");
+}
+
+template <int D>
 void bind_field_of(py::module_& module, const char* name, const char* doc) {
   FieldClass<D> field(module, name, doc);
   bind_voxels<D, float>(field);
   bind_voxels<D, std::uint8_t>(field);
   bind_voxels<D, std::int16_t>(field);
   bind_voxels<D, std::uint16_t>(field);
+  bind_cut<D>(field);
   field.def_readonly("dims", &Field<D>::dims, "Voxels along x, y, z.")
       .def_property_readonly(
           "range", [](const Field<D>& f) { return std::pair(f.min, f.max); },
@@ -120,18 +138,6 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
            "Uses other values, float32 [z, y, x], for the normals of isosurfaces, such as\n"
            "smoothed ones. They must be NaN at the same voxels. Call it before the field is part\n"
            "of a scene.")
-      .def("cut_by", &cut_by<D>, py::arg("ramp").noconvert(), py::arg("step"),
-           "Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the\n"
-           "distance from the cut, at least the values of the field. step: Its difference a\n"
-           "voxel. Call it before the field is part of a scene.")
-      .def_property_readonly(
-          "ramp",
-          [](const std::shared_ptr<Field<D>>& f) -> py::object {
-            if (f->ramp == nullptr) return py::none();
-            return py::array(array_shape(f->dims), f->ramp, py::cast(f));
-          },
-          "The ramp of cut_by(), or None.")
-      .def_readonly("ramp_step", &Field<D>::ramp_step, "The step of cut_by().")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")

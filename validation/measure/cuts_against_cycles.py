@@ -113,7 +113,6 @@ def main():
 
 # Isovalues, and directions to the camera by angles in degrees: around, and above.
 SHOWN = {
-    bump_box: (20.0, (110.0, 25.0)),
     brain: (45.5, (200.0, 25.0)),
     tooth: (500.5, (20.0, 15.0)),
     engine: (50.5, (45.0, 35.0)),
@@ -122,9 +121,9 @@ PICTURE = (560, 420)
 
 
 def draw(folder, path):
-    """Draws the cut volumes on a lit floor, two in a row."""
+    """Draws the real volumes on a lit floor, side by side."""
     width, height = PICTURE
-    picture = Image.new("RGB", (2 * width, 2 * height))
+    picture = Image.new("RGB", (len(SHOWN) * width, height))
     for number, (make, (isovalue, angles)) in enumerate(SHOWN.items()):
         volume, regions = make(folder)
         scene = packaged_scene("open_floor.json")
@@ -133,7 +132,7 @@ def draw(folder, path):
         bake = leaflight.bake(cut, scene, isovalues=isovalues, walls=True, progress=False)
         camera = camera_around_bake(bake, *angles, isovalue=isovalue, size=PICTURE)
         still = bake.still(isovalue, camera=camera, size=PICTURE).convert("RGB")
-        picture.paste(still, (number % 2 * width, number // 2 * height))
+        picture.paste(still, (number * width, 0))
     picture.save(path, quality=88)
 
 

@@ -159,7 +159,6 @@ void MarchingCubes::fill(IsosurfaceMesh& mesh, bool normals, const Visit& visit)
     if (bricks_[i].triangles == 0 && brick.count() == 0) return;
     if (i + ahead < bricks_.size()) fetch_brick(field, edges_.bricks()[i + ahead].brick);
     const Values values = load_brick(field, brick.brick, isovalue);
-    // Fill in the vertices on the brick's edges.
     place_on_edges(edges_, brick, values, positions);
     place(brick.first, positions);
     if (bricks_[i].triangles == 0) return;
