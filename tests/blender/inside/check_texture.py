@@ -216,7 +216,7 @@ def check_the_panel_asks_for_a_volume_only_where_it_is_needed(colored):
     ):
         obj.leaflight.texture_kind = kind
         seen = []
-        look_panel._draw_texture(Layout(seen), obj.leaflight)
+        look_panel._draw_texture(Layout(seen), obj)
         assert shown <= set(seen) and not hidden & set(seen), kind
 
 
@@ -280,7 +280,7 @@ def check_the_color_bar_follows_the_map_and_its_range(colored):
     obj.leaflight.texture_low = -2.0
     obj.leaflight.texture_map = "MAGMA"
     bar, heights, colors, texts = _bar()
-    close(colors, _expected(obj, "MAGMA", heights), 1e-5)
+    close(colors, _expected(obj, "MAGMA", shares=heights), 1e-5)
     assert {"-2", "1", "4"} < set(texts)
     obj.leaflight.texture_steps = 2
     assert len(np.unique(_bar()[2].round(4), axis=0)) == 2

@@ -154,6 +154,9 @@ class Layout:
     def label(self, text, **_):
         self._drawn.append(text)
 
+    def template_list(self, name, *_, **__):
+        self._drawn.append(name)
+
 
 def drawn(panel):
     found = []
