@@ -105,13 +105,7 @@ void bind_cut(FieldClass<D>& field) {
            "distance from the cut, at least the values of the field. step: Its difference a\n"
            "voxel. Call it before the field is part of a scene.")
       .def_property_readonly(
-          "ramp",
-          [](const std::shared_ptr<Field<D>>& f) -> py::object {
-            if (f->ramp == nullptr) return py::none();
-            return py::array(array_shape(f->dims), f->ramp, py::cast(f));
-          },
-          "The ramp of cut_by(), or None.")
-      .def_readonly("ramp_step", &Field<D>::ramp_step, "The step of cut_by().");
+          "is_cut", [](const Field<D>& f) { return f.ramp != nullptr; }, "True after cut_by().");
 }
 
 template <int D>

@@ -136,19 +136,14 @@ class Field:
     def index_to_world(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
     @property
+    def is_cut(self) -> bool:
+        """
+        True after cut_by().
+        """
+    @property
     def masked(self) -> bool:
         """
         True if some voxels are NaN.
-        """
-    @property
-    def ramp(self) -> typing.Any:
-        """
-        The ramp of cut_by(), or None.
-        """
-    @property
-    def ramp_step(self) -> float:
-        """
-        The step of cut_by().
         """
     @property
     def range(self) -> tuple[float, float]:
@@ -233,19 +228,14 @@ class Field2:
     def index_to_world(self) -> numpy.typing.NDArray[numpy.float64]:
         ...
     @property
+    def is_cut(self) -> bool:
+        """
+        True after cut_by().
+        """
+    @property
     def masked(self) -> bool:
         """
         True if some voxels are NaN.
-        """
-    @property
-    def ramp(self) -> typing.Any:
-        """
-        The ramp of cut_by(), or None.
-        """
-    @property
-    def ramp_step(self) -> float:
-        """
-        The step of cut_by().
         """
     @property
     def range(self) -> tuple[float, float]:

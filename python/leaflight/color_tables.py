@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables of color maps, which scripts/color_maps writes from the package cmap 0.8.
 
-Sources and licenses: viridis, magma, inferno, plasma (CC0), cividis (BSD), turbo (Apache 2.0),
-coolwarm, twilight (PSF), CET by Kovesi (CC BY 4.0), batlow, lajolla, oslo, vik, berlin, roma,
-romaO by Crameri (MIT), bone, Tableau, Okabe and Ito.
+Sources and licenses:
+Matplotlib has viridis, magma, inferno, plasma (CC0), cividis (BSD) and turbo (Apache 2.0). It also
+has coolwarm, twilight (PSF) and bone.
+Kovesi made the maps of CET (CC BY 4.0).
+Crameri made batlow, lajolla, oslo, vik, berlin, roma and romaO (MIT).
+The categorical maps are those of Tableau, and of Okabe and Ito.
 """
 
 # Key -> evenly spaced sRGB colors.

@@ -9,6 +9,7 @@ from leaflight.scene.volume_texture import (
     check_overlap,
     label_texture,
     picture_stops,
+    range_of,
     texture_of,
 )
 from leaflight.volume.label_table import without_labels
@@ -217,8 +218,7 @@ def own_volume(obj):
 
 def own_range(obj):
     """Returns the lowest and highest value of own_volume(). Raises LeaflightError."""
-    values = own_volume(obj).values
-    return float(np.nanmin(values)), float(np.nanmax(values))
+    return range_of(own_volume(obj))
 
 
 def _up(obj):

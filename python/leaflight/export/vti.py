@@ -21,9 +21,9 @@ from .vtk_arrays import add_text_and_numbers, write
 def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
-    Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error,
-    color (uchar, sRGB at the scene's exposure), radiance_back if backs were baked, and the values
-    of volumes that color it (float, NaN where there are none). The radiance is that of the
+    Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error and
+    color (uchar, sRGB at the scene's exposure). Baked backs add radiance_back. Volumes that color
+    it add their values (float), NaN where they have none. The radiance is that of the
     isosurface through the point, 0 outside the isovalue range. The error is the standard error of
     its mean over the channels. Field data are isovalues, exposure, bake_id and unit (of lengths).
     """

@@ -21,8 +21,8 @@ def write_vtp(
 ) -> None:
     """Writes a Surface, in world coordinates. Raises LeaflightError.
 
-    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure), normals, and
-    the values of volumes that color it (float, NaN where there are none).
+    Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure) and normals.
+    Volumes that color it add their values (float). A value is NaN where they have none.
     Field data: isovalue, exposure, unit (of lengths).
     """
     check_writable(path, ".vtp")

@@ -38,9 +38,9 @@ class _Photons(Protocol):
 def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
-    Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr),
-    linear), red green blue (uchar, see display_colors), and the values of volumes that color it
-    (float, NaN where there are none).
+    Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
+    and red green blue (uchar, see display_colors).
+    Volumes that color it add their values (float). A value is NaN where they have none.
     """
     colors = display_colors(surface.radiance, exposure)
     properties = {

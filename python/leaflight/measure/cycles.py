@@ -206,7 +206,7 @@ def _isosurface(
     isosurfaces = description.isosurfaces[volume]
     isovalue = isovalue_at(description, volume, c)
     # The mesh of a cut is flat there, but between the nodes its isosurface is not.
-    if field.ramp is not None:
+    if field.is_cut:
         vertices, normals, triangles = _core.contour(field, isovalue)
     else:
         vertices, _, triangles = _core.contour(_finer(field, detail), isovalue)
