@@ -35,6 +35,8 @@ TEST(PassBlocks, NoiseIsLeftByTheTextureErrorWithinBounds) {
   EXPECT_DOUBLE_EQ(noise_to_reach(1, 0), 0.8);
   EXPECT_DOUBLE_EQ(noise_to_reach(1, 1), 0.5);
   EXPECT_DOUBLE_EQ(noise_to_reach(1, 4), 2);
+  EXPECT_FALSE(is_out_of_reach(1, 0.9));
+  EXPECT_TRUE(is_out_of_reach(1, 0.95));
 }
 
 }  // namespace

@@ -44,7 +44,8 @@ class LightMemory {
   std::uint64_t bytes(const Index<3>& resolution) const {
     BakeSettings<3> settings = settings_;
     settings.resolution = resolution;
-    const PassResolutions<3> chosen = pass_resolutions(field_, isovalue_range_, settings);
+    const PassResolutions<3> chosen =
+        pass_resolutions(field_, isovalue_range_, settings, Texels::fine);
     const double direct = texels(chosen.shown);
     const double lighting = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
                             texels(chosen.photons) * photon_texel;

@@ -16,12 +16,20 @@ constexpr std::size_t few_texels = 1'500'000;
 // to reach is a share of the bias.
 constexpr double least_noise = 0.4, most_noise = 0.8, out_of_reach_noise = 0.5;
 
+// Returns the noise that an error leaves beside its bias.
+double noise_beside(double error, double bias) {
+  return std::sqrt(std::max(0.0, error * error - bias * bias));
+}
+
 }  // namespace
 
+bool is_out_of_reach(double error, double bias) {
+  return noise_beside(error, bias) < least_noise * error;
+}
+
 double noise_to_reach(double error, double bias) {
-  const double wanted = std::sqrt(std::max(0.0, error * error - bias * bias));
-  if (wanted < least_noise * error) return out_of_reach_noise * bias;
-  return std::min(wanted, most_noise * error);
+  if (is_out_of_reach(error, bias)) return out_of_reach_noise * bias;
+  return std::min(noise_beside(error, bias), most_noise * error);
 }
 
 int first_blocks(std::size_t texels) { return texels < few_texels ? 4 : 2; }

@@ -5,6 +5,9 @@
 
 namespace leaflight {
 
+// True if no number of blocks reaches the target error. `bias`: the error in percent of any number.
+bool is_out_of_reach(double error, double bias);
+
 // Returns the noise, in percent, at which a bake ends: the part of the target error that the
 // bias leaves, within bounds.
 double noise_to_reach(double error, double bias);

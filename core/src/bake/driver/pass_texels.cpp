@@ -10,12 +10,14 @@ namespace {
 // Upper bounds on the default texels if they are finer than voxels.
 constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
 constexpr int most_halvings = 2;
+// Upper bound on the fine texels.
+constexpr std::size_t most_refined_texels = 5'000'000;
 // Limits on the number of voxels that isosurfaces cross. Above the first, lines of indirect light
 // are two texels apart. Above the second, texels of indirect light are wider than voxels. Above the
 // third, so are those of photons.
 constexpr std::size_t most_dense_voxels = 200'000, most_indirect_voxels = 20'000'000,
                       most_photon_voxels = 300'000;
-constexpr int widest_texel = 8;
+constexpr int widest_texel = 8, wide_by = 2;
 // Photons of a block of rays; each block traces its own.
 constexpr std::uint64_t ray_photons = 100'000;
 // Upper bound on the texels of indirect light if rays are traced from each.
@@ -72,7 +74,7 @@ TexelLattice<D> lattice_of(const LineVolume<D>& volume, const Index<D>& resoluti
 
 template <int D>
 PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
-                                    const BakeSettings<D>& settings) {
+                                    const BakeSettings<D>& settings, Texels kind) {
   std::vector<std::pair<Index<D>, std::size_t>> known;
   const Counted<D> counted = [&](const Index<D>& resolution) {
     for (const auto& [other, count] : known) {
@@ -104,19 +106,28 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     found.shown = finest<D>(field.dims, voxels, most_finer_texels, counted);
     if (width == 1)
       found.indirect = finest<D>(field.dims, voxels, most_finer_indirect_texels, counted);
+    const Index<D> fine = finer_resolution<D>(field.dims);
+    if (kind == Texels::fine && voxels << D <= most_refined_texels &&
+        counted(fine) <= most_refined_texels) {
+      if (found.shown == field.dims) found.shown = fine;
+      if (found.indirect == field.dims) found.indirect = fine;
+    }
   }
   // Choose the lines and the texels of photons by the number of crossed voxels.
   found.spacing = voxels > most_dense_voxels ? 2 : 1;
   found.photons = coarser_resolution<D>(field.dims, width_for(voxels, most_photon_voxels, D));
+  if (kind == Texels::wide) {
+    found.shown = coarser_resolution<D>(found.shown, wide_by);
+    found.indirect = coarser_resolution<D>(found.indirect, wide_by);
+  }
   return found;
 }
 
 template <int D>
-BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings, int width) {
-  PassResolutions<D> chosen =
-      pass_resolutions(volume.volume().field, volume.isovalue_range(), settings);
-  chosen.shown = coarser_resolution<D>(chosen.shown, width);
-  chosen.indirect = coarser_resolution<D>(chosen.indirect, width);
+BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
+                          Texels kind) {
+  const PassResolutions<D> chosen =
+      pass_resolutions(volume.volume().field, volume.isovalue_range(), settings, kind);
   BakeTexels<D> texels;
   texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
   texels.indirect = chosen.indirect == chosen.shown
@@ -130,8 +141,9 @@ BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& se
 }
 
 template <int D>
-BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings, int width) {
-  BakeTexels<D> texels = pass_texels(volume, settings, width);
+BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
+                         Texels kind) {
+  BakeTexels<D> texels = pass_texels(volume, settings, kind);
   const Field<D>& field = volume.volume().field;
   const IsovalueRange isovalue_range = volume.isovalue_range();
   Index<D> indirect = field.dims;
@@ -161,13 +173,13 @@ BakeTexels<D> preview_texels(const LineVolume<D>& volume, const Index<D>& resolu
 }
 
 template PassResolutions<2> pass_resolutions(const Field<2>&, const IsovalueRange&,
-                                             const BakeSettings<2>&);
+                                             const BakeSettings<2>&, Texels);
 template PassResolutions<3> pass_resolutions(const Field<3>&, const IsovalueRange&,
-                                             const BakeSettings<3>&);
-template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&, int);
-template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&, int);
-template BakeTexels<2> ray_texels(const LineVolume<2>&, const BakeSettings<2>&, int);
-template BakeTexels<3> ray_texels(const LineVolume<3>&, const BakeSettings<3>&, int);
+                                             const BakeSettings<3>&, Texels);
+template BakeTexels<2> pass_texels(const LineVolume<2>&, const BakeSettings<2>&, Texels);
+template BakeTexels<3> pass_texels(const LineVolume<3>&, const BakeSettings<3>&, Texels);
+template BakeTexels<2> ray_texels(const LineVolume<2>&, const BakeSettings<2>&, Texels);
+template BakeTexels<3> ray_texels(const LineVolume<3>&, const BakeSettings<3>&, Texels);
 template BakeTexels<2> preview_texels(const LineVolume<2>&, const Index<2>&);
 template BakeTexels<3> preview_texels(const LineVolume<3>&, const Index<3>&);
 

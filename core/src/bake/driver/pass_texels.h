@@ -6,6 +6,11 @@
 
 namespace leaflight {
 
+// The texels of a bake. `usual`: as the settings say, or else by the size of the volume. `fine`: at
+// most half a voxel wide, if their number stays small. `wide`: twice the usual width. `preview`:
+// those of the first picture.
+enum class Texels : int { fine, usual, wide, preview };
+
 // The resolutions of a bake in passes. They follow the settings, or else the detail and the size of
 // the volume.
 template <int D>
@@ -15,15 +20,14 @@ struct PassResolutions {
 };
 template <int D>
 PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& isovalue_range,
-                                    const BakeSettings<D>& settings);
+                                    const BakeSettings<D>& settings, Texels kind);
 
-// Returns the texels of a bake by lines or by rays. `width`: factor on the width of texels.
+// Returns the texels of a bake by lines or by rays, but not those of the first picture.
 template <int D>
 BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
-                          int width = 1);
+                          Texels kind = Texels::usual);
 template <int D>
-BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings,
-                         int width = 1);
+BakeTexels<D> ray_texels(const LineVolume<D>& volume, const BakeSettings<D>& settings, Texels kind);
 
 // Returns the texels of the first picture. `resolution`: of the result.
 template <int D>

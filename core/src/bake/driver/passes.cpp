@@ -25,11 +25,6 @@ constexpr int more_ways = 6, more_samples = 3;
 // A pass that runs out of time ends after at least this many blocks.
 constexpr int least_blocks = 2;
 
-// The texels of a bake. The usual ones are as fine as its volume needs. If time is short, they are
-// twice as wide, or those of the first picture.
-enum class Texels : int { usual, wider, preview };
-constexpr int wider_by = 2;
-
 template <int D>
 std::size_t texels_of_indirect_light(const std::vector<BakeTexels<D>>& texels) {
   std::size_t count = 0;
@@ -55,11 +50,10 @@ class Passes {
           "Workers share the lines through one volume without mirrors or glass; bake without "
           "them.");
     }
-    texels_ = texels(1);
-    count_texels();
+    set_texels(Texels::usual);
     progress_.check();
     if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
-    previous_ = previous_light();
+    find_previous_light();
     expect();
     measured_.emplace(scene_, texels_);
     passes_ = previous_ ? previous_->front().passes() : 0;
@@ -76,14 +70,19 @@ class Passes {
 
   bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->restore; }
 
-  // Returns the texels of all volumes, `width` times as wide as usual.
-  std::vector<BakeTexels<D>> texels(int width) const {
+  // Returns the texels of all volumes.
+  std::vector<BakeTexels<D>> texels(Texels kind) const {
     std::vector<BakeTexels<D>> found;
     for (const LineVolume<D>& volume : scene_.volumes) {
-      found.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings, width)
-                                        : ray_texels(volume, scene_.settings, width));
+      found.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings, kind)
+                                        : ray_texels(volume, scene_.settings, kind));
     }
     return found;
+  }
+
+  void set_texels(Texels kind) {
+    texels_ = texels(kind);
+    count_texels();
   }
 
   void count_texels() {
@@ -93,6 +92,7 @@ class Passes {
       shown_.push_back(one.shown.lattice.resolution);
       count_ += one.shown.lattice.active.size();
     }
+    indirect_count_ = texels_of_indirect_light(texels_);
   }
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
@@ -107,7 +107,8 @@ class Passes {
   // Shows a first picture if the bake is large. Returns the finest texels that the time allows.
   Texels first_picture() {
     const bool is_large = count_ > most_without_preview;
-    if (previous_ || count_ == 0 || !(is_large || limit_.is_given())) return Texels::usual;
+    if (previous_) return previous_texels_;
+    if (count_ == 0 || !(is_large || limit_.is_given())) return Texels::usual;
     if (is_large) ++passes_;
     if (!hooks_.on_pass && !limit_.is_given()) return Texels::usual;
     const double began = limit_.seconds();
@@ -141,10 +142,10 @@ class Passes {
     walls_seconds_ = samples;
   }
 
-  Texels wider_in_time() { return fits(wider()) ? Texels::wider : Texels::preview; }
+  Texels wider_in_time() { return fits(wider()) ? Texels::wide : Texels::preview; }
 
   std::vector<BakeTexels<D>>& wider() {
-    if (wider_.empty()) wider_ = texels(wider_by);
+    if (wider_.empty()) wider_ = texels(Texels::wide);
     return wider_;
   }
 
@@ -180,9 +181,11 @@ class Passes {
       count_ = preview_texels_;
       bake_ = std::move(preview_);
     } else {
-      if (!is_usual) {
+      if (chosen == Texels::wide) {
         texels_ = std::move(wider());
         count_texels();
+      } else if (chosen == Texels::fine) {
+        set_texels(chosen);
       }
       scene_.compute_visibility_maps(shown_, 1);
       bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
@@ -194,22 +197,47 @@ class Passes {
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
   }
 
-  // Returns the light to continue, or null if its texels have another width.
-  const Previous* previous_light() const {
-    const Previous* previous = hooks_.previous;
-    if (!previous) return nullptr;
-    bool fits = previous->size() == texels_.size();
-    for (std::size_t v = 0; v < texels_.size() && fits; ++v) {
-      if (!scene_.stores_light_of(v)) continue;
-      const TexelLattice<D>& shown = texels_[v].shown.lattice;
-      if ((*previous)[v].resolution() != shown.resolution) return nullptr;
-      fits = !scene_.plan.indirect ||
-             (*previous)[v].fits(shown, texels_[v].indirect.lattice, scene_.plan.back);
+  // Finds the light to continue, and its texels. Wide texels and those of a first picture are not
+  // continued.
+  void find_previous_light() {
+    if (!hooks_.previous) return;
+    bool is_known = false;
+    for (const Texels kind : {Texels::usual, Texels::fine}) {
+      if (kind != Texels::usual) set_texels(kind);
+      if (!has_previous_resolution()) continue;
+      is_known = true;
+      if (!fits_previous()) continue;
+      previous_ = hooks_.previous;
+      previous_texels_ = kind;
+      return;
     }
-    if (fits) return previous;
-    throw Error(
-        "The bake to continue is of another volume, isovalue range or other sides; bake the volume "
-        "anew.");
+    if (is_known) {
+      throw Error(
+          "The bake to continue is of another volume, isovalue range or other sides; bake the "
+          "volume anew.");
+    }
+    set_texels(Texels::usual);
+  }
+
+  bool has_previous_resolution() const {
+    const Previous& previous = *hooks_.previous;
+    for (std::size_t v = 0; v < std::min(texels_.size(), previous.size()); ++v) {
+      if (!scene_.stores_light_of(v)) continue;
+      if (previous[v].resolution() != texels_[v].shown.lattice.resolution) return false;
+    }
+    return true;
+  }
+  bool fits_previous() const {
+    const Previous& previous = *hooks_.previous;
+    if (previous.size() != texels_.size()) return false;
+    for (std::size_t v = 0; v < texels_.size(); ++v) {
+      const BakeTexels<D>& own = texels_[v];
+      if (scene_.stores_light_of(v) && scene_.plan.indirect &&
+          !previous[v].fits(own.shown.lattice, own.indirect.lattice, scene_.plan.back)) {
+        return false;
+      }
+    }
+    return true;
   }
 
   // Sets the expected work of the steps before the walls, before the integrator exists.
@@ -243,6 +271,7 @@ class Passes {
       bake_->add(blocks_ - bake_->blocks(), proceed);
       const bool cut = bake_->blocks() < blocks_;
       if (cut && preview_ && bake_->blocks() - before_ < least_blocks) {
+        if (chosen_ == Texels::fine) return last_of_usual_texels();
         begin(chosen_ == Texels::usual ? wider_in_time() : Texels::preview);
         continue;
       }
@@ -254,18 +283,45 @@ class Passes {
       const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.bias));
       const double target = std::pow(noise / 100, 2);
       const int next = next_blocks(bake_->blocks(), error.noise, target);
-      if (error.noise <= target) return last(std::move(baked), false);
-      if (cut || is_late()) return last(std::move(baked), true);
-      if (next <= blocks_) return last(std::move(baked), false);
+      const bool refines = !cut && !is_late() && has_fine_texels(100 * std::sqrt(error.bias));
+      if (!refines) {
+        if (error.noise <= target) return last(std::move(baked), false);
+        if (cut || is_late()) return last(std::move(baked), true);
+        if (next <= blocks_) return last(std::move(baked), false);
+      }
       if (hooks_.on_pass) {
         // If isosurfaces store no light, only the walls are visible.
         if (count_ == 0) baked.walls = walls(*bake_);
         hooks_.on_pass(std::move(baked));
       }
+      if (refines) {
+        // The result if the time ends before the first blocks of fine texels.
+        preview_ = std::move(bake_);
+        begin(Texels::fine);
+        continue;
+      }
       // Out of time: the result is the bake that was shown.
       if (is_late()) return last(bake_so_far(*bake_), true);
       blocks_ = next;
     }
+  }
+
+  // Gives up fine texels whose first blocks have no time.
+  Baked<D> last_of_usual_texels() {
+    chosen_ = Texels::usual;
+    bake_ = std::move(preview_);
+    return last(bake_so_far(*bake_), true);
+  }
+
+  // True if fine texels would lower an error that more blocks cannot lower, and the time suffices.
+  // `bias`: the part of the error in percent that is not noise.
+  bool has_fine_texels(double bias) {
+    if (chosen_ != Texels::usual || previous_ || !scene_.plan.lines ||
+        !is_out_of_reach(scene_.settings.error, bias)) {
+      return false;
+    }
+    const std::vector<BakeTexels<D>> fine = texels(Texels::fine);
+    return texels_of_indirect_light(fine) > indirect_count_ && fits(fine);
   }
 
   // Saves a checkpoint after a block if one is due. True if time is left for another block.
@@ -356,7 +412,7 @@ class Passes {
     statistics.passes = std::max(1, passes_);
     statistics.stopped = stopped;
     if (!limit_.is_given() || progress_.stopped()) return baked;
-    if (chosen_ != Texels::usual) {
+    if (chosen_ == Texels::wide || chosen_ == Texels::preview) {
       statistics.stopped = stopped || statistics.error_percent > scene_.settings.error;
       statistics.skipped.push_back(finer_texels<D>(baked.grids[0].lattice.resolution));
     }
@@ -372,9 +428,9 @@ class Passes {
   const Previous* previous_ = nullptr;                 // null: none
   std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
-  // Number of all texels, and of those of the first picture.
-  std::size_t count_ = 0, preview_texels_ = 1;
-  Texels chosen_ = Texels::usual;
+  // Number of all texels, of those of indirect light, and of those of the first picture.
+  std::size_t count_ = 0, indirect_count_ = 0, preview_texels_ = 1;
+  Texels chosen_ = Texels::usual, previous_texels_ = Texels::usual;
   // Number of passes, of blocks of the previous bake, and of blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
   PreviewSeconds preview_seconds_;
