@@ -25,8 +25,6 @@ DARK = 0.01
 BAKE_FORMATS = {
     "texels": "{:,}",
     "passes": "{}",
-    "estimated s": "{:.0f}",
-    "bake s": "{:.1f}",
     "estimated before %": "{:.2f}",
     "estimated after %": "{:.2f}",
     "found %": "{:.2f}",
@@ -72,8 +70,6 @@ def bake_rows(rows):
             "nodes": " x ".join(map(str, bake.nodes)),
             "texels": bake.statistics.texels,
             "passes": bake.statistics.passes,
-            "estimated s": bake.before.seconds,
-            "bake s": bake.statistics.seconds,
             "estimated before %": bake.before.error,
             "estimated after %": bake.after,
             "found %": bake.found,
@@ -141,8 +137,8 @@ def cycles_text(rows, absent, effort):
             "bake did not report it.",
         ]
     lines += [
-        "- *Estimated* are seconds and error before the bake starts, and the error at the end. "
-        "*Found* is the RMS over its isosurfaces below, without the noise of Cycles. *True*: "
+        "- *Estimated* is the error before the bake starts, and at its end. *Found* is the "
+        "RMS over its isosurfaces below, without the noise of Cycles. *True*: "
         f"estimated after and found differ by a factor of {TRUE_WITHIN:g} at most.",
     ]
     return [
