@@ -6,7 +6,7 @@
 #include "bake/driver/first_pass.h"
 #include "bake/driver/measured_error.h"
 #include "bake/driver/pass_blocks.h"
-#include "bake/driver/pass_texels.h"
+#include "bake/driver/previous_texels.h"
 #include "bake/driver/ray_bake.h"
 #include "bake/driver/time_limit.h"
 #include "base/error.h"
@@ -53,7 +53,12 @@ class Passes {
     set_texels(Texels::usual);
     progress_.check();
     if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
-    find_previous_light();
+    if (hooks_.previous) {
+      const std::optional<Texels> kind = previous_texels(scene_, *hooks_.previous);
+      if (kind) previous_ = hooks_.previous;
+      previous_texels_ = kind.value_or(Texels::usual);
+      if (previous_texels_ != Texels::usual) set_texels(previous_texels_);
+    }
     expect();
     measured_.emplace(scene_, texels_);
     passes_ = previous_ ? previous_->front().passes() : 0;
@@ -70,18 +75,8 @@ class Passes {
 
   bool resumes() const { return hooks_.checkpoints && hooks_.checkpoints->restore; }
 
-  // Returns the texels of all volumes.
-  std::vector<BakeTexels<D>> texels(Texels kind) const {
-    std::vector<BakeTexels<D>> found;
-    for (const LineVolume<D>& volume : scene_.volumes) {
-      found.push_back(scene_.plan.lines ? pass_texels(volume, scene_.settings, kind)
-                                        : ray_texels(volume, scene_.settings, kind));
-    }
-    return found;
-  }
-
   void set_texels(Texels kind) {
-    texels_ = texels(kind);
+    texels_ = texels_of(scene_, kind);
     count_texels();
   }
 
@@ -145,7 +140,7 @@ class Passes {
   Texels wider_in_time() { return fits(wider()) ? Texels::wide : Texels::preview; }
 
   std::vector<BakeTexels<D>>& wider() {
-    if (wider_.empty()) wider_ = texels(Texels::wide);
+    if (wider_.empty()) wider_ = texels_of(scene_, Texels::wide);
     return wider_;
   }
 
@@ -195,49 +190,6 @@ class Passes {
     if (limit_.is_given() && scene_.plan.walls) scene_.compute_wall_direct_light();
     before_ = previous_ ? bake_->blocks() : 0;
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
-  }
-
-  // Finds the light to continue, and its texels. Wide texels and those of a first picture are not
-  // continued.
-  void find_previous_light() {
-    if (!hooks_.previous) return;
-    bool is_known = false;
-    for (const Texels kind : {Texels::usual, Texels::fine}) {
-      if (kind != Texels::usual) set_texels(kind);
-      if (!has_previous_resolution()) continue;
-      is_known = true;
-      if (!fits_previous()) continue;
-      previous_ = hooks_.previous;
-      previous_texels_ = kind;
-      return;
-    }
-    if (is_known) {
-      throw Error(
-          "The bake to continue is of another volume, isovalue range or other sides; bake the "
-          "volume anew.");
-    }
-    set_texels(Texels::usual);
-  }
-
-  bool has_previous_resolution() const {
-    const Previous& previous = *hooks_.previous;
-    for (std::size_t v = 0; v < std::min(texels_.size(), previous.size()); ++v) {
-      if (!scene_.stores_light_of(v)) continue;
-      if (previous[v].resolution() != texels_[v].shown.lattice.resolution) return false;
-    }
-    return true;
-  }
-  bool fits_previous() const {
-    const Previous& previous = *hooks_.previous;
-    if (previous.size() != texels_.size()) return false;
-    for (std::size_t v = 0; v < texels_.size(); ++v) {
-      const BakeTexels<D>& own = texels_[v];
-      if (scene_.stores_light_of(v) && scene_.plan.indirect &&
-          !previous[v].fits(own.shown.lattice, own.indirect.lattice, scene_.plan.back)) {
-        return false;
-      }
-    }
-    return true;
   }
 
   // Sets the expected work of the steps before the walls, before the integrator exists.
@@ -320,7 +272,7 @@ class Passes {
         !is_out_of_reach(scene_.settings.error, bias)) {
       return false;
     }
-    const std::vector<BakeTexels<D>> fine = texels(Texels::fine);
+    const std::vector<BakeTexels<D>> fine = texels_of(scene_, Texels::fine);
     return texels_of_indirect_light(fine) > indirect_count_ && fits(fine);
   }
 
