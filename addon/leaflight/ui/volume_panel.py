@@ -156,6 +156,8 @@ def _draw_regions(layout, settings):
     row = layout.row(align=True)
     row.operator_menu_enum(regions.LEAFLIGHT_OT_clean_data.bl_idname, "kind", text="Clean Data")
     row.operator(regions.LEAFLIGHT_OT_remove_part.bl_idname, icon="EYEDROPPER")
+    mask = regions.LEAFLIGHT_OT_mask_data.bl_idname
+    layout.operator_menu_enum(mask, "label_map", text="Mask Data")
     column, switch = layout.column(align=True), regions.LEAFLIGHT_OT_switch_region.bl_idname
     for index, item in enumerate(source_files.regions_of(settings)):
         row = column.row(align=True)

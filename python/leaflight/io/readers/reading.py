@@ -19,7 +19,7 @@ from ...volume.label_field import label_field
 from ...volume.label_table import without_labels
 from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
-from ...volume.regions import Region, as_regions, changed
+from ...volume.regions import Region, WithinLabels, as_regions, changed
 from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
@@ -117,7 +117,7 @@ def read_volume(
     hide: Numbers of labels that are read as 0.
     label_table: File with names and colors of labels (label_files.py). None takes those of the
         volume's file, or the table of that name beside it.
-    regions: Cuts and removed parts (volume/regions.py), regions or records. They come last.
+    regions: Cuts, removed parts and masks (volume/regions.py), regions or records. They come last.
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
     remedy.
@@ -126,6 +126,7 @@ def read_volume(
     _check_names(options, OPTIONS)
     path = Path(path)
     wanted = _wanted(path, options)
+    regions = with_label_maps(wanted.regions, progress)
     stored: Any = {k: v for k, v in options.items() if k in StoredOptions.__annotations__}
     with _sentences(path, stored) as kind:
         opened = _opened(path, kind(), stored)
@@ -136,15 +137,24 @@ def read_volume(
         channels = chosen_channels(path, channel, opened.channels, opened.channel_list)
         _check_memory(path, opened, wanted.step)
         volume = _loaded(opened, frame, channels, progress)
-        volume = changed(
-            _processed(path, opened, volume, wanted, progress), wanted.regions, progress
-        )
+        volume = changed(_processed(path, opened, volume, wanted, progress), regions, progress)
     progress.begin("Examining values")
     progress.check()
     volume.field()
     if wanted.smooth > 0 or wanted.step > 1 or wanted.field or wanted.regions:
         return volume
     return volume.noted(*about_labels(volume))
+
+
+def with_label_maps(regions: Sequence[Region], progress: Progress) -> tuple[Region, ...]:
+    """Returns regions whose label maps are read. Raises as read_volume()."""
+    found = []
+    for region in regions:
+        if isinstance(region, WithinLabels) and not isinstance(region.label_map, Volume):
+            label_map = read_volume(region.label_map, progress=progress, **region.reading)
+            region = replace(region, label_map=label_map)
+        found.append(region)
+    return tuple(found)
 
 
 def _loaded(
