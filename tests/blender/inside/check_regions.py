@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks cuts by the clip box, removed parts and masks by labels: shown, baked, switched, saved and refused."""
+"""Checks cuts, removed parts and masks by labels: shown, baked, switched, saved and refused."""
 
 import bpy
 import leaflight
@@ -184,10 +184,13 @@ def check_a_volume_is_masked_by_the_shown_labels(masks, tmp_path):
     kept = vertices_of(obj)
     middle = 0.5 * (whole[:, 0].min() + whole[:, 0].max())
     assert len(kept) and kept[:, 0].min() > middle
-    obj = reopened(tmp_path / "scene.blend")
+    names, blend = (obj.name, label_map.name), str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=blend)
+    bpy.ops.wm.open_mainfile(filepath=blend)
+    obj, label_map = (bpy.data.objects[name] for name in names)
+    display.select(bpy.context, [obj], obj)
     close(vertices_of(obj), kept, 0)
     # Another choice of labels takes the place of the first.
-    label_map = bpy.data.objects[region["object"]]
     label_map.leaflight.labels[0].is_shown = True
     bpy.ops.leaflight.mask_data(label_map=label_map.name)
     assert [region["labels"] for region in _records(obj)] == [[3, 5]]
