@@ -21,8 +21,10 @@ from leaflight_addon.show import display
 from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
-SIZE, SAMPLES, QUALITY = (1280, 800), 64, 85
-ERROR, SECONDS = 2.0, 150.0
+SIZE, SAMPLES, QUALITY = (1280, 800), 24, 85
+ERROR, SECONDS = 2.0, 50.0
+# Stops of exposure.
+EXPOSURE = 0.7
 
 
 @dataclass(frozen=True)
@@ -33,8 +35,7 @@ class Figure:
     isovalue, isovalues: Isovalue and isovalue range.
     turn: Rotation of the volume about x, y, z in degrees. zoom: Factor on the camera's angle.
     rise: Degrees by which the camera looks down more.
-    cut: Lowest and highest corner of a clip box, as shares of the bounds of the shown isosurface.
-    color: Albedo, or None. look: Preset, or None.
+    is_cut: True cuts the data by a new clip box, at the corner nearest to the camera.
     """
 
     make: Callable
@@ -43,8 +44,7 @@ class Figure:
     turn: tuple = (0.0, 0.0, 0.0)
     rise: float = 0.0
     zoom: float = 1.0
-    cut: tuple = ()
-    color: tuple = ()
+    is_cut: bool = False
     has_bar: bool = False
 
 
@@ -53,23 +53,21 @@ def main():
     data, work, out = map(Path, folders)
     figure = FIGURES[name]
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.view_settings.exposure = EXPOSURE
     obj = figure.make(data, work)
-    for other in display.volumes(bpy.context.scene) if hasattr(display, "volumes") else ():
-        other.hide_render = other != obj
     turn = mathutils.Euler([math.radians(angle) for angle in figure.turn]).to_matrix().to_4x4()
     for each in bpy.context.scene.objects:
         each.matrix_world = turn @ each.matrix_world
     blender.show(obj, figure.isovalue)
     blender.stage(obj)
-    if figure.cut:
-        cut(obj, *map(np.array, figure.cut))
+    if figure.is_cut:
+        bpy.ops.leaflight.add_clip_box()
+        bpy.ops.leaflight.cut_data(cut="capped")
     frame(obj, figure)
-    if figure.color:
-        obj.leaflight.isosurface_albedo = figure.color
     limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
-    blender.bake(
-        obj, isovalues=figure.isovalues, light_walls=True, bake_folder=str(work), **limits
-    )
+    blender.bake(obj, isovalues=figure.isovalues, light_walls=True, bake_folder=str(work), **limits)
     blender.show(obj, figure.isovalue)
     if figure.has_bar:
         bpy.ops.leaflight.add_color_bar()
@@ -79,23 +77,12 @@ def main():
     print("docs/images", name)
 
 
-def cut(obj, low, high):
-    """Cuts the data by a box. low, high: Corners as shares of the bounds of the isosurface."""
-    bpy.ops.leaflight.add_clip_box()
-    corners = [obj.matrix_world @ mathutils.Vector(corner) for corner in obj.bound_box]
-    first, last = np.min(corners, axis=0), np.max(corners, axis=0)
-    box = obj.leaflight_look.box
-    matrix = mathutils.Matrix.Diagonal((*(0.5 * (high - low) * (last - first)), 1.0))
-    matrix.translation = first + 0.5 * (low + high) * (last - first)
-    box.matrix_world = matrix
-    bpy.context.view_layer.update()
-    bpy.ops.leaflight.cut_data(cut="capped")
-
-
 def frame(obj, figure):
     """Moves the camera up around the volume, and narrows its angle."""
     camera = bpy.context.scene.camera
-    middle = sum((obj.matrix_world @ mathutils.Vector(c) for c in obj.bound_box), mathutils.Vector())
+    middle = sum(
+        (obj.matrix_world @ mathutils.Vector(c) for c in obj.bound_box), mathutils.Vector()
+    )
     middle /= 8
     right = camera.matrix_world.to_3x3().col[0]
     turn = mathutils.Matrix.Rotation(math.radians(-figure.rise), 4, right)
@@ -108,7 +95,6 @@ def render(path):
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", SAMPLES
     scene.cycles.use_denoising = False
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 
@@ -137,6 +123,7 @@ def density(_, work):
         work / "caffeine_potential.cube", size_from="SAME", partner=obj.name, both_signs=False
     )
     other.name = "potential (Hartree/e)"
+    obj.leaflight.texture_reverse = True
     return color(obj, other, "", (-0.06, 0.06), "CET_D1")
 
 
@@ -146,9 +133,10 @@ def cells(_, work):
     axis = np.linspace(-1.0, 1.0, count, dtype=np.float32)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     values, places = np.zeros((3, count, count, count), np.float32), []
-    while len(places) < 44:
-        place = random.uniform(-0.72, 0.72, 3)
-        if np.linalg.norm(place) < 0.74 and all(np.linalg.norm(place - p) > 0.3 for p in places):
+    while len(places) < 40:
+        place = random.uniform((-0.74, -0.74, -0.4), (0.74, 0.74, 0.5))
+        is_far = all(np.linalg.norm(place - other) > 0.3 for other in places)
+        if is_far and np.linalg.norm(place * (1.0, 1.0, 1.0 if place[2] > 0 else 0.5)) < 0.74:
             places.append(place)
     for place in places:
         axes, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -185,8 +173,12 @@ def orbital(_, work):
 
 def tooth(data, _, **options):
     return blender.import_volume(
-        data / "tooth16.raw", dims=(103, 94, 161), value_type="uint16", endian="big",
-        smooth=1.0, **options,
+        data / "tooth16.raw",
+        dims=(103, 94, 161),
+        value_type="uint16",
+        endian="big",
+        smooth=1.0,
+        **options,
     )
 
 
@@ -197,7 +189,10 @@ def tooth_by_gradient(data, work):
 
 
 def head(_, work):
-    return blender.import_volume(BRAINS / "ch2.nii.gz", smooth=1.0)
+    obj = blender.import_volume(BRAINS / "ch2.nii.gz", smooth=1.0)
+    blender.show(obj, 45.5)
+    bpy.ops.leaflight.clean_data(kind="dust", voxels=1000)
+    return obj
 
 
 def engine(data, _):
@@ -205,19 +200,17 @@ def engine(data, _):
 
 
 FIGURES = {
-    "density_by_potential": Figure(density, 0.004, (0.003, 0.005), (0, 0, 0), 35, 1.5, has_bar=True),
-    "microscopy": Figure(cells, 100.0, (80.0, 120.0), (0, 0, 0), 10, 1.4),
-    "brain_regions": Figure(regions, 60.0, (50.0, 75.0), (0, 0, 0), 10, 1.4),
-    "orbital": Figure(orbital, 0.03, (0.02, 0.04), (0, 0, 0), 25, 1.4),
+    "density_by_potential": Figure(
+        density, 0.004, (0.003, 0.005), (0, 0, 20), 30, 1.0, has_bar=True
+    ),
+    "microscopy": Figure(cells, 100.0, (80.0, 120.0), (0, 0, 0), 12, 1.2),
+    "brain_regions": Figure(regions, 60.0, (50.0, 75.0), (0, 0, 0), 5, 1.25),
+    "orbital": Figure(orbital, 0.025, (0.02, 0.03), (0, 0, 0), 18, 1.0),
     "tooth_by_gradient": Figure(
-        tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 10, 1.4, has_bar=True
+        tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 8, 1.25, has_bar=True
     ),
-    "head_cut": Figure(
-        head, 45.5, (35.0, 60.0), (0, 0, 0), 15, 1.4, ((0.5, -0.1, 0.45), (1.1, 0.5, 1.1))
-    ),
-    "engine_cut": Figure(
-        engine, 60.0, (45.0, 80.0), (0, 0, 0), 20, 1.4, ((0.5, -0.1, 0.4), (1.1, 0.5, 1.1))
-    ),
+    "head_cut": Figure(head, 68.0, (60.0, 80.0), (0, 0, 60), 14, 1.2, is_cut=True),
+    "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, is_cut=True),
 }
 
 if __name__ == "__main__":
