@@ -22,9 +22,9 @@ from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
 SIZE, SAMPLES, QUALITY = (1280, 800), 24, 85
-ERROR, SECONDS = 2.0, 50.0
-# Stops of exposure.
-EXPOSURE = 0.7
+ERROR = 2.0
+# Stops of exposure above that of the stage.
+EXPOSURE = 0.6
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,7 @@ class Figure:
     isovalue, isovalues: Isovalue and isovalue range.
     turn: Rotation of the volume about x, y, z in degrees. zoom: Factor on the camera's angle.
     rise: Degrees by which the camera looks down more.
+    seconds: Time limit of the bake.
     is_cut: True cuts the data by a new clip box, at the corner nearest to the camera.
     """
 
@@ -44,6 +45,7 @@ class Figure:
     turn: tuple = (0.0, 0.0, 0.0)
     rise: float = 0.0
     zoom: float = 1.0
+    seconds: float = 50.0
     is_cut: bool = False
     has_bar: bool = False
 
@@ -55,7 +57,6 @@ def main():
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = SIZE
-    scene.view_settings.exposure = EXPOSURE
     obj = figure.make(data, work)
     turn = mathutils.Euler([math.radians(angle) for angle in figure.turn]).to_matrix().to_4x4()
     for each in bpy.context.scene.objects:
@@ -65,8 +66,10 @@ def main():
     if figure.is_cut:
         bpy.ops.leaflight.add_clip_box()
         bpy.ops.leaflight.cut_data(cut="capped")
+        # The box would still cut the shown isosurface, along the same faces.
+        obj.leaflight_look.box = None
     frame(obj, figure)
-    limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
+    limits = {"error": ERROR, "use_time_limit": True, "time_limit": figure.seconds}
     blender.bake(obj, isovalues=figure.isovalues, light_walls=True, bake_folder=str(work), **limits)
     blender.show(obj, figure.isovalue)
     if figure.has_bar:
@@ -95,6 +98,7 @@ def render(path):
     scene = bpy.context.scene
     scene.render.engine, scene.cycles.samples = "CYCLES", SAMPLES
     scene.cycles.use_denoising = False
+    scene.view_settings.exposure += EXPOSURE
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 
@@ -129,7 +133,7 @@ def density(_, work):
 
 def cells(_, work):
     """Generates cells of random colors as a stack of three channels, as in a Brainbow mouse."""
-    count, random = 112, np.random.default_rng(7)
+    count, random = 112, np.random.default_rng(5)
     axis = np.linspace(-1.0, 1.0, count, dtype=np.float32)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     values, places = np.zeros((3, count, count, count), np.float32), []
@@ -209,8 +213,8 @@ FIGURES = {
     "tooth_by_gradient": Figure(
         tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 8, 1.25, has_bar=True
     ),
-    "head_cut": Figure(head, 68.0, (60.0, 80.0), (0, 0, 60), 14, 1.2, is_cut=True),
-    "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, is_cut=True),
+    "head_cut": Figure(head, 68.0, (60.0, 80.0), (0, 0, 60), 14, 1.2, 100.0, is_cut=True),
+    "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, 100.0, is_cut=True),
 }
 
 if __name__ == "__main__":
