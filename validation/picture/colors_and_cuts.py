@@ -22,7 +22,7 @@ from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
 SIZE, SAMPLES, QUALITY = (1280, 800), 24, 85
-ERROR = 2.0
+ERROR, SECONDS = 2.0, 50.0
 # Stops of exposure above that of the stage.
 EXPOSURE = 0.6
 
@@ -35,7 +35,7 @@ class Figure:
     isovalue, isovalues: Isovalue and isovalue range.
     turn: Rotation of the volume about x, y, z in degrees. zoom: Factor on the camera's angle.
     rise: Degrees by which the camera looks down more.
-    seconds: Time limit of the bake.
+    resolution: Texels along the longest side; 0 is the default.
     is_cut: True cuts the data by a new clip box, at the corner nearest to the camera.
     """
 
@@ -45,7 +45,7 @@ class Figure:
     turn: tuple = (0.0, 0.0, 0.0)
     rise: float = 0.0
     zoom: float = 1.0
-    seconds: float = 50.0
+    resolution: int = 0
     is_cut: bool = False
     has_bar: bool = False
 
@@ -69,7 +69,7 @@ def main():
         # The box would still cut the shown isosurface, along the same faces.
         obj.leaflight_look.box = None
     frame(obj, figure)
-    limits = {"error": ERROR, "use_time_limit": True, "time_limit": figure.seconds}
+    limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
     blender.bake(obj, isovalues=figure.isovalues, light_walls=True, bake_folder=str(work), **limits)
     blender.show(obj, figure.isovalue)
     if figure.has_bar:
@@ -193,7 +193,7 @@ def tooth_by_gradient(data, work):
 
 
 def head(_, work):
-    obj = blender.import_volume(BRAINS / "ch2.nii.gz", smooth=1.0)
+    obj = blender.import_volume(BRAINS / "ch2.nii.gz", smooth=1.2)
     blender.show(obj, 45.5)
     bpy.ops.leaflight.clean_data(kind="dust", voxels=1000)
     return obj
@@ -213,8 +213,8 @@ FIGURES = {
     "tooth_by_gradient": Figure(
         tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 8, 1.25, has_bar=True
     ),
-    "head_cut": Figure(head, 68.0, (60.0, 80.0), (0, 0, 60), 14, 1.2, 100.0, is_cut=True),
-    "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, 100.0, is_cut=True),
+    "head_cut": Figure(head, 54.0, (48.0, 62.0), (0, 0, 60), 14, 1.2, 112, is_cut=True),
+    "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, 112, is_cut=True),
 }
 
 if __name__ == "__main__":
