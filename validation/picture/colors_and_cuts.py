@@ -70,6 +70,8 @@ def main():
         obj.leaflight_look.box = None
     frame(obj, figure)
     limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
+    if figure.resolution:
+        limits |= {"use_resolution": True, "resolution": figure.resolution}
     blender.bake(obj, isovalues=figure.isovalues, light_walls=True, bake_folder=str(work), **limits)
     blender.show(obj, figure.isovalue)
     if figure.has_bar:

@@ -5,11 +5,11 @@ import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from .._core import Progress
 from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.regions import as_regions, changed
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, bump_box
-from .._core import Progress
 from .readers.reading import read_volume, with_label_maps
 
 # Name -> function from the number of nodes per axis to a Volume; defaults are those of the thesis.
