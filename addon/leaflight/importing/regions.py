@@ -16,7 +16,7 @@ from leaflight import LeaflightError
 
 from ..operators import background, checks
 from ..operators.checks import active_volume
-from ..props import EnumProperty, IntProperty
+from ..props import EnumProperty, IntProperty, StringProperty
 from ..show import data_faces, look
 from ..store import source_files
 from ..translations import iface_
@@ -103,13 +103,9 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
         return _job(obj, regions, "cut; bake to light the cut", _show_cut)
 
 
-def _label_maps(_operator, context):
-    """Returns the items of the label maps in the scene."""
-    found = [obj for obj in context.scene.objects if _is_label_map(obj)]
-    items = [(obj.name, obj.name, "Label map that was imported") for obj in found]
-    # Blender needs the texts after this function returns.
-    _label_maps.items = items
-    return items
+def label_maps(scene):
+    """Returns the names of the label maps in a scene."""
+    return [obj.name for obj in scene.objects if _is_label_map(obj)]
 
 
 def _is_label_map(obj):
@@ -129,10 +125,18 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
         ),
     )
 
-    label_map: EnumProperty("Label Map", "Label map whose shown labels are kept", _label_maps)
+    label_map: StringProperty(
+        "Label Map",
+        "Label map whose shown labels are kept; empty is the first of the scene",
+        search=lambda _self, context, _text: label_maps(context.scene),
+    )
 
     def start(self, context):
-        obj, other = active_volume(context), context.scene.objects[self.label_map]
+        obj, names = active_volume(context), label_maps(context.scene)
+        name = self.label_map or names[0]
+        if name not in names:
+            raise LeaflightError(f'"{name}" is no label map of this scene: import it.')
+        other = context.scene.objects[name]
         labels, path = other.leaflight, source_files.path_of(other.leaflight)
         shown = [label.number for label in labels.labels if label.is_shown]
         if not shown:
