@@ -215,7 +215,7 @@ FIGURES = {
     "tooth_by_gradient": Figure(
         tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 8, 1.25, has_bar=True
     ),
-    "head_cut": Figure(head, 54.0, (48.0, 62.0), (0, 0, 60), 14, 1.2, 112, is_cut=True),
+    "head_cut": Figure(head, 60.0, (52.0, 68.0), (0, 0, 60), 14, 1.2, 112, is_cut=True),
     "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, 112, is_cut=True),
 }
 
