@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that cut volumes and remove their parts. They add records of regions, in their order."""
+"""Options that cut, clean and mask volumes. They add records of regions, in their order."""
 
 import argparse
+import os
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -14,7 +16,7 @@ class _AddRegion(argparse.Action):
     """Adds the record that `make` returns for the numbers of the option."""
 
     def __init__(self, option_strings: Any, dest: str, **options: Any) -> None:
-        self._make: Callable[[list[float]], Record] = options.pop("make")
+        self._make: Callable[[list[Any]], Record] = options.pop("make")
         super().__init__(option_strings, "regions", **options)
 
     def __call__(
@@ -57,6 +59,14 @@ def _part(numbers: list[float]) -> Record:
     return {"kind": "part", "point": numbers[:3], "isovalue": numbers[3]}
 
 
+def _within(texts: list[str]) -> Record:
+    path, _, numbers = texts[0].rpartition(":")
+    if not path or not re.fullmatch(r"[0-9]+(,[0-9]+)*", numbers):
+        path, numbers = texts[0], ""
+    labels = [int(number) for number in numbers.split(",") if number]
+    return {"kind": "within_labels", "label_map": os.path.abspath(path), "labels": labels}
+
+
 def add_region_options(parser: argparse._ArgumentGroup) -> None:
     box = ("X", "Y", "Z", "X", "Y", "Z")
     for name, count, metavar, make, help in (
@@ -84,6 +94,15 @@ def add_region_options(parser: argparse._ArgumentGroup) -> None:
         parser.add_argument(
             name, action=_AddRegion, type=number, nargs=count, metavar=metavar, make=make, help=help
         )
+    parser.add_argument(
+        "--within",
+        action=_AddRegion,
+        nargs=1,
+        metavar="FILE:LABELS",
+        make=_within,
+        help="keep what is within labels of a label map, such as seg.nrrd:3,5; without numbers, "
+        "within all of them",
+    )
     parser.add_argument(
         "--open-cuts",
         action=_OpenCuts,

@@ -42,6 +42,10 @@ def test_numbers_are_rounded_to_a_thousandth_of_their_span(values, texts):
 def test_captions_say_what_colors():
     signs = color_bar_of(sign_texture(RAMP))
     assert signs.caption == "potential, negative to positive"
+    # Other ranges that are narrow beside the values near nuclei have numbers.
+    narrow = 1.5e-3 * RAMP.values.max()
+    bar = color_bar_of(texture_of(RAMP, "CET_D1", (-narrow, narrow)))
+    assert float(bar.ticks[-1][1]) == pytest.approx(narrow, rel=1e-3)
     labels = Volume(np.arange(8, dtype=np.uint8).reshape(2, 2, 2), name="regions")
     assert color_bar_of(label_texture(labels)) is None and color_bar_of(None) is None
     assert caption_of(label_texture(labels)) == "regions, by label"

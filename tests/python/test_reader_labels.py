@@ -14,7 +14,7 @@ from leaflight import read_volume
 from leaflight.io.readers import probe
 from leaflight.io.readers.label_files import read_label_table
 from leaflight.scene.volume_texture import label_texture
-from leaflight.srgb import linear_from_srgb
+from leaflight.srgb import linear_from_srgb, srgb_from_linear
 from leaflight.volume.label_table import Label, label_numbers, labels_of
 from nibabel import freesurfer
 from outcomes import reads, refused, written
@@ -144,16 +144,48 @@ def test_a_bad_table_beside_a_map_is_left_out(tmp_path, nifti):
 
 def test_bad_labels(tmp_path):
     for values, sentence in (
-        (np.full((3, 3, 3), 70_000, np.int32), "0 to 70000 are outside 0 to 65535"),
-        (np.full((3, 3, 3), -2, np.int16), "-2 to 0 are outside 0 to 65535: renumber"),
+        (np.full((3, 3, 3), 1 << 25, np.int32), "0 to 33554432 are outside 0 to 16777216"),
+        (np.full((3, 3, 3), -2, np.int16), "-2 to 0 are outside 0 to 16777216: renumber"),
         (np.full((3, 3, 3), 0.5, np.float32), "not whole numbers"),
-        (np.full((3, 3, 3), np.inf, np.float32), "are outside 0 to 65535"),
+        (np.full((3, 3, 3), np.inf, np.float32), "are outside 0 to 16777216"),
+        (np.arange(70_000, dtype=np.int32).reshape(70, 100, 10), "69999 labels, more than 65535"),
     ):
         values[0, 0, 0] = 0
         refused(sentence, label_numbers, values)
         np.save(tmp_path / "x.npy", values)
         if np.isfinite(values).all():
             refused(sentence, read_volume, tmp_path / "x.npy", field="labels")
+
+
+def test_large_numbers_of_connected_components(tmp_path):
+    values = np.zeros((4, 5, 6), np.uint32)
+    values[1:3, 1:3, 1:3], values[1:3, 1:3, 3:5] = 70_001, 9_000_001
+    np.save(tmp_path / "x.npy", values)
+    volume = read_volume(tmp_path / "x.npy")
+    assert label_numbers(volume.values) == [70_001, 9_000_001]
+    colors = label_texture(volume).at(np.array([[1.0, 1.0, 1.0], [4.0, 2.0, 2.0]]))
+    expected = [label.color for label in labels_of(values)]
+    np.testing.assert_allclose(srgb_from_linear(colors), expected, atol=1e-3)
+    assert read_volume(tmp_path / "x.npy", field="labels").values[1, 1, 4] > 0.5
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float32])
+def test_downsampled_labels_are_the_nearest(tmp_path, dtype):
+    z, y, x = np.mgrid[:20, :22, :24]
+    values = (1 + 2 * (x > 11) + 3 * (y > 10)) * ((z > 3) & (z < 17))
+    np.save(tmp_path / "x.npy", values.astype(dtype))
+    for step in (2, 4):
+        volume = read_volume(tmp_path / "x.npy", downsample=step)
+        half = step // 2
+        assert np.isin(volume.values, values).all()
+        np.testing.assert_array_equal(
+            volume.values, values[half::step, half::step, half::step][: 20 // step, : 22 // step]
+        )
+        np.testing.assert_array_equal(volume.index_to_world[:3, 3], (half, half, half))
+    # A mask has soft edges, unless its surface is that of labels.
+    mask = np.uint8(255 * (values > 0))
+    np.save(tmp_path / "mask.npy", mask)
+    assert 128 in read_volume(tmp_path / "mask.npy", downsample=8).values
 
 
 def test_hidden_labels_are_zero(nifti, map_of_labels):

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Regions: where cuts lie, how flat they are, and which parts go."""
 
+import argparse
 import json
+from dataclasses import replace
 
 import leaflight
 import numpy as np
@@ -9,7 +11,17 @@ import pytest
 from leaflight import LeaflightError, Progress, Volume
 from leaflight._core import contour
 from leaflight.volume import regions
-from leaflight.volume.regions import Box, Dust, HalfSpace, LargestPart, Part, changed, sphere
+from leaflight.volume.regions import (
+    Box,
+    Dust,
+    HalfSpace,
+    LargestPart,
+    Part,
+    WithinLabels,
+    changed,
+    sphere,
+)
+from leaflight_command.region_options import add_region_options
 
 N = 48
 
@@ -228,3 +240,88 @@ def test_reading_takes_regions(tmp_path):
     assert read.values[24, 24, 40] == 0
     with pytest.raises(LeaflightError, match=r"balls\.npy: There is nothing at or above"):
         leaflight.read_volume(path, regions=[{**record, "isovalue": 2000}])
+
+
+def half_labels(step=1):
+    """Returns labels on -1..1: 1 is a ball of radius 0.6, 2 is the rest of x > 0."""
+    axis = np.linspace(-1, 1, N)[::step]
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    labels = np.where(x**2 + y**2 + z**2 < 0.36, 1, 2 * (x > 0.0)).astype(np.uint8)
+    matrix = np.diag([2 * step / (N - 1)] * 3 + [1.0])
+    matrix[:3, 3] = -1
+    return Volume(labels, matrix, name="halves")
+
+
+def full(matrix=None):
+    """Returns a Volume on -1..1 of 100, with 20 at its border."""
+    volume = balls(matrix)
+    values = np.full((N, N, N), 20, np.uint8)
+    values[1:-1, 1:-1, 1:-1] = 100
+    return Volume(values, volume.index_to_world)
+
+
+@pytest.mark.parametrize("step", [1, 2])
+def test_a_mask_has_the_smooth_boundary_of_its_labels(step):
+    left = cut(full(), WithinLabels(half_labels(step), (1,)))
+    # Half of the values is on the boundary, and others are within two voxels of the labels.
+    for isovalue, tolerance in ((60.0, 0.5), (25.0, 2.0), (95.0, 2.0)):
+        radii = np.linalg.norm(vertices_of(left, isovalue), axis=1)
+        assert np.abs(radii - 0.6).max() < tolerance * step * 2 / (N - 1)
+    assert left.data_range() == (20.0, 100.0)
+    assert left.source == ", within labels" and max(left.values.shape) < N
+
+
+def test_a_mask_is_placed_by_both_coordinates():
+    scan, meters = MATRICES["sheared"], np.diag([0.001, 0.001, 0.001, 1.0])
+    scan_volume = replace(full(scan), unit="mm")
+    labels = half_labels()
+    labels = replace(labels, index_to_world=meters @ scan @ labels.index_to_world, unit="m")
+    left = cut(scan_volume, WithinLabels(labels, (1,)))
+    expected = cut(full(), WithinLabels(half_labels(), (1,)))
+    np.testing.assert_allclose(left.values, expected.values, atol=1e-3)
+    assert vertices_of(cut(full(), WithinLabels(half_labels())), 60.0)[:, 0].max() > 0.9
+
+
+def test_missing_values_and_cuts_stay_under_a_mask():
+    values = np.float32(full().values)
+    values[24, 24, 24] = np.nan
+    volume = Volume(values, full().index_to_world)
+    halved = cut(volume, HalfSpace((0, 0, 0), (1, 0, 0)), WithinLabels(half_labels(), (1,)))
+    assert np.isnan(halved.values).sum() == 1
+    found = vertices_of(halved, 60.0)
+    assert found[:, 0].max() < 2 / N and found[:, 0].min() < -0.55
+
+
+def test_wrong_masks_are_named(tmp_path):
+    far = half_labels()
+    far = replace(far, index_to_world=half_labels().index_to_world + 9 * np.eye(4, k=3))
+    for region, message in (
+        (
+            WithinLabels(half_labels(), (1, 7)),
+            r"^halves: there is no label 7: choose among 1, 2\.",
+        ),
+        (WithinLabels(far), "nothing of the volume is within the labels of halves: choose a label"),
+        (WithinLabels(balls()), "labels"),
+        (WithinLabels(half_labels(), (1.5,)), "no whole numbers above 0"),
+        (WithinLabels("labels.nrrd"), "read the label map first"),
+    ):
+        with pytest.raises(LeaflightError, match=message):
+            cut(full(), region)
+
+
+def test_readers_and_the_command_take_a_mask(tmp_path):
+    np.save(tmp_path / "scan.npy", full().values)
+    np.save(tmp_path / "labels.npy", half_labels().values)
+    paths = [str(tmp_path / name) for name in ("scan.npy", "labels.npy")]
+    labels = WithinLabels(Volume(half_labels().values), (1,))
+    expected = cut(Volume(full().values), labels).values
+    record = {"kind": "within_labels", "label_map": paths[1], "labels": [1]}
+    np.testing.assert_array_equal(
+        leaflight.read_volume(paths[0], regions=[record]).values, expected
+    )
+    parser = argparse.ArgumentParser()
+    add_region_options(parser)
+    found = parser.parse_args(["--within", f"{paths[1]}:1", "--within", paths[1]]).regions
+    assert found == [record, {**record, "labels": []}]
+    with pytest.raises(LeaflightError, match="^nowhere.nrrd: there is no such file"):
+        leaflight.read_volume(paths[0], regions=[WithinLabels("nowhere.nrrd")])

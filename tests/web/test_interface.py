@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the interface of the page: first view, progress, link, controls."""
 
+import base64
 import http.server
+import io
 import re
 import threading
 
@@ -14,6 +16,7 @@ from leaflight.io.images import display_colors
 from leaflight.looks import LOOKS
 from leaflight.scene.color_bar import color_bar_of
 from leaflight.stills.first_view import camera_around_bake
+from PIL import Image
 from waiting import HANG
 
 SIZE = {"width": 800, "height": 300}
@@ -206,6 +209,24 @@ BAR = """(() => {
 })()"""
 
 
+SAVED = """(async () => {
+    const saved = new Promise((resolve) => {
+        URL.createObjectURL = (blob) => { resolve(blob); return 'blob:'; };
+    });
+    document.querySelector('#save').click();
+    const bytes = new Uint8Array(await (await saved).arrayBuffer());
+    return btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(''));
+})()"""
+
+
+def saved_picture(browser):
+    """Returns the picture that Save picture saves, uint8 [row, column, RGBA]."""
+    browser.hide_panel(True)
+    data = base64.b64decode(browser.evaluate(SAVED))
+    browser.hide_panel(False)
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))
+
+
 def test_a_color_bar_shows_the_values_of_the_colors(browser, bakes, pages):
     browser.open(pages("colored").as_uri(), SIZE)
     found, bar = browser.evaluate(BAR), color_bar_of(bakes("colored").scene.isosurfaces[0].texture)
@@ -216,6 +237,14 @@ def test_a_color_bar_shows_the_values_of_the_colors(browser, bakes, pages):
     expected = display_colors([color for _, color in bar.stops], 1.0)
     np.testing.assert_array_equal(np.array(colors, int), expected)
     assert bar.caption in found["about"]
+    pixels, before = saved_picture(browser), browser.picture()
+    np.testing.assert_array_equal(pixels.shape, before.shape)
+    changed = np.abs(pixels.astype(int) - before).max(axis=-1) > 40
+    assert changed[:, -before.shape[1] // 4 :].mean() > 0.02
+    assert not changed[:, : before.shape[1] // 2].any()
+    # Its first and last row are half a row from the ends of the colors.
+    for color in (expected[0], expected[-1]):
+        assert (np.abs(pixels[..., :3].astype(int) - color).max(axis=-1) < 12).any()
     browser.open(pages("labeled").as_uri(), SIZE)
     assert not browser.evaluate("document.querySelector('.color-bar')")
 

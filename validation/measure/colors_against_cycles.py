@@ -2,7 +2,6 @@
 """Compares isosurfaces that another volume colors with Cycles, which has the colors on the mesh.
 
     validation/run colors_against_cycles [--data DIR] [--points N] [--spp N]
-    validation/run colors_against_cycles --data DIR --picture FILE.webp
 
 prints a row of a Markdown table for each isosurface, and one for each white wall beside a ball with
 a red and a blue half. Cycles interpolates colors between vertices;
@@ -17,9 +16,8 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import volume_recipes
-from PIL import Image
 from leaflight import Volume, gradient_of, read_volume
-from leaflight.io.scene_file import cornell_box, packaged_scene
+from leaflight.io.scene_file import cornell_box
 from leaflight.measure.sides import MeshSide
 from leaflight.scene.volume_texture import VolumeTexture, sign_texture, texture_of
 from leaflight.volume.lobes import without_sign
@@ -118,11 +116,7 @@ def main():
     parser.add_argument("--data", type=Path, help="folder with the real volumes")
     parser.add_argument("--points", type=int, default=1200, help="points of each place (1200)")
     parser.add_argument("--spp", type=int, default=512, help="paths a point (512)")
-    parser.add_argument("--picture", type=Path, help="draw four of them into this file instead")
     options = parser.parse_args()
-    if options.picture:
-        draw(options.data, options.picture)
-        return
     print(HEAD)
     for case in CASES:
         if options.names and not any(name in case.name for name in options.names):
@@ -135,24 +129,6 @@ def main():
         rows(case, volume, texture, options)
     if not options.names or "walls" in options.names:
         wall_rows(options)
-
-
-# Isovalues and size of the pictures.
-SHOWN = {by_label: 60.5, by_sign: 0.04, by_gradient: 900.5, by_channels: 60.0}
-PICTURE = (560, 420)
-
-
-def draw(folder, path):
-    """Draws isosurfaces of four volumes on a lit floor, two in a row."""
-    width, height = PICTURE
-    picture = Image.new("RGB", (2 * width, 2 * height))
-    for number, (make, isovalue) in enumerate(SHOWN.items()):
-        volume, texture = make(folder)
-        scene = packaged_scene("open_floor.json").colored_by(texture)
-        bake = leaflight.bake(volume, scene, walls=True, progress=False)
-        still = bake.still(isovalue, size=PICTURE).convert("RGB")
-        picture.paste(still, (number % 2 * width, number // 2 * height))
-    picture.save(path, quality=88)
 
 
 def rows(case, volume, texture, options):

@@ -7,12 +7,14 @@ guide makes lit_walls.png, comparison.png and several_isosurfaces.png. first_bra
 first_brain_*.png, the window after each click. live makes live.png: a lamp is dragged over the
 baked volume FILE. stills makes README.md's pictures. They have vessels if DIR holds aneurism.nrrd.
 against_cycles makes against_cycles.webp, and prints FLIP of Colin27 and of the volumes in DIR.
-scans makes docs/gallery.md's pictures, of one scan with its NAME. web_page makes web_page*.webp,
+scans makes docs/gallery.md's pictures of scans, of one scan with its NAME. colors_and_cuts makes
+the others there, with real volumes in DIR and a molecule by PySCF. web_page makes web_page*.webp,
 the page of Colin27 in Chromium. All but the last are made through the add-on in Blender. The first
 three take minutes, the others half an hour.
 """
 
 import argparse
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -41,13 +43,18 @@ SCANS = (
     ("shell", SCANS_FOLDER / "shell_225x128x128.tif", "IVORY", 0),
     ("bone", SCANS_FOLDER / "bone_128x128x128.tif", "BONE", 0),
 )
+# Names of the pictures of colors_and_cuts.py.
+FIGURES = (
+    *("density_by_potential", "orbital", "brain_regions", "microscopy", "tooth_by_gradient"),
+    *("head_cut", "engine_cut"),
+)
 
 
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made = (guide, first_brain, live, stills, against_cycles, scans)
+    made = (guide, first_brain, live, stills, against_cycles, scans, colors_and_cuts)
     makers = {maker.__name__: maker for maker in made}
     parser.add_argument("name", choices=(*makers, "web_page"))
     parser.add_argument("argument", nargs="?", default="", metavar="FILE, DIR or NAME")
@@ -117,6 +124,17 @@ def scans(blender, only):
         both.paste(viewport, (0, 0))
         both.paste(cycles, (viewport.width, 0))
         save_webp(both, f"cycles_{name}")
+
+
+def colors_and_cuts(blender, folder):
+    python, packages = ROOT / "build" / "venv" / "bin" / "python", WORK / "packages"
+    install = [python, "-m", "pip", "install", "--quiet", "--target", packages, "pyscf"]
+    subprocess.run(install, check=True)
+    environment = {**os.environ, "PYTHONPATH": str(packages)}
+    subprocess.run([python, HERE / "make_molecule.py", WORK], check=True, env=environment)
+    folder = Path(folder or "/nonexistent").resolve()
+    for name in FIGURES:
+        inside(blender, "colors_and_cuts.py", name, folder, WORK, IMAGES)
 
 
 def save_webp(picture, name):

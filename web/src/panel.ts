@@ -2,7 +2,7 @@
 // The interface: elements of panel.html, bound to the look.
 
 import type { Header } from './bake';
-import { colorBar } from './color_bar';
+import { colorBar, withColorBars } from './color_bar';
 import { namesOf } from './color_maps';
 import { Cube } from './cube';
 import { Histogram } from './histogram';
@@ -293,7 +293,8 @@ export class Panel {
 
   private async save(pixels?: number): Promise<void> {
     const link = document.createElement('a');
-    link.href = URL.createObjectURL(await this.view.picture(pixels));
+    const picture = await withColorBars(await this.view.picture(pixels), this.header.colorBars);
+    link.href = URL.createObjectURL(picture);
     link.download = `${this.header.title} ${textOf(this.isovalue, this.header)}.png`;
     link.click();
     URL.revokeObjectURL(link.href);

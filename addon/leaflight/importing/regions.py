@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that cut a volume and remove parts of it, before it is baked.
+"""Operators that cut a volume, remove parts of it, or mask it by labels, before it is baked.
 
 Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
-keys "on" and, for a cut by the clip box, "box", the name of the box. Their positions are in the
-coordinates of the file, so they stay where they are in the volume when the object moves.
+keys "on" and, for cuts and masks, "object", the name of the clip box or the label map. Their
+positions are in the coordinates of the file, so they stay where they are in the volume when the
+object moves.
 """
 
 import json
@@ -15,7 +16,7 @@ from leaflight import LeaflightError
 
 from ..operators import background, checks
 from ..operators.checks import active_volume
-from ..props import EnumProperty, IntProperty
+from ..props import EnumProperty, IntProperty, StringProperty
 from ..show import data_faces, look
 from ..store import source_files
 from ..translations import iface_
@@ -27,14 +28,15 @@ _TITLES = {
     "largest_part": "Largest Part",
     "part": "Removed Part",
     "dust": "Removed Dust",
+    "within_labels": "Within Labels",
 }
 
 
 def title(item):
     """Returns the name of a region in the panel."""
     text = iface_(_TITLES[item["kind"]])
-    if item["kind"] == "box":
-        return f"{text}: {item['box']}"
+    if "object" in item:
+        return f"{text}: {item['object']}"
     return iface_("%s at %s") % (text, f"{item['isovalue']:g}")
 
 
@@ -50,6 +52,12 @@ def _job(obj, regions, text, then=lambda _obj: None):
 
     value = json.dumps(regions) if regions else ""
     return read_again.ReadAgainJob(obj, "Change Data", "regions", value, done)
+
+
+def _with_region_of(obj, other, region):
+    """Returns the regions of a volume with a new one, in place of the last one by this object."""
+    kept = [r for r in source_files.regions_of(obj.leaflight) if r.get("object") != other.name]
+    return [*kept, {**region, "object": other.name, "on": True}]
 
 
 def _show_cut(obj):
@@ -90,13 +98,56 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
             "matrix": (to_file @ np.array(box.matrix_world, np.float64) @ matrix).tolist(),
             "keep": obj.leaflight_look.keep.lower(),
             "cut": self.cut,
-            "box": box.name,
-            "on": True,
         }
-        others = [
-            item for item in source_files.regions_of(obj.leaflight) if item.get("box") != box.name
-        ]
-        return _job(obj, [*others, region], "cut; bake to light the cut", _show_cut)
+        regions = _with_region_of(obj, box, region)
+        return _job(obj, regions, "cut; bake to light the cut", _show_cut)
+
+
+def label_maps(scene):
+    """Returns the names of the label maps in a scene."""
+    return [obj.name for obj in scene.objects if _is_label_map(obj)]
+
+
+def _is_label_map(obj):
+    return obj.leaflight.is_volume and obj.leaflight.source and len(obj.leaflight.labels) > 0
+
+
+class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Mask Data"
+    bl_description = (
+        "Keep only what is within the shown labels of a label map, such as one organ of a scan. "
+        "The coordinates of both files place the labels"
+    )
+    conditions = (
+        *read_again.CONDITIONS,
+        checks.needs(
+            lambda c: any(map(_is_label_map, c.scene.objects)), "Import a label map first"
+        ),
+    )
+
+    label_map: StringProperty(
+        "Label Map",
+        "Label map whose shown labels are kept; empty is the first of the scene",
+        search=lambda _self, context, _text: label_maps(context.scene),
+    )
+
+    def start(self, context):
+        obj, names = active_volume(context), label_maps(context.scene)
+        name = self.label_map or names[0]
+        if name not in names:
+            raise LeaflightError(f'"{name}" is no label map of this scene: import it.')
+        other = context.scene.objects[name]
+        labels, path = other.leaflight, source_files.path_of(other.leaflight)
+        shown = [label.number for label in labels.labels if label.is_shown]
+        if not shown:
+            raise LeaflightError(f'All labels of "{other.name}" are hidden: show one of them.')
+        region = {
+            "kind": "within_labels",
+            "label_map": labels.source,
+            "labels": shown,
+            "reading": source_files.reading_of(path, source_files.choices_of(labels)),
+        }
+        return _job(obj, _with_region_of(obj, other, region), "masked; bake again")
 
 
 class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator):
@@ -224,6 +275,7 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
 
 CLASSES = (
     LEAFLIGHT_OT_cut_data,
+    LEAFLIGHT_OT_mask_data,
     LEAFLIGHT_OT_clean_data,
     LEAFLIGHT_OT_remove_part,
     LEAFLIGHT_OT_switch_region,

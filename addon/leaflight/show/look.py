@@ -108,7 +108,7 @@ def note_on_backs(volume):
             "The visible back of this isosurface is not baked: turn on Both Sides and bake again"
         )
     capped = [
-        region["box"]
+        region["object"]
         for region in source_files.regions_of(volume.leaflight)
         if region["on"] and region.get("cut") == "capped"
     ]

@@ -77,6 +77,15 @@ def read_volume(path, progress=None, label_table="", **choices):
 
     label_table: Path of a table of labels, empty without one.
     """
+    options = reading_of(path, choices)
+    if label_table:
+        options["label_table"] = label_table
+    with _in_words_of_blender():
+        return leaflight.read_volume(path, progress=progress, **options)
+
+
+def reading_of(path, choices):
+    """Returns the options of leaflight.read_volume() for CHOICES that apply to a format."""
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     if "regions" in options:
@@ -85,16 +94,19 @@ def read_volume(path, progress=None, label_table="", **choices):
         options["channel"] = options.pop("brightest")
     if "hide" in options:
         options["hide"] = [int(number) for number in options["hide"].split()]
-    if label_table:
-        options["label_table"] = label_table
-    with _in_words_of_blender():
-        return leaflight.read_volume(path, progress=progress, **options)
+    return options
 
 
 def _records(text):
     """Returns the records of the regions that are on (importing/regions.py)."""
-    items = [item for item in json.loads(text or "[]") if item["on"]]
-    return [{k: v for k, v in item.items() if k not in ("on", "box")} for item in items]
+    records = []
+    for item in json.loads(text or "[]"):
+        if item.pop("on"):
+            item.pop("object", None)
+            if "label_map" in item:
+                item["label_map"] = bpy.path.abspath(item["label_map"])
+            records.append(item)
+    return records
 
 
 def regions_of(settings):

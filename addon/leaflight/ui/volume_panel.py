@@ -156,6 +156,10 @@ def _draw_regions(layout, settings):
     row = layout.row(align=True)
     row.operator_menu_enum(regions.LEAFLIGHT_OT_clean_data.bl_idname, "kind", text="Clean Data")
     row.operator(regions.LEAFLIGHT_OT_remove_part.bl_idname, icon="EYEDROPPER")
+    for name in regions.label_maps(bpy.context.scene):
+        text = f"{iface_('Mask Data')}: {name}"
+        mask = layout.operator(regions.LEAFLIGHT_OT_mask_data.bl_idname, text=text, translate=False)
+        mask.label_map = name
     column, switch = layout.column(align=True), regions.LEAFLIGHT_OT_switch_region.bl_idname
     for index, item in enumerate(source_files.regions_of(settings)):
         row = column.row(align=True)

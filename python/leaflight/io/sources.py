@@ -5,11 +5,12 @@ import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from .._core import Progress
 from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.regions import as_regions, changed
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, bump_box
-from .readers.reading import read_volume
+from .readers.reading import read_volume, with_label_maps
 
 # Name -> function from the number of nodes per axis to a Volume; defaults are those of the thesis.
 _GENERATED: dict[str, Callable[..., Volume]] = {
@@ -39,7 +40,7 @@ def open_volume(
     """
     if not is_generated(source):
         return read_volume(source, dims=dims, **layout)
-    regions = as_regions(layout.pop("regions", None))
+    regions = with_label_maps(as_regions(layout.pop("regions", None)), Progress())
     for name, value in layout.items():
         if value is not None:
             raise SettingError(

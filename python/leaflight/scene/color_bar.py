@@ -72,4 +72,5 @@ def _is_sign(texture: VolumeTexture, low: float, high: float) -> bool:
     if low != -high:
         return False
     most = max(map(abs, range_of(texture.channels[0])))
-    return high < 2.0 * SIGN_WIDTH * most
+    # Blender stores the range in single precision.
+    return math.isclose(high, SIGN_WIDTH * most, rel_tol=1e-5)

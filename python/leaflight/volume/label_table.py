@@ -10,8 +10,10 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 
-# Largest label.
+# Largest number of labels.
 MOST_LABELS = 65535
+# Largest label. Single precision holds all whole numbers up to it.
+LARGEST_LABEL = 1 << 24
 
 
 @dataclass(frozen=True)
@@ -44,21 +46,26 @@ def labels_of(values: Array, table: Iterable[Label] = ()) -> tuple[Label, ...]:
 def label_numbers(values: Array) -> list[int]:
     """Returns the numbers above 0 that occur in a label map [z, y, x], ascending.
 
-    NaN is no label. Raises LeaflightError unless all values are whole numbers in 0..MOST_LABELS.
+    NaN is no label. Raises LeaflightError unless all values are whole numbers in 0..LARGEST_LABEL,
+    and for more than MOST_LABELS of them.
     """
-    found, low, high = np.zeros(MOST_LABELS + 1, bool), 0.0, 0.0
+    found, low, high = np.zeros(LARGEST_LABEL + 1, bool), 0.0, 0.0
     for plane in values:
         numbers = np.nan_to_num(plane)
         if numbers.dtype.kind == "f" and (numbers != np.rint(numbers)).any():
             raise LeaflightError("The values are not labels, because they are not whole numbers.")
         low, high = min(low, float(numbers.min())), max(high, float(numbers.max()))
-        if low >= 0 and high <= MOST_LABELS:
+        if low >= 0 and high <= LARGEST_LABEL:
             found[numbers.astype(np.int64)] = True
-    if low < 0 or high > MOST_LABELS:
+    if low < 0 or high > LARGEST_LABEL:
         raise LeaflightError(
-            f"The labels {low:g} to {high:g} are outside 0 to {MOST_LABELS}: renumber them."
+            f"The labels {low:.10g} to {high:.10g} are outside 0 to {LARGEST_LABEL}: renumber them."
         )
     numbers_above: list[int] = (np.flatnonzero(found[1:]) + 1).tolist()
+    if len(numbers_above) > MOST_LABELS:
+        raise LeaflightError(
+            f"There are {len(numbers_above)} labels, more than {MOST_LABELS}: remove small ones."
+        )
     return numbers_above
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Regions: cuts and removed parts that change a volume before it is baked, one after the other.
+"""Regions: cuts, removed parts and masks that change a volume before it is baked, in their order.
 
 Positions are in the world coordinates of the volume, and isovalues in data units. A record is a
 region as JSON holds it: {"kind": "part", "point": [0, 0, 0], "isovalue": 300}.
@@ -8,7 +8,7 @@ region as JSON holds it: {"kind": "part", "point": [0, 0, 0], "isovalue": 300}.
 import dataclasses
 import inspect
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import leaflight._core as _core
@@ -19,6 +19,7 @@ from ..arrays import Array
 from . import cuts, parts
 from .cuts import Ball, Box, Cuts, HalfSpace, Point
 from .first_isovalue import default_isovalue
+from .masks import masked
 from .volume import Volume
 
 
@@ -46,7 +47,21 @@ class Dust:
     isovalue: float | None = None
 
 
-Region = Box | Ball | HalfSpace | LargestPart | Part | Dust
+@dataclass(frozen=True)
+class WithinLabels:
+    """Keeps what is within labels (masks.py).
+
+    label_map: Volume of labels. As the path of its file, only readers take it.
+    labels: Numbers of labels; none are all above 0.
+    reading: Options of read_volume() for the file.
+    """
+
+    label_map: Volume | str
+    labels: tuple[int, ...] = ()
+    reading: dict[str, Any] = field(default_factory=dict)
+
+
+Region = Box | Ball | HalfSpace | LargestPart | Part | Dust | WithinLabels
 KINDS: dict[str, Callable[..., Region]] = {
     "box": Box,
     "ball": Ball,
@@ -54,6 +69,7 @@ KINDS: dict[str, Callable[..., Region]] = {
     "largest_part": LargestPart,
     "part": Part,
     "dust": Dust,
+    "within_labels": WithinLabels,
 }
 _CHOICES = {"keep": ("inside", "outside"), "cut": ("capped", "open")}
 _SHAPES = {"matrix": (4, 4), "point": (3,), "normal": (3,)}
@@ -73,6 +89,10 @@ def changed(
         progress.check()
         if isinstance(region, (LargestPart, Part, Dust)):
             volume = replace(volume, values=_without_parts(volume, region, progress))
+        elif isinstance(region, WithinLabels):
+            if not isinstance(region.label_map, Volume):
+                raise LeaflightError(f"{region.label_map}: read the label map first.")
+            volume = masked(volume, region.label_map, region.labels, progress)
         else:
             volume, has_cut = _cut(volume, region, progress), True
     if has_cut:
@@ -138,6 +158,10 @@ def _kind(region: Region) -> str:
 
 def check(region: Region) -> None:
     """Raises LeaflightError for numbers or words that a region cannot have."""
+    if isinstance(region, WithinLabels):
+        if not all(isinstance(label, int) and label > 0 for label in region.labels):
+            raise LeaflightError(f"The labels {region.labels!r} are no whole numbers above 0.")
+        return
     for name, value in dataclasses.asdict(region).items():
         if name in _CHOICES:
             if value not in _CHOICES[name]:

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks cuts by the clip box and removed parts: shown, baked, switched, saved and refused."""
+"""Checks cuts, removed parts and masks by labels: shown, baked, switched, saved and refused."""
 
 import bpy
 import leaflight
 import mathutils
+import nibabel
 import numpy as np
 import pytest
 from blends import reopened
-from leaflight_addon.show import data_faces, look
+from leaflight_addon.importing import regions
+from leaflight_addon.show import data_faces, display, look
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
 from tools import close, colors_of, vertices_of
@@ -156,3 +158,53 @@ def check_the_box_is_in_the_coordinates_of_the_file(boxed_with_clip_box):
     again = source_files.read_volume(path, **choices)
     np.testing.assert_array_equal(again.values, values)
     assert isinstance(again, leaflight.Volume) and again.cuts is not None
+
+
+@pytest.fixture
+def masks(balls, tmp_path):
+    """Returns the balls, and a label map of twice their voxel size with a label for each."""
+    z, y, x = np.mgrid[0:N:2, 0:N:2, 0:N:2] + 0.0
+    labels = np.where(np.hypot(np.hypot(x - 8.0, y - 11.5), z - 11.5) < 8, 3, 0)
+    labels[np.hypot(np.hypot(x - 20.0, y - 11.5), z - 11.5) < 4] = 5
+    image = nibabel.Nifti1Image(labels.T.astype(np.uint8), np.diag([2.0, 2.0, 2.0, 1.0]))
+    nibabel.save(image, tmp_path / "labels.nii")
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "labels.nii"))
+    label_map = bpy.context.object.leaflight.texture_volume
+    display.select(bpy.context, [balls], balls)
+    return balls, label_map
+
+
+def check_a_volume_is_masked_by_the_shown_labels(masks, tmp_path):
+    obj, label_map = masks
+    whole = vertices_of(obj)
+    label_map.leaflight.labels[0].is_shown = False
+    assert bpy.ops.leaflight.mask_data(label_map=label_map.name) == {"FINISHED"}
+    (region,) = _records(obj)
+    assert region["labels"] == [5] and regions.title(region).endswith(label_map.name)
+    kept = vertices_of(obj)
+    middle = 0.5 * (whole[:, 0].min() + whole[:, 0].max())
+    assert len(kept) and kept[:, 0].min() > middle
+    names, blend = (obj.name, label_map.name), str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=blend)
+    bpy.ops.wm.open_mainfile(filepath=blend)
+    obj, label_map = (bpy.data.objects[name] for name in names)
+    display.select(bpy.context, [obj], obj)
+    close(vertices_of(obj), kept, 0)
+    # Another choice of labels takes the place of the first.
+    label_map.leaflight.labels[0].is_shown = True
+    bpy.ops.leaflight.mask_data(label_map=label_map.name)
+    assert [region["labels"] for region in _records(obj)] == [[3, 5]]
+    bpy.ops.leaflight.switch_region(index=0)
+    close(vertices_of(obj), whole, 0)
+
+
+def check_masks_that_cannot_be_are_refused(masks, tmp_path):
+    obj, label_map = masks
+    label_map.leaflight.labels.foreach_set("is_shown", [False, False])
+    with pytest.raises(RuntimeError, match="All labels of .* are hidden: show one of them"):
+        bpy.ops.leaflight.mask_data(label_map=label_map.name)
+    label_map.leaflight.labels.foreach_set("is_shown", [True, True])
+    (tmp_path / "labels.nii").unlink()
+    with pytest.raises(RuntimeError, match="labels.nii: there is no such file"):
+        bpy.ops.leaflight.mask_data(label_map=label_map.name)
+    assert not _records(obj)

@@ -19,14 +19,14 @@ from ...volume.label_field import label_field
 from ...volume.label_table import without_labels
 from ...volume.lobes import unsigned
 from ...volume.memory import is_limited
-from ...volume.regions import Region, as_regions, changed
+from ...volume.regions import Region, WithinLabels, as_regions, changed
 from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .channels import Chosen, chosen_channels
 from .checks import choose, text
-from .downsampling import downsampled
+from .downsampling import downsampled, look_like_labels
 from .formats import RAW, Format, format_of, left_out
 from .label_files import labels_for
 from .missing_package import MissingPackage
@@ -108,7 +108,8 @@ def read_volume(
         A channel may also be its name. Several give the greatest of their values at each voxel.
     level: Resolution of a file that holds several. 0 is the finest and the default.
     dataset: Name of the array or series, if a file or folder holds several.
-    downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8.
+    downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8. Of
+        labels one is taken.
     smooth: Standard deviation of a Gaussian on the values, in voxels after downsampling. 0 is the
         default.
     smooth_normals: The same for the normals alone (see Volume).
@@ -117,7 +118,7 @@ def read_volume(
     hide: Numbers of labels that are read as 0.
     label_table: File with names and colors of labels (label_files.py). None takes those of the
         volume's file, or the table of that name beside it.
-    regions: Cuts and removed parts (volume/regions.py), regions or records. They come last.
+    regions: Cuts, removed parts and masks (volume/regions.py), regions or records. They come last.
     progress: As for bake().
     Returns a Volume. Raises Cancelled, and LeaflightError: one sentence with the file and the
     remedy.
@@ -126,6 +127,7 @@ def read_volume(
     _check_names(options, OPTIONS)
     path = Path(path)
     wanted = _wanted(path, options)
+    regions = with_label_maps(wanted.regions, progress)
     stored: Any = {k: v for k, v in options.items() if k in StoredOptions.__annotations__}
     with _sentences(path, stored) as kind:
         opened = _opened(path, kind(), stored)
@@ -136,15 +138,24 @@ def read_volume(
         channels = chosen_channels(path, channel, opened.channels, opened.channel_list)
         _check_memory(path, opened, wanted.step)
         volume = _loaded(opened, frame, channels, progress)
-        volume = changed(
-            _processed(path, opened, volume, wanted, progress), wanted.regions, progress
-        )
+        volume = changed(_processed(path, opened, volume, wanted, progress), regions, progress)
     progress.begin("Examining values")
     progress.check()
     volume.field()
     if wanted.smooth > 0 or wanted.step > 1 or wanted.field or wanted.regions:
         return volume
     return volume.noted(*about_labels(volume))
+
+
+def with_label_maps(regions: Sequence[Region], progress: Progress) -> tuple[Region, ...]:
+    """Returns regions whose label maps are read. Raises as read_volume()."""
+    found = []
+    for region in regions:
+        if isinstance(region, WithinLabels) and not isinstance(region.label_map, Volume):
+            label_map = read_volume(region.label_map, progress=progress, **region.reading)
+            region = replace(region, label_map=label_map)
+        found.append(region)
+    return tuple(found)
 
 
 def _loaded(
@@ -214,15 +225,17 @@ def _processed(
     values, offset, notes = usable(volume.values, opened.missing, step, progress)
     matrix = volume.index_to_world
     if step > 1:
-        values = downsampled(path, values, step, progress)
-        matrix = matrix @ _from_downsampled(step)
+        named = wanted.field == "labels" or wanted.hide or wanted.label_table or volume.labels
+        taken = step // 2 if named or look_like_labels(values) else None
+        values = downsampled(path, values, step, progress, taken)
+        matrix = matrix @ _from_downsampled(step, 0.5 * (step - 1) if taken is None else taken)
     if wanted.hide:
         values = without_labels(_held(values, progress), wanted.hide)
         if not values.any():
             raise LeaflightError(f"{path}: all labels are hidden; show one of them.")
     values = smoothed(values, smooth, progress) if smooth > 0 else _held(values, progress)
-    # Means of labels are no labels.
-    labels = volume.labels if step == 1 and smooth == 0 else ()
+    # Smooth labels are no labels.
+    labels = volume.labels if smooth == 0 else ()
     if wanted.label_table is not None or not labels:
         labels, remarks = labels_for(path, values, wanted.label_table)
         notes += remarks
@@ -353,7 +366,7 @@ def _held(values: Array | Usable, progress: Progress) -> Array:
     return held
 
 
-def _from_downsampled(step: int) -> Array:
+def _from_downsampled(step: int, first: float) -> Array:
     matrix = np.diag([float(step)] * 3 + [1.0])
-    matrix[:3, 3] = 0.5 * (step - 1)
+    matrix[:3, 3] = first
     return matrix
