@@ -108,6 +108,32 @@ def test_default_isovalues_ignore_what_closes_a_cut():
     assert capped.field().range[0] == halved.field().range[0]
 
 
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_a_capped_cut_shows_a_slice(matrix):
+    whole = balls(matrix)
+    point, normal = (matrix @ [0.1, 0.05, -0.1, 1.0])[:3], turn(0.4, 0.7) @ [1.0, 0.0, 0.0]
+    half = HalfSpace(tuple(point), tuple(normal))
+    slices = leaflight.slices_of(whole, [LargestPart(300), half, regions.record_of(half)])
+    assert slices.values.size < whole.values.size
+    vertices = vertices_of(cut(whole, half), 200.0)
+    uncut = whole.field().sample(vertices)
+    on_cut = uncut > 230
+    assert on_cut.sum() > 100
+    gray = leaflight.texture_of(slices, [(0.0, (0, 0, 0)), (1000.0, (1, 1, 1))])
+    np.testing.assert_allclose(gray.at(vertices)[on_cut, 0], uncut[on_cut] / 1000, atol=1e-5)
+    # Elsewhere the albedo counts.
+    depth = (vertices - point) @ -normal / np.linalg.norm(normal @ whole.index_to_world[:3, :3])
+    assert (gray.at(vertices)[depth > 4] == 1).all() and (depth > 4).any()
+
+
+def test_slices_need_a_capped_cut():
+    opened = HalfSpace((0, 0, 0), (0, 0, 1), cut="open")
+    with pytest.raises(LeaflightError, match="volume: no capped cut shows a slice"):
+        leaflight.slices_of(balls(), [opened, LargestPart(300)])
+    with pytest.raises(LeaflightError, match="its cuts lie outside"):
+        leaflight.slices_of(balls(), [HalfSpace((0, 0, 9), (0, 0, 1))])
+
+
 def test_an_open_cut_has_no_values_beyond_it():
     whole = balls()
     opened = cut(whole, HalfSpace((0, 0, 0), (0, 0, 1), cut="open"))

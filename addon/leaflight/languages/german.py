@@ -86,6 +86,8 @@ MESSAGES = {
     "Color Bar": "Farbbalken",
     "Gradient": "Steigung",
     "Height": "Höhe",
+    "Slices on Cuts": "Schichten auf Schnitten",
+    "No capped cut: use Cut Data": "Kein geschlossener Schnitt: Daten schneiden",
     "Smooth: %s voxels": "Geglättet: %s Voxel",
     "Smooth Normals: %s": "Normalen geglättet: %s",
     "Pick in Histogram": "Im Histogramm wählen",

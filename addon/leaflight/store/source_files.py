@@ -72,15 +72,22 @@ def _plain(value):
     return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
-def read_volume(path, progress=None, label_table="", **choices):
+def read_slices(path, progress=None, **choices):
+    """Reads the values on the faces of a volume's capped cuts. Raises LeaflightError."""
+    whole = read_volume(path, progress, uncut=True, **choices)
+    return leaflight.slices_of(whole, _records(choices["regions"]))
+
+
+def read_volume(path, progress=None, label_table="", uncut=False, **choices):
     """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError.
 
-    label_table: Path of a table of labels, empty without one.
+    label_table: Path of a table of labels, empty without one. uncut: True leaves out cuts.
     """
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     if "regions" in options:
-        options["regions"] = _records(options["regions"])
+        records = _records(options["regions"])
+        options["regions"] = regions.without_cuts(records) if uncut else records
     if "brightest" in options:
         options["channel"] = options.pop("brightest")
     if "hide" in options:
@@ -100,6 +107,11 @@ def _records(text):
 def regions_of(settings):
     """Returns the regions of a volume, on or off (importing/regions.py)."""
     return json.loads(settings.regions or "[]")
+
+
+def has_capped_cut(settings):
+    """True if a region that is on is a capped cut."""
+    return any(item["on"] and item.get("cut") == "capped" for item in regions_of(settings))
 
 
 def probe(path, **choices):

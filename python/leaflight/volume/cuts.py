@@ -120,8 +120,12 @@ class Cuts:
         """Returns the values of the ramp at the nodes, float32 [z, y, x], not limited."""
         found = new_voxels(shape, np.float32)
         for k, plane in enumerate(found):
-            distances = np.min([cut.distances(k, shape) for cut in self.cuts], axis=0)
-            plane[...] = self.low + (self.high - self.low) * distances
+            plane[...] = self.low + (self.high - self.low) * self.distances(k, shape)
+        return found
+
+    def distances(self, k: int, shape: Sequence[int]) -> Array:
+        """Returns the least distances of the cuts, as Box.distances()."""
+        found: Array = np.min([cut.distances(k, shape) for cut in self.cuts], axis=0)
         return found
 
 

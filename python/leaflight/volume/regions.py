@@ -95,6 +95,19 @@ def _cut(volume: Volume, region: cuts.Cut, progress: _core.Progress) -> Volume:
     return replace(volume, values=values, cuts=replace(found, cuts=(*found.cuts, cut)))
 
 
+def without_cuts(regions: Iterable[Any] | None) -> tuple[Region, ...]:
+    """Returns regions or records as regions, without their cuts."""
+    return tuple(one for one in as_regions(regions) if not isinstance(one, cuts.Cut))
+
+
+def capped_cuts(volume: Volume, regions: Iterable[Any] | None) -> Cuts | None:
+    """Returns the capped cuts of regions in index coordinates of an uncut volume, or None."""
+    to_index = np.linalg.inv(volume.index_to_world)
+    capped = (one for one in as_regions(regions) if getattr(one, "cut", "") == "capped")
+    found = Cuts(*volume.data_range(), tuple(cut.moved(to_index) for cut in capped))
+    return found if found.cuts else None
+
+
 def _without_parts(
     volume: Volume, region: LargestPart | Part | Dust, progress: _core.Progress
 ) -> Array:
