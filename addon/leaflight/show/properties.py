@@ -53,7 +53,7 @@ def _show_whole_range(settings):
     others = texture.volumes_that_color(obj)
     if others:
         settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
-    elif texture.is_colored(obj) and settings.is_volume:
+    elif settings.texture_kind in texture.OWN and settings.is_volume:
         # An unreadable volume shows its error elsewhere.
         with suppress(LeaflightError):
             settings["texture_low"], settings["texture_high"] = texture.own_range(obj)

@@ -7,7 +7,7 @@ import mathutils
 import numpy as np
 import pytest
 from blends import reopened
-from leaflight_addon.show import data_faces, look
+from leaflight_addon.show import data_faces, look, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
 from tools import close, colors_of, vertices_of
@@ -87,6 +87,30 @@ def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.switch_region(index=0)
     assert "cuts, parts" in staleness.change_since_bake(bpy.context, obj)
+
+
+def check_a_cut_shows_a_slice(boxed_with_clip_box, tmp_path):
+    obj, _ = boxed_with_clip_box
+    settings = obj.leaflight
+    settings.shading = "ATTRIBUTE"
+    settings.texture_kind = "SLICES"
+    assert not texture.is_colored(obj)
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert settings.texture_map == "CET_L1"
+    vertices = vertices_of(obj)
+    colors = texture.local_texture(obj).at(vertices)
+    uncut = texture.own_volume(obj).field().sample(vertices)
+    on_cut = np.abs(vertices[:, 0] - vertices[:, 0].max()) < 1e-4
+    assert (np.diff(colors[on_cut][np.argsort(uncut[on_cut]), 0]) >= -1e-6).all()
+    assert np.ptp(colors[on_cut, 0]) > 0.1
+    assert (colors[vertices[:, 0] < 0] == 1).all()
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    obj = reopened(tmp_path / "scene.blend")
+    np.testing.assert_array_equal(texture.local_texture(obj).at(vertices), colors)
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.switch_region(index=0)
+    assert not texture.is_colored(obj)
 
 
 def check_an_open_cut_shows_the_inside(boxed_with_clip_box):
