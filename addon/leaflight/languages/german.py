@@ -84,6 +84,7 @@ MESSAGES = {
     "Symmetric": "Symmetrisch",
     "Steps": "Stufen",
     "Color Bar": "Farbbalken",
+    "Float": "Schweben",
     "Gradient": "Steigung",
     "Height": "Höhe",
     "Slices on Cuts": "Schichten auf Schnitten",

@@ -11,7 +11,13 @@ import numpy as np
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene import scene
 
-from ..props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
+from ..props import (
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 MY_SCENE = "MY_SCENE"
 
@@ -75,10 +81,11 @@ ITEMS = [
 ]
 
 
-def fitted(preset, points):
+def fitted(preset, points, height=0.0):
     """Returns the SceneDescription of a preset around points (n, 3), in their coordinates.
 
-    The scene is fitted to the box of the points, which then stand just above its floor.
+    The scene is fitted to the box of the points, which then stand just above its floor. height: By
+    which they float above that.
     """
     description = packaged_scene(PRESETS[preset].file)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -86,7 +93,7 @@ def fitted(preset, points):
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
     lowest = 0.5 * (low + high)[2] + floor * scale
     fitted_scene = scene.fitted(description, scene.Fit.of_box(low, high))
-    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest)
+    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest - height)
 
 
 def moved(description, up):
@@ -116,6 +123,12 @@ class LeaflightStage(bpy.types.PropertyGroup):
         bpy.types.Collection,
         "Collection",
         "Collection of your objects and lights around the volumes",
+    )
+    height: FloatProperty(
+        "Float",
+        "Height of the isosurfaces above the floor, for the next Stage or Frame Isosurface",
+        min=0.0,
+        unit="LENGTH",
     )
     albedo: FloatVectorProperty("Color of the Volumes Set by Stage", size=3)
     warnings: StringProperty("Differences Between Bake and Cycles, One per Line")
