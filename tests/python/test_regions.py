@@ -143,6 +143,31 @@ def test_an_open_cut_has_no_values_beyond_it():
     assert (opened.values[known] == whole.values[: len(opened.values)][known]).all()
 
 
+@pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_an_open_box_along_the_voxels_is_a_crop(matrix, dtype):
+    values = (balls().values / 4).astype(dtype)
+    whole = Volume(values, matrix @ balls().index_to_world)
+    box = Box.between([3.5, 10.0, -5.0], [40.0, 30.2, 20.0], cut="open").moved(whole.index_to_world)
+    cropped = cut(whole, box)
+    np.testing.assert_array_equal(cropped.values, whole.values[:21, 10:32, 3:41])
+    assert cropped.values.dtype == dtype
+    assert not np.shares_memory(cropped.values, whole.values)
+    np.testing.assert_allclose(
+        cropped.index_to_world @ [0, 0, 0, 1], whole.index_to_world @ [3, 10, 0, 1], atol=1e-12
+    )
+    turned = Box(box.moved(np.array(turned_about_z(0.01))).matrix, cut="open")
+    assert np.isnan(cut(whole, turned).values).any()
+    with pytest.raises(LeaflightError, match="the box leaves nothing"):
+        cut(whole, Box.between([60, 0, 0], [70, 9, 9], cut="open").moved(whole.index_to_world))
+
+
+def turned_about_z(angle):
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn(angle, 0.0)
+    return matrix
+
+
 def test_a_sphere_and_a_box_remove_their_inside_or_outside():
     whole = balls()
     drilled = vertices_of(cut(whole, sphere((0.4, 0, 0), 0.3)), 500.0)

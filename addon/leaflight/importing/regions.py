@@ -2,8 +2,9 @@
 """Operators that cut a volume and remove parts of it, before it is baked.
 
 Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
-keys "on" and, for a cut by the clip box, "box", the name of the box. Their positions are in the
-coordinates of the file, so they stay where they are in the volume when the object moves.
+keys "on" and, for a cut by the clip box, "box", the name of the box. A box without it is a crop.
+Their positions are in the coordinates of the file, so they stay where they are in the volume when
+the object moves.
 """
 
 import json
@@ -12,12 +13,14 @@ import bpy
 import numpy as np
 from bpy_extras import view3d_utils
 from leaflight import LeaflightError
+from leaflight.volume.regions import Box, record_of
 
 from ..operators import background, checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, IntProperty
 from ..show import data_faces, look
-from ..store import source_files
+from ..stage import camera
+from ..store import cache, source_files
 from ..translations import iface_
 from . import read_again
 
@@ -34,8 +37,14 @@ def title(item):
     """Returns the name of a region in the panel."""
     text = iface_(_TITLES[item["kind"]])
     if item["kind"] == "box":
-        return f"{text}: {item['box']}"
+        return f"{text}: {item['box']}" if "box" in item else iface_("Crop")
     return iface_("%s at %s") % (text, f"{item['isovalue']:g}")
+
+
+def crop(low, high, index_to_file):
+    """Returns the region that crops a volume to a box of indices (x, y, z)."""
+    box = Box.between(low, high, cut="open").moved(index_to_file)
+    return {**record_of(box), "on": True}
 
 
 def _job(obj, regions, text, then=lambda _obj: None):
@@ -81,22 +90,34 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     def start(self, context):
         obj = active_volume(context)
         box = look.box_of(obj)
-        low, high = np.array(look.bounds_of(box))
-        matrix = np.diag([*(0.5 * (high - low)), 1.0])
-        matrix[:3, 3] = 0.5 * (low + high)
         to_file = np.linalg.inv(source_files.place_of_file(obj))
-        region = {
-            "kind": "box",
-            "matrix": (to_file @ np.array(box.matrix_world, np.float64) @ matrix).tolist(),
-            "keep": obj.leaflight_look.keep.lower(),
-            "cut": self.cut,
-            "box": box.name,
-            "on": True,
-        }
+        place = to_file @ np.array(box.matrix_world, np.float64)
+        keep = obj.leaflight_look.keep.lower()
+        cut = Box.between(*np.array(look.bounds_of(box)), keep, self.cut).moved(place)
+        region = {**record_of(cut), "box": box.name, "on": True}
         others = [
             item for item in source_files.regions_of(obj.leaflight) if item.get("box") != box.name
         ]
         return _job(obj, [*others, region], "cut; bake to light the cut", _show_cut)
+
+
+class LEAFLIGHT_OT_crop_to_shown(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Crop to What Is Shown"
+    bl_description = "Crop the data to a box around the shown isosurfaces, so that a bake is faster"
+    conditions = read_again.CONDITIONS
+
+    margin: IntProperty("Margin", "Voxels around the isosurfaces", 4, min=0)
+
+    def start(self, context):
+        obj = active_volume(context)
+        place = cache.volume_of(obj).index_to_world
+        to_index = np.linalg.inv(np.array(obj.matrix_world, np.float64) @ place)
+        points = camera.shown_points([obj]) @ to_index[:3, :3].T + to_index[:3, 3]
+        low, high = points.min(axis=0) - self.margin, points.max(axis=0) + self.margin
+        to_file = np.linalg.inv(source_files.from_file(obj.leaflight)) @ place
+        region = crop(low, high, to_file)
+        others = source_files.regions_of(obj.leaflight)
+        return _job(obj, [*others, region], "cropped")
 
 
 class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator):
@@ -224,6 +245,7 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
 
 CLASSES = (
     LEAFLIGHT_OT_cut_data,
+    LEAFLIGHT_OT_crop_to_shown,
     LEAFLIGHT_OT_clean_data,
     LEAFLIGHT_OT_remove_part,
     LEAFLIGHT_OT_switch_region,

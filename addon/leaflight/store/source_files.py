@@ -98,6 +98,11 @@ def read_volume(path, progress=None, label_table="", uncut=False, **choices):
         return leaflight.read_volume(path, progress=progress, **options)
 
 
+def changed(volume, items, progress):
+    """Returns a volume that regions have changed (importing/regions.py). Raises LeaflightError."""
+    return regions.changed(volume, regions.as_regions(_records(json.dumps(items))), progress)
+
+
 def _records(text):
     """Returns the records of the regions that are on (importing/regions.py)."""
     items = [item for item in json.loads(text or "[]") if item["on"]]

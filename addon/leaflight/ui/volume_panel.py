@@ -156,6 +156,7 @@ def _draw_regions(layout, settings):
     row = layout.row(align=True)
     row.operator_menu_enum(regions.LEAFLIGHT_OT_clean_data.bl_idname, "kind", text="Clean Data")
     row.operator(regions.LEAFLIGHT_OT_remove_part.bl_idname, icon="EYEDROPPER")
+    layout.operator(regions.LEAFLIGHT_OT_crop_to_shown.bl_idname, icon="SELECT_SET")
     column, switch = layout.column(align=True), regions.LEAFLIGHT_OT_switch_region.bl_idname
     for index, item in enumerate(source_files.regions_of(settings)):
         row = column.row(align=True)

@@ -7,6 +7,8 @@ import mathutils
 import numpy as np
 import pytest
 from blends import reopened
+from leaflight_addon.importing import stored_facts
+from leaflight_addon.importing.cropping import Crop
 from leaflight_addon.show import data_faces, look, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
@@ -145,6 +147,37 @@ def check_only_the_largest_part_stays(balls):
     close(vertices_of(balls), whole, 0)
     bpy.ops.leaflight.clean_data(kind="dust", voxels=300)
     close(vertices_of(balls), left, 0)
+
+
+def check_crops(balls):
+    whole, place = vertices_of(balls), balls.matrix_world.copy()
+    before = cache.volume_of(balls).values
+    bpy.ops.leaflight.crop_to_shown(margin=2)
+    # The vertices have another order.
+    close(np.sort(vertices_of(balls), axis=0), np.sort(whole, axis=0), 1e-5)
+    cropped = cache.volume_of(balls).values
+    assert cropped.size < 0.7 * before.size and cropped.dtype == before.dtype
+    assert balls.matrix_world == place
+    bpy.ops.leaflight.switch_region(index=0)
+    np.testing.assert_array_equal(cache.volume_of(balls).values, before)
+
+
+def check_an_import_crops(tmp_path):
+    values = np.arange(20 * 21 * 22, dtype=np.int16).reshape(20, 21, 22)
+    path = tmp_path / "ramp.npy"
+    np.save(path, values)
+    crop = {"crop": True, "crop_from": (0.0, 50.0, 0.0), "crop_to": (100.0, 100.0, 25.0)}
+    bpy.ops.leaflight.import_volume(filepath=str(path), **crop)
+    obj = bpy.context.object
+    np.testing.assert_array_equal(cache.volume_of(obj).values, values[:6, 10:])
+    np.testing.assert_array_equal(source_files.read(obj.leaflight).values, values[:6, 10:])
+    stored = source_files.probe(str(path), **source_files.choices_of(obj.leaflight))
+    known = stored_facts.lines(str(path), stored, 1, Crop((0, 50, 0), (100, 100, 25)))
+    assert "Cropped to 22 x 11 x 6 voxels" in known
+    bpy.ops.leaflight.switch_region(index=0)
+    np.testing.assert_array_equal(cache.volume_of(obj).values, values)
+    with pytest.raises(RuntimeError, match="the crop is empty: let it end after its start"):
+        bpy.ops.leaflight.import_volume(filepath=str(path), crop=True, crop_to=(0, 100, 100))
 
 
 def check_a_part_is_removed_by_a_point_on_it(balls):
