@@ -2,7 +2,6 @@
 """Compares cut volumes, baked by default in the Cornell box, with Cycles or our path tracer.
 
     validation/run cuts_against_cycles [NAME ...] [--data DIR] [--reference path]
-    validation/run cuts_against_cycles --data DIR --picture FILE.webp
 
 prints a row of a Markdown table for each isosurface. *Cut* are the points on the cut faces, where
 the data alone are higher than the isovalue.
@@ -16,11 +15,8 @@ from pathlib import Path
 import leaflight
 import numpy as np
 import volume_recipes
-from PIL import Image
-from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of
-from leaflight.stills.first_view import camera_around_bake
 from leaflight.volume.regions import Box, HalfSpace, changed
 
 
@@ -33,7 +29,7 @@ class Case:
     isovalues: tuple
 
 
-def turned_box(volume, low, high, angle):
+def turned_box(volume, low, high, angle, cut="capped"):
     """Returns the outside of a box within shares of the volume's bounds, turned about z."""
     ends = np.asarray(volume.field().bounds)
     low, high = (ends[0] + np.array(share) * (ends[1] - ends[0]) for share in (low, high))
@@ -41,7 +37,7 @@ def turned_box(volume, low, high, angle):
     matrix = np.eye(4)
     matrix[:3, :3] = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) * (0.5 * (high - low))
     matrix[:3, 3] = 0.5 * (low + high)
-    return Box(tuple(map(tuple, matrix.tolist())), "outside")
+    return Box(tuple(map(tuple, matrix.tolist())), "outside", cut)
 
 
 def bump_box(_):
@@ -94,11 +90,7 @@ def main():
     parser.add_argument("--points", type=int, default=1200, help="points of each place (1200)")
     parser.add_argument("--spp", type=int, default=512, help="paths a point (512)")
     parser.add_argument("--reference", choices=("cycles", "path"), default="cycles")
-    parser.add_argument("--picture", type=Path, help="draw them into this file instead")
     options = parser.parse_args()
-    if options.picture:
-        draw(options.data, options.picture)
-        return
     print(HEAD)
     for case in CASES:
         if options.names and not any(name in case.name for name in options.names):
@@ -109,31 +101,6 @@ def main():
             continue
         volume, regions = made
         rows(case, volume, regions, options)
-
-
-# Isovalues, and directions to the camera by angles in degrees: around, and above.
-SHOWN = {
-    brain: (45.5, (200.0, 25.0)),
-    tooth: (500.5, (20.0, 15.0)),
-    engine: (50.5, (45.0, 35.0)),
-}
-PICTURE = (560, 420)
-
-
-def draw(folder, path):
-    """Draws the real volumes on a lit floor, side by side."""
-    width, height = PICTURE
-    picture = Image.new("RGB", (len(SHOWN) * width, height))
-    for number, (make, (isovalue, angles)) in enumerate(SHOWN.items()):
-        volume, regions = make(folder)
-        scene = packaged_scene("open_floor.json")
-        isovalues = leaflight.default_isovalue_range(volume)
-        cut = changed(volume, regions)
-        bake = leaflight.bake(cut, scene, isovalues=isovalues, walls=True, progress=False)
-        camera = camera_around_bake(bake, *angles, isovalue=isovalue, size=PICTURE)
-        still = bake.still(isovalue, camera=camera, size=PICTURE).convert("RGB")
-        picture.paste(still, (number * width, 0))
-    picture.save(path, quality=88)
 
 
 def rows(case, volume, regions, options):

@@ -4,7 +4,7 @@
 Scene.leaflight_stage stores the choices of a scene.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -88,33 +88,10 @@ def fitted(preset, points, height=0.0):
     which they float above that.
     """
     description = packaged_scene(PRESETS[preset].file)
-    low, high = points.min(axis=0), points.max(axis=0)
-    scale = 0.5 * float((high - low).max())
+    fit = scene.Fit.of_box(points.min(axis=0), points.max(axis=0))
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
-    lowest = 0.5 * (low + high)[2] + floor * scale
-    fitted_scene = scene.fitted(description, scene.Fit.of_box(low, high))
-    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest - height)
-
-
-def moved(description, up):
-    """Returns a description, in world coordinates, moved up by a distance."""
-    offset = np.array([0.0, 0.0, up])
-
-    def light(one):
-        for name in ("corner", "position"):
-            if hasattr(one, name):
-                place = np.asarray(getattr(one, name)) + offset
-                return replace(one, **{name: tuple(place.tolist())})
-        return one
-
-    def mesh(one):
-        return replace(one, vertices=(one.vertices + offset).astype(np.float32))
-
-    return replace(
-        description,
-        meshes=[mesh(one) for one in description.meshes],
-        lights=[light(one) for one in description.lights],
-    )
+    center = (*fit.center[:2], points[:, 2].min() - height - (floor + _GAP) * fit.scale)
+    return scene.fitted(description, scene.Fit(np.array(center), fit.scale))
 
 
 class LeaflightStage(bpy.types.PropertyGroup):
