@@ -12,7 +12,7 @@ from leaflight_addon.importing.cropping import Crop
 from leaflight_addon.show import data_faces, look, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
-from tools import close, colors_of, vertices_of
+from tools import close, colors_of, look_down, render_exr, vertices_of
 
 N = 24
 
@@ -113,6 +113,45 @@ def check_a_cut_shows_a_slice(boxed_with_clip_box, tmp_path):
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.switch_region(index=0)
     assert not texture.is_colored(obj)
+
+
+def check_undo_brings_the_data_back(boxed_with_clip_box):
+    obj, _ = boxed_with_clip_box
+    name, whole = obj.name, vertices_of(obj)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.leaflight.cut_data(cut="capped")
+    cut = vertices_of(obj)
+    bpy.ops.ed.undo_push(message="cut")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    close(vertices_of(obj), whole, 0)
+    assert not _records(obj) and cache.volume_of(obj).cuts is None
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects[name]
+    close(vertices_of(obj), cut, 0)
+    assert len(_records(obj)) == 1 and cache.volume_of(obj).cuts is not None
+
+
+def check_both_renders_show_the_slice(boxed_with_clip_box, tmp_path):
+    obj, box = boxed_with_clip_box
+    low, high = np.asarray(cache.volume_of(obj).field().bounds)
+    middle, size = 0.5 * (low + high), high - low
+    box.matrix_world = obj.matrix_world @ _matrix(middle + [0, 0, size[2] / 2], size)
+    box.scale[2] *= 0.5
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.cut_data(cut="capped")
+    obj.leaflight.texture_kind = "SLICES"
+    obj.leaflight.shading = "ATTRIBUTE"
+    bpy.ops.leaflight.bake()
+    for other in bpy.context.scene.objects:
+        other.hide_render = other != obj
+    look_down(5.0, 1.6)
+    by_cycles, by_eevee = (
+        render_exr(tmp_path / f"{engine}.exr", engine)[20:28, 20:28, :3]
+        for engine in ("CYCLES", "EEVEE")
+    )
+    assert by_cycles.min() > 0.01 and by_cycles.std() > 0.02 * by_cycles.mean()
+    close(by_eevee, by_cycles, 0.05 * by_cycles.mean())
 
 
 def check_an_open_cut_shows_the_inside(boxed_with_clip_box):
