@@ -144,14 +144,15 @@ def check_both_renders_show_the_slice(boxed_with_clip_box, tmp_path):
     obj.leaflight.shading = "ATTRIBUTE"
     bpy.ops.leaflight.bake()
     for other in bpy.context.scene.objects:
-        other.hide_render = other != obj
+        # A hidden lamp is off.
+        other.hide_render = other != obj and other.type != "LIGHT"
     look_down(5.0, 1.6)
     by_cycles, by_eevee = (
-        render_exr(tmp_path / f"{engine}.exr", engine)[20:28, 20:28, :3]
-        for engine in ("CYCLES", "EEVEE")
+        render_exr(tmp_path / f"{engine}.exr", engine)[..., :3] for engine in ("CYCLES", "EEVEE")
     )
-    assert by_cycles.min() > 0.01 and by_cycles.std() > 0.02 * by_cycles.mean()
-    close(by_eevee, by_cycles, 0.05 * by_cycles.mean())
+    seen = by_cycles.max(axis=-1) > 0.01
+    assert seen.sum() > 50 and by_cycles[seen].std() > 0.02
+    assert np.median(abs(by_eevee - by_cycles)[seen]) < 0.02 * by_cycles[seen].mean()
 
 
 def check_an_open_cut_shows_the_inside(boxed_with_clip_box):
