@@ -114,8 +114,12 @@ def without_cuts(regions: Iterable[Any] | None) -> tuple[Region, ...]:
 def capped_cuts(volume: Volume, regions: Iterable[Any] | None) -> Cuts | None:
     """Returns the capped cuts of regions in index coordinates of an uncut volume, or None."""
     to_index = np.linalg.inv(volume.index_to_world)
-    capped = (one for one in as_regions(regions) if getattr(one, "cut", "") == "capped")
-    found = Cuts(*volume.data_range(), tuple(cut.moved(to_index) for cut in capped))
+    capped = tuple(
+        one.moved(to_index)
+        for one in as_regions(regions)
+        if isinstance(one, cuts.Cut) and one.cut == "capped"
+    )
+    found = Cuts(*volume.data_range(), capped)
     return found if found.cuts else None
 
 
