@@ -28,7 +28,7 @@ from .scene.scene import fit_scene
 from .scene.volume_texture import VolumeTexture, label_texture, texture_of
 from .stills.still import still
 from .version import __version__
-from .volume.derived import gradient_of, height_of
+from .volume.derived import gradient_of, height_of, slices_of
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume
 from .volume.particles import lapr, neuron, nucleons
@@ -69,6 +69,7 @@ __all__ = [
     "nucleons",
     "read_volume",
     "refine",
+    "slices_of",
     "still",
     "texture_of",
     "thesis",

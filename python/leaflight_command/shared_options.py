@@ -193,12 +193,14 @@ def color_options() -> Parser:
     parser.add_argument(
         "--color-by",
         metavar="WHAT",
-        help="gradient, height, or a volume in the same coordinates, whose values are the colors",
+        help="gradient, height, slices on the faces of cuts, or a volume in the same coordinates, "
+        "whose values are the colors",
     )
     parser.add_argument(
         "--color-map",
         metavar="NAME",
-        help="color map such as viridis, vik or turbo; or labels, a color for each (viridis)",
+        help="color map such as viridis, vik or turbo; or labels, a color for each (viridis; "
+        "slices: cet-l1)",
     )
     parser.add_argument(
         "--color-range",

@@ -13,6 +13,7 @@ import pytest
 from cone import cone
 from leaflight import Cancelled, Checkpoint, LeaflightError, Progress, load_bake
 from leaflight.bake.checkpoint import checkpoint_for, read_recipe
+from leaflight.volume import regions
 from outcomes import refused
 from same_bytes import assert_same_light
 from waiting import started, wait_for
@@ -70,6 +71,16 @@ def test_the_same_bits(tmp_path, bump_scene, options, counts):
         interrupted(arguments, again, second)
         assert read_recipe(again.path) == {"of": first}
         assert_same_light(leaflight.bake(**arguments, checkpoint=again, threads=1), whole)
+
+
+@pytest.mark.parametrize("kind", ["capped", "open"])
+def test_a_bake_of_a_cut_is_resumed(tmp_path, bump_scene, kind):
+    halved = regions.changed(cone(16), [regions.HalfSpace((0.5, 0.5, 0.5), (0.3, -0.5, 1.0), kind)])
+    arguments = {"volumes": halved, "scene": bump_scene, "isovalues": (30.0, 70.0), "error": ERROR}
+    checkpoint = Checkpoint(tmp_path / "x.checkpoint", seconds=0.0)
+    interrupted(arguments, checkpoint, 2)
+    again = leaflight.bake(**arguments, checkpoint=replace(checkpoint, resume=True))
+    assert_same_light(again, leaflight.bake(**arguments))
 
 
 def test_a_continued_bake_is_resumed(tmp_path, bump_scene):

@@ -17,6 +17,7 @@ from cone import cone  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
 from leaflight.cluster import block_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
+from leaflight.volume.regions import HalfSpace, changed  # noqa: E402
 from outcomes import refused
 from same_bytes import assert_same_light  # noqa: E402
 from waiting import HANG, wait_for  # noqa: E402
@@ -47,6 +48,15 @@ def test_any_number_of_workers(volume, alone, count):
         assert workers.processes() == count
         assert_same_light(leaflight.bake(volume, workers=workers, **SETTINGS), alone)
         assert workers.traced >= 4 and workers.lost == 0
+
+
+def test_workers_trace_cuts():
+    halved = changed(cone(16), [HalfSpace((0.5, 0.5, 0.5), (0.3, -0.5, 1.0))])
+    settings = {**SETTINGS, "both_sides": False, "walls": False}
+    with Workers(1) as workers:
+        found = leaflight.bake(halved, workers=workers, **settings)
+        assert workers.traced > 0
+    assert_same_light(found, leaflight.bake(halved, **settings))
 
 
 @pytest.mark.slow

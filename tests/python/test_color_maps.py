@@ -115,6 +115,18 @@ def test_a_command_colors_by_gradient_and_height(cli, tmp_path):
     assert height.texture.colors == texture_of(RAMP, "VIRIDIS", (0.0, 0.5), steps=5).colors
 
 
+def test_a_command_shows_slices_on_cuts(cli, tmp_path):
+    path = tmp_path / "box.vdb"
+    found = _texture_of_bake(
+        cli, path, "--color-by", "slices", *("--cut-plane", *"0.5 0.5 0.5 0 0 1".split())
+    )
+    values = found.texture.channels[0].values
+    assert np.isfinite(values).any() and np.isnan(values).any()
+    np.testing.assert_array_equal(found.texture.colors[0][1], (0, 0, 0))
+    outcome = cli("bake", "bump_box", "--out", path, *BAKE, "--color-by", "slices")
+    assert outcome.status == 2 and "no capped cut shows a slice" in outcome.err
+
+
 def test_a_command_colors_by_a_volume(cli, tmp_path):
     path = tmp_path / "box.vdb"
     labels = tmp_path / "labels.npy"

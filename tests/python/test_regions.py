@@ -120,6 +120,32 @@ def test_default_isovalues_ignore_what_closes_a_cut():
     assert capped.field().range[0] == halved.field().range[0]
 
 
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_a_capped_cut_shows_a_slice(matrix):
+    whole = balls(matrix)
+    point, normal = (matrix @ [0.1, 0.05, -0.1, 1.0])[:3], turn(0.4, 0.7) @ [1.0, 0.0, 0.0]
+    half = HalfSpace(tuple(point), tuple(normal))
+    slices = leaflight.slices_of(whole, [LargestPart(300), half, regions.record_of(half)])
+    assert slices.values.size < whole.values.size
+    vertices = vertices_of(cut(whole, half), 200.0)
+    uncut = whole.field().sample(vertices)
+    on_cut = uncut > 230
+    assert on_cut.sum() > 100
+    gray = leaflight.texture_of(slices, [(0.0, (0, 0, 0)), (1000.0, (1, 1, 1))])
+    np.testing.assert_allclose(gray.at(vertices)[on_cut, 0], uncut[on_cut] / 1000, atol=1e-5)
+    # Elsewhere the albedo counts.
+    depth = (vertices - point) @ -normal / np.linalg.norm(normal @ whole.index_to_world[:3, :3])
+    assert (gray.at(vertices)[depth > 4] == 1).all() and (depth > 4).any()
+
+
+def test_slices_need_a_capped_cut():
+    opened = HalfSpace((0, 0, 0), (0, 0, 1), cut="open")
+    with pytest.raises(LeaflightError, match="volume: no capped cut shows a slice"):
+        leaflight.slices_of(balls(), [opened, LargestPart(300)])
+    with pytest.raises(LeaflightError, match="its cuts lie outside"):
+        leaflight.slices_of(balls(), [HalfSpace((0, 0, 9), (0, 0, 1))])
+
+
 def test_an_open_cut_has_no_values_beyond_it():
     whole = balls()
     opened = cut(whole, HalfSpace((0, 0, 0), (0, 0, 1), cut="open"))
@@ -127,6 +153,31 @@ def test_an_open_cut_has_no_values_beyond_it():
     assert 0 < reach < 2 * 2 / (N - 1)
     known = np.isfinite(opened.values)
     assert (opened.values[known] == whole.values[: len(opened.values)][known]).all()
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+def test_an_open_box_along_the_voxels_is_a_crop(matrix, dtype):
+    values = (balls().values / 4).astype(dtype)
+    whole = Volume(values, matrix @ balls().index_to_world)
+    box = Box.between([3.5, 10.0, -5.0], [40.0, 30.2, 20.0], cut="open").moved(whole.index_to_world)
+    cropped = cut(whole, box)
+    np.testing.assert_array_equal(cropped.values, whole.values[:21, 10:32, 3:41])
+    assert cropped.values.dtype == dtype
+    assert not np.shares_memory(cropped.values, whole.values)
+    np.testing.assert_allclose(
+        cropped.index_to_world @ [0, 0, 0, 1], whole.index_to_world @ [3, 10, 0, 1], atol=1e-12
+    )
+    turned = Box(box.moved(np.array(turned_about_z(0.01))).matrix, cut="open")
+    assert np.isnan(cut(whole, turned).values).any()
+    with pytest.raises(LeaflightError, match="the box leaves nothing"):
+        cut(whole, Box.between([60, 0, 0], [70, 9, 9], cut="open").moved(whole.index_to_world))
+
+
+def turned_about_z(angle):
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn(angle, 0.0)
+    return matrix
 
 
 def test_a_sphere_and_a_box_remove_their_inside_or_outside():

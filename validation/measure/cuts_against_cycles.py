@@ -29,7 +29,7 @@ class Case:
     isovalues: tuple
 
 
-def turned_box(volume, low, high, angle):
+def turned_box(volume, low, high, angle, cut="capped"):
     """Returns the outside of a box within shares of the volume's bounds, turned about z."""
     ends = np.asarray(volume.field().bounds)
     low, high = (ends[0] + np.array(share) * (ends[1] - ends[0]) for share in (low, high))
@@ -37,7 +37,7 @@ def turned_box(volume, low, high, angle):
     matrix = np.eye(4)
     matrix[:3, :3] = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) * (0.5 * (high - low))
     matrix[:3, 3] = 0.5 * (low + high)
-    return Box(tuple(map(tuple, matrix.tolist())), "outside")
+    return Box(tuple(map(tuple, matrix.tolist())), "outside", cut)
 
 
 def bump_box(_):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """File > Import > Volume for Leaflight."""
 
+import json
 from dataclasses import dataclass, replace
 
 import bpy
@@ -16,12 +17,18 @@ from leaflight.volume.lobes import has_lobes
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs
-from ..props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from ..props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    StringProperty,
+)
 from ..show import display, isovalues, label_list, surface_object, volume_properties
 from ..stage import orientation
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
-from . import channels, placing, stored_facts
+from . import channels, cropping, placing, stored_facts
 
 # Name patterns of the files that the browser lists.
 _BY_NAME = readers.name_patterns()
@@ -110,6 +117,29 @@ class LEAFLIGHT_OT_import_volume(
         "empty takes those of the file, or the table of that name beside it",
         options={"SKIP_SAVE"},
     )
+    crop: BoolProperty(
+        "Crop",
+        "Read only a part of the volume, so that bakes are faster and take less memory",
+        options={"SKIP_SAVE"},
+    )
+    crop_from: FloatVectorProperty(
+        "From",
+        "Start of the part along each axis of the voxels, in percent",
+        3,
+        default=(0.0, 0.0, 0.0),
+        min=0.0,
+        max=100.0,
+        options={"SKIP_SAVE"},
+    )
+    crop_to: FloatVectorProperty(
+        "To",
+        "End of the part along each axis of the voxels, in percent",
+        3,
+        default=(100.0, 100.0, 100.0),
+        min=0.0,
+        max=100.0,
+        options={"SKIP_SAVE"},
+    )
     use_spacing: BoolProperty(
         "Own Voxel Size", "Set the voxel size, if the file has none or a wrong one"
     )
@@ -151,7 +181,7 @@ class LEAFLIGHT_OT_import_volume(
         facts = [problem]
         if stored is not None:
             step = stored_facts.step_of(self.resolution, stored)
-            facts = stored_facts.lines(path, stored, step)
+            facts = stored_facts.lines(path, stored, step, cropping.Crop.of(self))
         column = layout.column(align=True)
         for fact in facts:
             draw_wrapped(column, fact, 38)
@@ -161,6 +191,10 @@ class LEAFLIGHT_OT_import_volume(
         elif self.size_from == "SAME":
             layout.prop(self, "partner")
         layout.prop(self, "resolution")
+        layout.prop(self, "crop")
+        if self.crop:
+            layout.prop(self, "crop_from")
+            layout.prop(self, "crop_to")
         layout.prop(self, "smooth")
         layout.prop(self, "smooth_normals")
         layout.prop(self, "both_signs")
@@ -255,6 +289,7 @@ class ImportJob(jobs.Job):
         self._both_signs, self._labels = operator.both_signs, operator.labels
         self._chosen = channels.Choice.of(operator)
         self._label_table = operator.label_table and bpy.path.abspath(operator.label_table)
+        self._crop = cropping.Crop.of(operator)
         self._partner = operator.partner or next(iter(placing.volume_names(context)), "")
         placing.check(context, self._size_from, self._partner)
 
@@ -282,12 +317,12 @@ class ImportJob(jobs.Job):
                 continue
             field = self._field_of(volume) if len(of_each) == 1 else ""
             if field:
-                self._colors = _Read.of_volume(volume, chosen)
+                self._colors = self._cropped(volume, chosen, progress)
                 values = FIELDS[field](volume.values, progress)
                 # The boundary of labels is smooth without Smooth, which the notes propose.
                 notes = [note for note in volume.notes if note not in about_labels(volume)]
                 volume = replace(volume, values=values, labels=(), notes=notes)
-            read = _Read.of_volume(volume, {**chosen, "field": field})
+            read = self._cropped(volume, {**chosen, "field": field}, progress)
             if self._is_rgb and self._read:
                 # Only the isosurfaces of the first are shown.
                 read = replace(read, why_both_sides="")
@@ -299,6 +334,14 @@ class ImportJob(jobs.Job):
         if self._is_rgb and len(self._left_out) == 2:
             # A single channel gives a color, but no texture.
             self._is_rgb, self._read = False, [read for read in self._read[1:] if read]
+
+    def _cropped(self, volume, choices, progress):
+        """Returns the _Read of a volume. Raises LeaflightError."""
+        if self._crop is None:
+            return _Read.of_volume(volume, choices)
+        region = self._crop.region_of(volume)
+        cropped = source_files.changed(volume, [region], progress)
+        return _Read.of_volume(cropped, {**choices, "regions": json.dumps([region])})
 
     def _field_of(self, volume):
         """Returns the key of FIELDS for a single volume of both signs or of labels, or ""."""

@@ -2,9 +2,9 @@
 """Operators that cut a volume, remove parts of it, or mask it by labels, before it is baked.
 
 Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
-keys "on" and, for cuts and masks, "object", the name of the clip box or the label map. Their
-positions are in the coordinates of the file, so they stay where they are in the volume when the
-object moves.
+keys "on" and, for cuts and masks, "object", the name of the clip box or the label map. A box
+without it is a crop. Their positions are in the coordinates of the file, so they stay where they
+are in the volume when the object moves.
 """
 
 import json
@@ -13,12 +13,14 @@ import bpy
 import numpy as np
 from bpy_extras import view3d_utils
 from leaflight import LeaflightError
+from leaflight.volume.regions import Box, record_of
 
 from ..operators import background, checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, IntProperty, StringProperty
 from ..show import data_faces, look
-from ..store import source_files
+from ..stage import camera
+from ..store import cache, source_files
 from ..translations import iface_
 from . import read_again
 
@@ -37,7 +39,15 @@ def title(item):
     text = iface_(_TITLES[item["kind"]])
     if "object" in item:
         return f"{text}: {item['object']}"
+    if item["kind"] == "box":
+        return iface_("Crop")
     return iface_("%s at %s") % (text, f"{item['isovalue']:g}")
+
+
+def crop(low, high, index_to_file):
+    """Returns the region that crops a volume to a box of indices (x, y, z)."""
+    box = Box.between(low, high, cut="open").moved(index_to_file)
+    return {**record_of(box), "on": True}
 
 
 def _job(obj, regions, text, then=lambda _obj: None):
@@ -89,17 +99,11 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     def start(self, context):
         obj = active_volume(context)
         box = look.box_of(obj)
-        low, high = np.array(look.bounds_of(box))
-        matrix = np.diag([*(0.5 * (high - low)), 1.0])
-        matrix[:3, 3] = 0.5 * (low + high)
         to_file = np.linalg.inv(source_files.place_of_file(obj))
-        region = {
-            "kind": "box",
-            "matrix": (to_file @ np.array(box.matrix_world, np.float64) @ matrix).tolist(),
-            "keep": obj.leaflight_look.keep.lower(),
-            "cut": self.cut,
-        }
-        regions = _with_region_of(obj, box, region)
+        place = to_file @ np.array(box.matrix_world, np.float64)
+        keep = obj.leaflight_look.keep.lower()
+        cut = Box.between(*np.array(look.bounds_of(box)), keep, self.cut).moved(place)
+        regions = _with_region_of(obj, box, record_of(cut))
         return _job(obj, regions, "cut; bake to light the cut", _show_cut)
 
 
@@ -148,6 +152,25 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
             "reading": source_files.reading_of(path, source_files.choices_of(labels)),
         }
         return _job(obj, _with_region_of(obj, other, region), "masked; bake again")
+
+
+class LEAFLIGHT_OT_crop_to_shown(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Crop to What Is Shown"
+    bl_description = "Crop the data to a box around the shown isosurfaces, so that a bake is faster"
+    conditions = read_again.CONDITIONS
+
+    margin: IntProperty("Margin", "Voxels around the isosurfaces", 4, min=0)
+
+    def start(self, context):
+        obj = active_volume(context)
+        place = cache.volume_of(obj).index_to_world
+        to_index = np.linalg.inv(np.array(obj.matrix_world, np.float64) @ place)
+        points = camera.shown_points([obj]) @ to_index[:3, :3].T + to_index[:3, 3]
+        low, high = points.min(axis=0) - self.margin, points.max(axis=0) + self.margin
+        to_file = np.linalg.inv(source_files.from_file(obj.leaflight)) @ place
+        region = crop(low, high, to_file)
+        others = source_files.regions_of(obj.leaflight)
+        return _job(obj, [*others, region], "cropped")
 
 
 class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator):
@@ -276,6 +299,7 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
 CLASSES = (
     LEAFLIGHT_OT_cut_data,
     LEAFLIGHT_OT_mask_data,
+    LEAFLIGHT_OT_crop_to_shown,
     LEAFLIGHT_OT_clean_data,
     LEAFLIGHT_OT_remove_part,
     LEAFLIGHT_OT_switch_region,

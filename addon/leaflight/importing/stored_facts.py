@@ -2,6 +2,7 @@
 """Facts about a volume from its header, for the file dialog."""
 
 import os
+from math import prod
 from pathlib import Path
 
 from leaflight import LeaflightError
@@ -78,8 +79,8 @@ def step_of(resolution, stored):
     return step
 
 
-def lines(path, stored, step):
-    """Returns the facts of a file as lines of text."""
+def lines(path, stored, step, crop=None):
+    """Returns the facts of a file as lines of text. crop: A Crop, or None."""
     facts = [source_files.format_of(path).name]
     if stored.dims is not None:
         facts.append(iface_("%s voxels, %s") % (_by(stored.dims), stored.dtype.name))
@@ -87,7 +88,13 @@ def lines(path, stored, step):
             facts.append(_extent(stored))
         if step > 1:
             facts.append(iface_("Read as %s voxels") % _by(n // step for n in stored.dims))
-        facts.append(iface_("Memory: %s") % _megabytes(stored.bytes(step)))
+        memory = stored.bytes(step)
+        if crop is not None:
+            dims = [max(1, n // step) for n in stored.dims]
+            cropped = crop.dims(dims)
+            facts.append(iface_("Cropped to %s voxels") % _by(cropped))
+            memory *= prod(cropped) / prod(dims)
+        facts.append(iface_("Memory: %s") % _megabytes(memory))
     return [*facts, *stored.notes]
 
 

@@ -21,6 +21,8 @@ from .overridable import (
 )
 from .volume_properties import VolumeSource, shape_changed
 
+# Color map of slices.
+_GRAY = "CET_L1"
 SCATTERING_ITEMS = [
     ("DIFFUSE", "Diffuse", "Reflects light equally in all directions"),
     ("MIRROR", "Mirror", "Reflects light like a polished mirror"),
@@ -51,7 +53,7 @@ def _show_whole_range(settings):
     others = texture.volumes_that_color(obj)
     if others:
         settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
-    elif texture.is_colored(obj) and settings.is_volume:
+    elif settings.texture_kind in texture.OWN and settings.is_volume:
         # An unreadable volume shows its error elsewhere.
         with suppress(LeaflightError):
             settings["texture_low"], settings["texture_high"] = texture.own_range(obj)
@@ -68,6 +70,8 @@ def _kind_changed(settings, context):
         for other in texture.volumes_that_color(settings.id_data):
             label_list.fill_if_empty(other)
     else:
+        if settings.texture_kind == "SLICES" and not settings.is_property_set("texture_map"):
+            settings.texture_map = _GRAY
         _show_whole_range(settings)
     _texture_changed(settings, context)
 
@@ -149,6 +153,7 @@ class Isosurfaces:
             ("CHANNELS", "Red, Green, Blue", "Three volumes are red, green and blue"),
             ("GRADIENT", "Gradient", "A color map over the change of the values per length"),
             ("HEIGHT", "Height", "A color map over the height, in the coordinates of the file"),
+            ("SLICES", "Slices on Cuts", "A color map over the uncut values, on flat cuts only"),
         ],
         update=_kind_changed,
     )

@@ -15,7 +15,7 @@ from leaflight.scene.volume_texture import (
 from leaflight.volume.label_table import without_labels
 
 from .. import session, versions
-from ..store import cache, frame_bakes
+from ..store import cache, frame_bakes, source_files
 from . import display
 
 # Cache: full name of an object -> (values of its label map, hidden labels, VolumeTexture).
@@ -23,8 +23,8 @@ _labels = session.cache()
 # Cache: (address of values, unit, place, name) -> (values, the Volume computed from them).
 _derived = session.cache()
 
-# Kinds of colors that are computed from the volume itself.
-OWN = ("GRADIENT", "HEIGHT")
+# Kinds of colors that need no other volume.
+OWN = ("GRADIENT", "HEIGHT", "SLICES")
 # Largest number of volumes in it. Playback loads many frames.
 _MOST = 4
 # Digits of a voxel's size that are the same before and after a bake.
@@ -56,7 +56,10 @@ def _colors(obj):
 
 def is_colored(obj):
     """True if the isosurfaces of a volume object have a texture."""
-    return obj.leaflight.texture_kind in OWN or bool(volumes_that_color(obj))
+    settings = obj.leaflight
+    if settings.texture_kind == "SLICES":
+        return source_files.has_capped_cut(settings)
+    return settings.texture_kind in OWN or bool(volumes_that_color(obj))
 
 
 def label_of(obj):
@@ -75,6 +78,8 @@ def label_of(obj):
         sources.append(f"{read} {_plays(other)} {place}")
     if settings.texture_kind == "HEIGHT":
         sources.append(f"{_up(obj).round(6).tolist()}")
+    if settings.texture_kind == "SLICES":
+        sources.append(f"{settings.source} {settings.regions}")
     numbers = f"{settings.texture_low!r} {settings.texture_high!r} {settings.texture_srgb}"
     numbers += f" {_options(settings)}"
     label = f"{settings.texture_map} {settings.texture_kind} {numbers} {sources}"
@@ -194,11 +199,14 @@ def _options(settings):
 
 
 def own_volume(obj):
-    """Returns the gradient or the height of a volume, in the object's coordinates.
+    """Returns the gradient, the height or the slices of a volume, in the object's coordinates.
 
     Heights are in the coordinates of the file. Raises LeaflightError.
     """
-    volume, settings = cache.volume_of(obj), obj.leaflight
+    settings = obj.leaflight
+    if settings.texture_kind == "SLICES":
+        return replace(cache.slices_of(obj), name=obj.name)
+    volume = cache.volume_of(obj)
     is_height = settings.texture_kind == "HEIGHT"
     up, origin = _up(obj), np.array(settings.origin, np.float64)
     place = f"{up.tolist()} {origin.tolist()}" if is_height else ""
@@ -217,7 +225,9 @@ def own_volume(obj):
 
 
 def own_range(obj):
-    """Returns the lowest and highest value of own_volume(). Raises LeaflightError."""
+    """Returns the values at the ends of a color map of own_volume(). Raises LeaflightError."""
+    if obj.leaflight.texture_kind == "SLICES":
+        return obj.leaflight.low, obj.leaflight.high
     return range_of(own_volume(obj))
 
 

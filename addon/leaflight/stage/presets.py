@@ -4,14 +4,20 @@
 Scene.leaflight_stage stores the choices of a scene.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene import scene
 
-from ..props import EnumProperty, FloatVectorProperty, PointerProperty, StringProperty
+from ..props import (
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 MY_SCENE = "MY_SCENE"
 
@@ -75,39 +81,17 @@ ITEMS = [
 ]
 
 
-def fitted(preset, points):
+def fitted(preset, points, height=0.0):
     """Returns the SceneDescription of a preset around points (n, 3), in their coordinates.
 
-    The scene is fitted to the box of the points, which then stand just above its floor.
+    The scene is fitted to the box of the points, which then stand just above its floor. height: By
+    which they float above that.
     """
     description = packaged_scene(PRESETS[preset].file)
-    low, high = points.min(axis=0), points.max(axis=0)
-    scale = 0.5 * float((high - low).max())
+    fit = scene.Fit.of_box(points.min(axis=0), points.max(axis=0))
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in description.meshes)
-    lowest = 0.5 * (low + high)[2] + floor * scale
-    fitted_scene = scene.fitted(description, scene.Fit.of_box(low, high))
-    return moved(fitted_scene, (low[2] - _GAP * scale) - lowest)
-
-
-def moved(description, up):
-    """Returns a description, in world coordinates, moved up by a distance."""
-    offset = np.array([0.0, 0.0, up])
-
-    def light(one):
-        for name in ("corner", "position"):
-            if hasattr(one, name):
-                place = np.asarray(getattr(one, name)) + offset
-                return replace(one, **{name: tuple(place.tolist())})
-        return one
-
-    def mesh(one):
-        return replace(one, vertices=(one.vertices + offset).astype(np.float32))
-
-    return replace(
-        description,
-        meshes=[mesh(one) for one in description.meshes],
-        lights=[light(one) for one in description.lights],
-    )
+    center = (*fit.center[:2], points[:, 2].min() - height - (floor + _GAP) * fit.scale)
+    return scene.fitted(description, scene.Fit(np.array(center), fit.scale))
 
 
 class LeaflightStage(bpy.types.PropertyGroup):
@@ -116,6 +100,12 @@ class LeaflightStage(bpy.types.PropertyGroup):
         bpy.types.Collection,
         "Collection",
         "Collection of your objects and lights around the volumes",
+    )
+    height: FloatProperty(
+        "Float",
+        "Height of the isosurfaces above the floor, for the next Stage or Frame Isosurface",
+        min=0.0,
+        unit="LENGTH",
     )
     albedo: FloatVectorProperty("Color of the Volumes Set by Stage", size=3)
     warnings: StringProperty("Differences Between Bake and Cycles, One per Line")

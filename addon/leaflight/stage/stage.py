@@ -13,7 +13,7 @@ from ..operators import checks, failures
 from ..operators.checks import active_volume
 from ..props import BoolProperty, EnumProperty, StringProperty
 from ..show import display, isovalues, shader, surface_object, walls
-from ..store import frame_bakes
+from ..store import frame_bakes, source_files
 from ..store.reading import StillReading
 from ..translations import iface_
 from . import camera, facing, hidden, presets, scene_export, scene_objects, viewport
@@ -107,18 +107,24 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
     bl_label = "Frame Isosurface"
     bl_description = (
-        "Move the camera so that the shown isosurfaces fill its frame. Before a bake, "
-        "also fit the stage to them"
+        "Move the camera so that the shown isosurfaces fill its frame. Without the light of a "
+        "bake, and after changes of the data, they also stand on the floor of the stage again"
     )
 
     def run(self, context):
         scene, isosurface = context.scene, active_volume(context)
         volumes = scene_export.volume_objects(context, isosurface)
-        if any(obj.leaflight.bake_id for obj in volumes) or not is_built(scene):
+        if any(map(_is_lit, volumes)) or not is_built(scene):
             _use_camera(scene, isosurface, camera.shown_points(volumes))
         else:
             follow(context, isosurface)
         viewport.look_through_camera(context)
+
+
+def _is_lit(obj):
+    """True if a volume shows the light of a bake."""
+    settings = obj.leaflight
+    return bool(settings.bake_id) and not source_files.values_changed(settings)
 
 
 def build(context, isosurface, volumes, preset, collection=None, hide_others=None):
@@ -134,7 +140,7 @@ def build(context, isosurface, volumes, preset, collection=None, hide_others=Non
     points = camera.shown_points(volumes)
     turn = mathutils.Matrix.Rotation(facing.direction(isosurface), 4, "Z")
     seen = points @ np.array(turn.to_3x3())
-    description = None if collection else presets.fitted(preset, seen)
+    description = None if collection else presets.fitted(preset, seen, scene.leaflight_stage.height)
     was_lit = _drop_baked_light(scene, volumes)
     failures.forget()
     _remember(scene, preset, collection)

@@ -66,6 +66,14 @@ def volume_of(obj):
     return _source_volume(obj)
 
 
+def slices_of(obj):
+    """Returns the values on the faces of a volume's capped cuts, in local coordinates.
+
+    Raises as light_of().
+    """
+    return _source_volume(obj, slices=True)
+
+
 def world_volume(obj):
     """Returns volume_of() in world space. Raises as light_of()."""
     # If the object has not moved since the bake, return exactly the baked volume.
@@ -135,7 +143,7 @@ def progress_of(obj):
     if not _readings:
         return None
     settings = obj.leaflight
-    keys = settings.bake_id, source_files.key_of(settings)
+    keys = settings.bake_id, source_files.key_of(settings), _key_of_slices(settings)
     return next((_readings[key].progress for key in keys if key in _readings), None)
 
 
@@ -244,7 +252,8 @@ def values_sha256(bake, index):
 def forget_unused():
     """Frees volumes and bakes that no object of the file refers to."""
     settings = [obj.leaflight for obj in bpy.data.objects if obj.leaflight.is_volume]
-    volumes = {source_files.key_of(s) for s in settings} | {_key_in_bake(s) for s in settings}
+    keys = (source_files.key_of, _key_in_bake, _key_of_slices)
+    volumes = {key_of(s) for key_of in keys for s in settings}
     bakes = {s.bake_id for s in settings}
     for cache, kept in ((_volumes, volumes), (_bakes, bakes)):
         for key in [key for key in cache if key not in kept]:
@@ -257,28 +266,36 @@ def _make_room():
         forget_unused()
 
 
-def _source_volume(obj):
+def _source_volume(obj, slices=False):
     settings = obj.leaflight
     if not settings.source:
         raise LeaflightError(
             f'"{obj.name}" has no volume file, only its bake: relocate the bake, keep Capped as '
             "baked, or import the volume."
         )
-    key = source_files.key_of(settings)
+    key = _key_of_slices(settings) if slices else source_files.key_of(settings)
     if key not in _volumes and key not in _readings:
-        _begin(obj, key, source_files.path_of(settings), _steps_of_volume(settings))
+        _begin(obj, key, source_files.path_of(settings), _steps_of_volume(settings, slices))
     return _volumes[key] if key in _volumes else _first(obj, key)
 
 
-def _steps_of_volume(settings):
-    """Returns the steps of a Reading of the volume in a file, in the object's coordinates."""
+def _key_of_slices(settings):
+    return ("slices", *source_files.key_of(settings))
+
+
+def _steps_of_volume(settings, slices):
+    """Returns the steps of a Reading of the volume in a file, in the object's coordinates.
+
+    slices: True reads slices_of() it.
+    """
     path, choices = source_files.path_of(settings), source_files.choices_of(settings)
     from_file, is_capped = source_files.from_file(settings), settings.capped
 
     def steps(progress):
         progress.begin("Reading the volume")
-        volume = source_files.read_volume(path, progress, **choices)
-        yield _moved(volume.capped() if is_capped else volume, from_file)
+        read = source_files.read_slices if slices else source_files.read_volume
+        volume = read(path, progress, **choices)
+        yield _moved(volume.capped() if is_capped and not slices else volume, from_file)
 
     return steps
 

@@ -72,29 +72,44 @@ def _plain(value):
     return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
-def read_volume(path, progress=None, label_table="", **choices):
+def read_slices(path, progress=None, **choices):
+    """Reads the values on the faces of a volume's capped cuts. Raises LeaflightError."""
+    whole = read_volume(path, progress, uncut=True, **choices)
+    return leaflight.slices_of(whole, _records(choices["regions"]))
+
+
+def read_volume(path, progress=None, label_table="", uncut=False, **choices):
     """Reads a volume with the CHOICES that apply to its format. Raises LeaflightError.
 
-    label_table: Path of a table of labels, empty without one.
+    label_table: Path of a table of labels, empty without one. uncut: True leaves out cuts.
     """
-    options = reading_of(path, choices)
+    options = reading_of(path, choices, uncut)
     if label_table:
         options["label_table"] = label_table
     with _in_words_of_blender():
         return leaflight.read_volume(path, progress=progress, **options)
 
 
-def reading_of(path, choices):
-    """Returns the options of leaflight.read_volume() for CHOICES that apply to a format."""
+def reading_of(path, choices, uncut=False):
+    """Returns the options of leaflight.read_volume() for CHOICES that apply to a format.
+
+    uncut: As for read_volume().
+    """
     options = _options(path, choices)
     options |= {name: choices[name] for name, none in _NONE.items() if choices[name] > none}
     if "regions" in options:
-        options["regions"] = _records(options["regions"])
+        records = _records(options["regions"])
+        options["regions"] = regions.without_cuts(records) if uncut else records
     if "brightest" in options:
         options["channel"] = options.pop("brightest")
     if "hide" in options:
         options["hide"] = [int(number) for number in options["hide"].split()]
     return options
+
+
+def changed(volume, items, progress):
+    """Returns a volume that regions have changed (importing/regions.py). Raises LeaflightError."""
+    return regions.changed(volume, regions.as_regions(_records(json.dumps(items))), progress)
 
 
 def _records(text):
@@ -112,6 +127,11 @@ def _records(text):
 def regions_of(settings):
     """Returns the regions of a volume, on or off (importing/regions.py)."""
     return json.loads(settings.regions or "[]")
+
+
+def has_capped_cut(settings):
+    """True if a region that is on is a capped cut."""
+    return any(item["on"] and item.get("cut") == "capped" for item in regions_of(settings))
 
 
 def probe(path, **choices):

@@ -69,6 +69,8 @@ def _draw_texture(layout, volume):
         layout.prop(settings, "texture_volume")
         if settings.texture_volume is None and settings.texture_kind != "CHANNELS":
             return
+    if settings.texture_kind == "SLICES" and not texture.is_colored(volume):
+        layout.label(text="No capped cut: use Cut Data", icon="INFO")
     if settings.texture_kind == "LABELS":
         label_panel.draw_labels(layout, volume)
         return

@@ -23,6 +23,8 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
             layout.prop(chosen, "collection", text="")
         layout.operator(stage.LEAFLIGHT_OT_stage.bl_idname, icon="CUBE")
         layout.operator(stage.LEAFLIGHT_OT_frame_isosurface.bl_idname, icon="CAMERA_DATA")
+        if chosen.preset != presets.MY_SCENE:
+            layout.prop(chosen, "height")
         self._draw_orientation(context)
         overlay = getattr(context.space_data, "overlay", None)
         if overlay is not None:

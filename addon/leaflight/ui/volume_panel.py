@@ -160,6 +160,7 @@ def _draw_regions(layout, settings):
         text = f"{iface_('Mask Data')}: {name}"
         mask = layout.operator(regions.LEAFLIGHT_OT_mask_data.bl_idname, text=text, translate=False)
         mask.label_map = name
+    layout.operator(regions.LEAFLIGHT_OT_crop_to_shown.bl_idname, icon="SELECT_SET")
     column, switch = layout.column(align=True), regions.LEAFLIGHT_OT_switch_region.bl_idname
     for index, item in enumerate(source_files.regions_of(settings)):
         row = column.row(align=True)

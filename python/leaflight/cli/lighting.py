@@ -13,7 +13,9 @@ from ..io.readers.reading import OPTIONS
 from ..io.scene_file import cornell_box, load_scene
 from ..io.sources import open_volume
 from ..scene.scene import SceneDescription
+from ..volume.derived import slices_of
 from ..volume.memory import limit_memory
+from ..volume.regions import without_cuts
 from ..volume.volume import Volume
 from .coloring import colored
 from .output import print_error
@@ -47,7 +49,14 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
             scene,
             isosurfaces=[replace(isosurfaces, capped=True) for isosurfaces in scene.isosurfaces],
         )
-    return volumes, colored(scene, volumes, options)
+
+    def slices(number: int) -> Volume:
+        reading = _merged(options, readings[number][1])
+        regions = reading.pop("regions", None)
+        whole = open_volume(sources[number], **reading, regions=without_cuts(regions))
+        return slices_of(whole, regions or ())
+
+    return volumes, colored(scene, volumes, options, slices)
 
 
 def bake_options(options: Namespace) -> dict[str, Any]:
@@ -64,5 +73,8 @@ def given_options(options: Namespace, **names: str) -> dict[str, Any]:
 
 def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None = None) -> Volume:
     """Opens a volume. reading: Options in a scene file; options of the command override them."""
-    given = given_options(options, **{name: name for name in OPTIONS})
-    return open_volume(source, **{**(reading or {}), **given})
+    return open_volume(source, **_merged(options, reading or {}))
+
+
+def _merged(options: Namespace, reading: Mapping[str, Any]) -> dict[str, Any]:
+    return {**reading, **given_options(options, **{name: name for name in OPTIONS})}

@@ -5,7 +5,8 @@ A *capped* cut is a ramp of values. It has the lowest value of the data at the c
 one voxel inside. The lesser of ramp and data is kept, so each isosurface is closed within a voxel
 of the cut. A linear ramp keeps turned planes flat under trilinear interpolation. It goes on
 downwards outside, where cells cross the cut, and is constant beyond.
-An *open* cut has no values beyond it, so light enters.
+An *open* cut has no values beyond it, so light enters. If it is a box along the axes of the voxels,
+it is a crop: the values keep their type.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,6 +23,8 @@ _DEPTH = 2.0
 # Distance outside an open cut at which values end. The diagonal of a voxel is shorter, so every
 # cell at the cut has its values.
 _MARGIN = 1.75
+# Smallest angle between a box and the axes of the voxels, and smallest part of a voxel, that count.
+_PARALLEL = 1e-6
 # Least number of integer steps in a ramp, so that rounding bends its planes by less than 1/400 of a
 # voxel.
 _STEPS = 200
@@ -42,6 +45,13 @@ class Box:
     matrix: Rows
     keep: str = "inside"
     cut: str = "capped"
+
+    @classmethod
+    def between(cls, low: Array, high: Array, keep: str = "inside", cut: str = "capped") -> "Box":
+        """Returns the box between two corners (x, y, z)."""
+        matrix = np.diag([*(0.5 * (np.asarray(high) - low)), 1.0])
+        matrix[:3, 3] = 0.5 * (np.asarray(low) + high)
+        return cls(_rows(matrix), keep, cut)
 
     def moved(self, matrix: Array) -> "Box":
         return Box(_rows(matrix @ self.matrix), self.keep, self.cut)
@@ -120,9 +130,29 @@ class Cuts:
         """Returns the values of the ramp at the nodes, float32 [z, y, x], not limited."""
         found = new_voxels(shape, np.float32)
         for k, plane in enumerate(found):
-            distances = np.min([cut.distances(k, shape) for cut in self.cuts], axis=0)
-            plane[...] = self.low + (self.high - self.low) * distances
+            plane[...] = self.low + (self.high - self.low) * self.distances(k, shape)
         return found
+
+    def distances(self, k: int, shape: Sequence[int]) -> Array:
+        """Returns the least distances of the cuts, as Box.distances()."""
+        found: Array = np.min([cut.distances(k, shape) for cut in self.cuts], axis=0)
+        return found
+
+
+def crop_of(cut: Cut) -> tuple[slice, ...] | None:
+    """Returns the planes [z, y, x] that an open cut keeps if it is a crop, or None.
+
+    Each cell that touches the box keeps its corners.
+    """
+    if not isinstance(cut, Box) or (cut.keep, cut.cut) != ("inside", "open"):
+        return None
+    sizes = abs(np.asarray(cut.matrix)[:3, :3])
+    if np.count_nonzero(sizes > _PARALLEL * sizes.max()) > 3:
+        return None
+    middle, half = np.asarray(cut.matrix)[:3, 3], sizes.sum(axis=1)
+    first = np.maximum(np.floor(middle - half + _PARALLEL), 0).astype(int)
+    last = np.maximum(np.ceil(middle + half - _PARALLEL), -1).astype(int)
+    return tuple(slice(a, b + 1) for a, b in zip(first[::-1], last[::-1]))
 
 
 def cut_values(

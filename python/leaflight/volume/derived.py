@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Volumes that are computed from another one, to color its isosurfaces."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from .._core import LeaflightError
 from ..arrays import Array
+from .cuts import trimmed
+from .regions import capped_cuts
 from .volume import Volume
+from .voxels import new_voxels
+
+# Distances into a cut, in voxels, of nodes next to its face. It lies at 0 to 1, and a node at most
+# the diagonal of a voxel away.
+_NEXT_TO_CUT = (-1.75, 2.75)
 
 
 def gradient_of(volume: Volume) -> Volume:
@@ -51,6 +60,29 @@ def height_of(volume: Volume, up: Sequence[float] = (0.0, 0.0, 1.0)) -> Volume:
     heights = (corners @ np.asarray(up, np.float64)).astype(np.float32)
     unit = f" in {volume.unit}" if volume.unit else ""
     return replace(volume, values=heights, index_to_world=matrix, name=f"height{unit}")
+
+
+def slices_of(volume: Volume, regions: Iterable[Any]) -> Volume:
+    """Returns the values of an uncut volume next to the faces of its capped cuts, NaN elsewhere.
+
+    regions: As for read_volume(). Raises LeaflightError without a capped cut.
+    """
+    cuts = capped_cuts(volume, regions)
+    if cuts is None:
+        raise LeaflightError(
+            f"{volume.name}: no capped cut shows a slice: cut the volume, or choose other colors."
+        )
+    values = new_voxels(volume.values.shape, np.float32)
+    for k, plane in enumerate(values):
+        distances = cuts.distances(k, values.shape)
+        is_next = (distances > _NEXT_TO_CUT[0]) & (distances < _NEXT_TO_CUT[1])
+        plane[...] = np.where(is_next, volume.values[k], np.float32(np.nan))
+    if not np.isfinite(values).any():
+        raise LeaflightError(
+            f"{volume.name}: its cuts lie outside, so no face shows a slice: choose other colors."
+        )
+    found = replace(volume, name=f"slices of {volume.name}")
+    return found.cropped(*trimmed(values, -np.inf))
 
 
 def _slope(before: Array, at: Array, after: Array) -> Array:

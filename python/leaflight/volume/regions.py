@@ -103,16 +103,44 @@ def changed(
 
 def _cut(volume: Volume, region: cuts.Cut, progress: _core.Progress) -> Volume:
     cut = region.moved(np.linalg.inv(volume.index_to_world))
+    crop = cuts.crop_of(cut)
+    if crop is not None:
+        values = volume.values[crop]
+        _check_left(volume, region, values.size > 0)
+        first = tuple(int(planes.start) for planes in crop[::-1])
+        return volume.cropped(values, first)
     found = volume.cuts or Cuts(*volume.data_range(), ())
     values = cuts.cut_values(volume.values, cut, (found.low, found.high), progress.check)
-    if not any((plane > found.low).any() for plane in values):
+    _check_left(volume, region, any((plane > found.low).any() for plane in values))
+    if region.cut == "open":
+        return replace(volume, values=values)
+    return replace(volume, values=values, cuts=replace(found, cuts=(*found.cuts, cut)))
+
+
+def _check_left(volume: Volume, region: Region, is_left: bool) -> None:
+    """Raises LeaflightError if a cut has left nothing."""
+    if not is_left:
         raise LeaflightError(
             f"{volume.source or volume.name}: the {title(region)} leaves nothing of the volume: "
             "move it, or keep its other side."
         )
-    if region.cut == "open":
-        return replace(volume, values=values)
-    return replace(volume, values=values, cuts=replace(found, cuts=(*found.cuts, cut)))
+
+
+def without_cuts(regions: Iterable[Any] | None) -> tuple[Region, ...]:
+    """Returns regions or records as regions, without their cuts."""
+    return tuple(one for one in as_regions(regions) if not isinstance(one, cuts.Cut))
+
+
+def capped_cuts(volume: Volume, regions: Iterable[Any] | None) -> Cuts | None:
+    """Returns the capped cuts of regions in index coordinates of an uncut volume, or None."""
+    to_index = np.linalg.inv(volume.index_to_world)
+    capped = tuple(
+        one.moved(to_index)
+        for one in as_regions(regions)
+        if isinstance(one, cuts.Cut) and one.cut == "capped"
+    )
+    found = Cuts(*volume.data_range(), capped)
+    return found if found.cuts else None
 
 
 def _without_parts(

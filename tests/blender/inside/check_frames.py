@@ -9,9 +9,19 @@ from blends import open_blend, open_saved
 from leaflight import blender
 from leaflight.scene.volume_texture import color_map
 from leaflight_addon.bake import load_bake
-from leaflight_addon.show import surface_material, surface_object
+from leaflight_addon.show import look, surface_material, surface_object
 from leaflight_addon.store import bake_files, cache, frame_bakes
-from tools import add_camera, assert_shows, change, close, colors_of, mesh_arrays, vertices_of
+from mathutils import Matrix
+from tools import (
+    add_camera,
+    assert_shows,
+    change,
+    close,
+    colors_of,
+    mesh_arrays,
+    to_world,
+    vertices_of,
+)
 
 FRAMES = 3
 
@@ -161,6 +171,35 @@ def check_a_frame_is_lit_by_its_own_bake_and_by_no_other(played):
     assert played.leaflight.bake_id == first
     assert_shows(played, played.leaflight.isovalue)
     assert surface_material.shading_in_use(played.leaflight)[0] == "ATTRIBUTE"
+
+
+def check_a_cut_applies_to_every_frame(played):
+    clip = _box_over_half(played)
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert clip.name in played.leaflight.regions
+    for number in range(FRAMES):
+        show_frame(number)
+        volume = cache.volume_of(played)
+        assert volume.cuts is not None and volume.values.shape[2] < 12
+        assert vertices_of(played)[:, 0].max() < 0.6
+    blender.bake_frames(played, error=40.0)
+    assert len(frame_bakes.bakes_of(played.leaflight)) == FRAMES
+    show_frame(1)
+    vertices, _, radiance = mesh_arrays(played)
+    expected = cache.bake_of(played).radiance(to_world(played, vertices))
+    # At an edge of the cut, rounding decides between the normals of both faces.
+    assert np.quantile(abs(radiance - expected), 0.97) < 1e-4 * expected.max()
+
+
+def _box_over_half(obj):
+    """Adds a clip box over the half of a volume towards +x."""
+    bpy.ops.leaflight.add_clip_box()
+    box = obj.leaflight_look.box
+    box.matrix_world = obj.matrix_world @ Matrix.Diagonal((20.0, 20.0, 20.0, 1.0))
+    low, high = np.array(look.bounds_of(box))
+    box.matrix_world.translation.x -= low[0] * box.matrix_world.to_scale().x
+    bpy.context.view_layer.update()
+    return box
 
 
 def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):

@@ -8,11 +8,12 @@ import nibabel
 import numpy as np
 import pytest
 from blends import reopened
-from leaflight_addon.importing import regions
-from leaflight_addon.show import data_faces, display, look
+from leaflight_addon.importing import regions, stored_facts
+from leaflight_addon.importing.cropping import Crop
+from leaflight_addon.show import data_faces, display, look, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
-from tools import close, colors_of, vertices_of
+from tools import close, colors_of, look_down, render_exr, vertices_of
 
 N = 24
 
@@ -91,6 +92,70 @@ def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
     assert "cuts, parts" in staleness.change_since_bake(bpy.context, obj)
 
 
+def check_a_cut_shows_a_slice(boxed_with_clip_box, tmp_path):
+    obj, _ = boxed_with_clip_box
+    settings = obj.leaflight
+    settings.shading = "ATTRIBUTE"
+    settings.texture_kind = "SLICES"
+    assert not texture.is_colored(obj)
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert settings.texture_map == "CET_L1"
+    vertices = vertices_of(obj)
+    colors = texture.local_texture(obj).at(vertices)
+    uncut = texture.own_volume(obj).field().sample(vertices)
+    on_cut = np.abs(vertices[:, 0] - vertices[:, 0].max()) < 1e-4
+    assert (np.diff(colors[on_cut][np.argsort(uncut[on_cut]), 0]) >= -1e-6).all()
+    assert np.ptp(colors[on_cut, 0]) > 0.1
+    assert (colors[vertices[:, 0] < 0] == 1).all()
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    obj = reopened(tmp_path / "scene.blend")
+    np.testing.assert_array_equal(texture.local_texture(obj).at(vertices), colors)
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    bpy.ops.leaflight.switch_region(index=0)
+    assert not texture.is_colored(obj)
+
+
+def check_undo_brings_the_data_back(boxed_with_clip_box):
+    obj, _ = boxed_with_clip_box
+    name, whole = obj.name, vertices_of(obj)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.leaflight.cut_data(cut="capped")
+    cut = vertices_of(obj)
+    bpy.ops.ed.undo_push(message="cut")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    close(vertices_of(obj), whole, 0)
+    assert not _records(obj) and cache.volume_of(obj).cuts is None
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects[name]
+    close(vertices_of(obj), cut, 0)
+    assert len(_records(obj)) == 1 and cache.volume_of(obj).cuts is not None
+
+
+def check_both_renders_show_the_slice(boxed_with_clip_box, tmp_path):
+    obj, box = boxed_with_clip_box
+    low, high = np.asarray(cache.volume_of(obj).field().bounds)
+    middle, size = 0.5 * (low + high), high - low
+    box.matrix_world = obj.matrix_world @ _matrix(middle + [0, 0, size[2] / 2], size)
+    box.scale[2] *= 0.5
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.cut_data(cut="capped")
+    obj.leaflight.texture_kind = "SLICES"
+    obj.leaflight.shading = "ATTRIBUTE"
+    bpy.ops.leaflight.bake()
+    for other in bpy.context.scene.objects:
+        # A hidden lamp is off.
+        other.hide_render = other != obj and other.type != "LIGHT"
+    look_down(5.0, 1.6)
+    by_cycles, by_eevee = (
+        render_exr(tmp_path / f"{engine}.exr", engine)[..., :3] for engine in ("CYCLES", "EEVEE")
+    )
+    seen = by_cycles.max(axis=-1) > 0.01
+    assert seen.sum() > 50 and by_cycles[seen].std() > 0.02
+    assert np.median(abs(by_eevee - by_cycles)[seen]) < 0.02 * by_cycles[seen].mean()
+
+
 def check_an_open_cut_shows_the_inside(boxed_with_clip_box):
     obj, _ = boxed_with_clip_box
     bpy.ops.leaflight.cut_data(cut="open")
@@ -123,6 +188,37 @@ def check_only_the_largest_part_stays(balls):
     close(vertices_of(balls), whole, 0)
     bpy.ops.leaflight.clean_data(kind="dust", voxels=300)
     close(vertices_of(balls), left, 0)
+
+
+def check_crops(balls):
+    whole, place = vertices_of(balls), balls.matrix_world.copy()
+    before = cache.volume_of(balls).values
+    bpy.ops.leaflight.crop_to_shown(margin=2)
+    # The vertices have another order.
+    close(np.sort(vertices_of(balls), axis=0), np.sort(whole, axis=0), 1e-5)
+    cropped = cache.volume_of(balls).values
+    assert cropped.size < 0.7 * before.size and cropped.dtype == before.dtype
+    assert balls.matrix_world == place
+    bpy.ops.leaflight.switch_region(index=0)
+    np.testing.assert_array_equal(cache.volume_of(balls).values, before)
+
+
+def check_an_import_crops(tmp_path):
+    values = np.arange(20 * 21 * 22, dtype=np.int16).reshape(20, 21, 22)
+    path = tmp_path / "ramp.npy"
+    np.save(path, values)
+    crop = {"crop": True, "crop_from": (0.0, 50.0, 0.0), "crop_to": (100.0, 100.0, 25.0)}
+    bpy.ops.leaflight.import_volume(filepath=str(path), **crop)
+    obj = bpy.context.object
+    np.testing.assert_array_equal(cache.volume_of(obj).values, values[:6, 10:])
+    np.testing.assert_array_equal(source_files.read(obj.leaflight).values, values[:6, 10:])
+    stored = source_files.probe(str(path), **source_files.choices_of(obj.leaflight))
+    known = stored_facts.lines(str(path), stored, 1, Crop((0, 50, 0), (100, 100, 25)))
+    assert "Cropped to 22 x 11 x 6 voxels" in known
+    bpy.ops.leaflight.switch_region(index=0)
+    np.testing.assert_array_equal(cache.volume_of(obj).values, values)
+    with pytest.raises(RuntimeError, match="the crop is empty: let it end after its start"):
+        bpy.ops.leaflight.import_volume(filepath=str(path), crop=True, crop_to=(0, 100, 100))
 
 
 def check_a_part_is_removed_by_a_point_on_it(balls):

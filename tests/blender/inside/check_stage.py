@@ -7,6 +7,7 @@ import bpy
 import nibabel
 import numpy as np
 import pytest
+from leaflight_addon.show import look
 from leaflight_addon.stage import camera, facing, hidden, presets, scene_export, stage, world
 from leaflight_addon.store import cache, source_files
 from mathutils import Matrix
@@ -109,6 +110,35 @@ def check_a_stage_follows_the_isovalue_and_the_camera_alone_after_a_bake(ball):
     bpy.context.view_layer.update()
     assert _lowest_of_stage() == lowest and ball.leaflight.bake_id == identifier != ""
     assert _heightin_frame(ball) > 0.5
+
+
+def _gap(obj):
+    return to_world(obj, vertices_of(obj))[:, 2].min() - _lowest_of_stage()
+
+
+def check_a_cut_volume_stands_again_and_floats_on_request(ball):
+    bpy.ops.leaflight.clean_data(kind="largest_part")
+    _stage("CORNELL")
+    standing = _gap(ball)
+    ball.leaflight.resolution, ball.leaflight.use_resolution = 8, True
+    ball.leaflight.error = 20.0
+    bpy.ops.leaflight.bake()
+    # Remove the lower half.
+    bpy.ops.leaflight.add_clip_box()
+    box = ball.leaflight_look.box
+    box.matrix_world = Matrix.Diagonal((9.0, 9.0, 9.0, 1.0))
+    box.matrix_world.translation = ball.matrix_world.translation
+    box.matrix_world.translation.z -= np.ptp(np.array(look.bounds_of(box))[:, 2]) * 9.0 / 2
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert _gap(ball) > 2 * standing
+    assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert 0 < _gap(ball) < 1.01 * standing
+    bpy.context.scene.leaflight_stage.height = 0.5
+    bpy.ops.leaflight.frame_isosurface()
+    bpy.context.view_layer.update()
+    assert _gap(ball) == pytest.approx(standing + 0.5, abs=0.02)
 
 
 def _heightin_frame(obj):

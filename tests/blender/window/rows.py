@@ -181,6 +181,7 @@ ROWS = (
     Row("smooth", "imported", "smoothing", {"what": "smooth", "amount": "1"}, held="work"),
     Row("cut_data", "clipped", "regions", {"cut": "capped"}, held="work"),
     Row("mask_data", "labeled", "regions", {"label_map": "regions labels"}, held="work"),
+    Row("crop_to_shown", "imported", "regions", held="work"),
     Row("clean_data", "parts", "regions", {"kind": "largest_part"}, held="work"),
     Row("remove_part", "parts", "regions", held="modal", clicks=True),
     Row("switch_region", "cleaned", "regions", {"index": 0}, held="work"),
