@@ -30,7 +30,6 @@ RUNS = [
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
     ("colors_and_cuts cuts bump --points 30 --spp 8", "| bump box | 100 |"),
     ("workers --dims 12", "| 4 |"),
-    ("error_bars --nodes 8 --seeds 2 --photons 1000 --estimators path", "| nucleons | path |"),
     (f"unwritten_memory {GOOD_FILE}", "1 files, 1 read, 0 with memory that was not written"),
 ]
 NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "colors_and_cuts")
