@@ -28,11 +28,11 @@ RUNS = [
     ("bench rays --quick", "| bump box, 16^3 at 100 |"),
     ("bench scrub --quick", "| bump box, 24^3 at 100 |"),
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
-    ("colors_and_cuts cuts bump --points 30 --spp 8", "| bump box | 100 |"),
+    ("edits_against_cycles cuts bump --points 30 --spp 8", "| bump box | 100 |"),
     ("workers --dims 12", "| 4 |"),
     (f"unwritten_memory {GOOD_FILE}", "1 files, 1 read, 0 with memory that was not written"),
 ]
-NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "colors_and_cuts")
+NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "edits_against_cycles")
 
 
 @pytest.fixture(autouse=True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Compares isosurfaces that another volume colors, and volumes that are cut, with Cycles.
 
-    validation/run colors_and_cuts colors|cuts [NAME ...] [--data DIR] [--points N] [--spp N]
-    validation/run colors_and_cuts colors|cuts --data DIR --picture FILE.webp
+    validation/run edits_against_cycles colors|cuts [NAME ...] [--data DIR] [--points N] [--spp N]
+    validation/run edits_against_cycles colors|cuts --data DIR --picture FILE.webp
 
 prints a row of a Markdown table for each isosurface. With colors it also prints one for each white
 wall beside a ball with a red and a blue half. Cycles interpolates colors between vertices; the bake
