@@ -52,6 +52,16 @@ def read(name, placed=True, **layout):
     return volumes
 
 
+def together(*recipes):
+    """Returns a recipe of the volumes of several."""
+
+    def volumes(folder, fineness):
+        found = [recipe(folder, fineness) for recipe in recipes]
+        return None if None in found else sum(found, [])
+
+    return volumes
+
+
 def _at_the_origin(volume):
     sizes = np.linalg.norm(volume.index_to_world[:3, :3], axis=0)
     return replace(volume, index_to_world=np.diag([*sizes, 1.0]))
@@ -85,4 +95,6 @@ hydrogen_vti = read("hydrogen.vti", placed=False)
 isabel = read("isabel_02.vti", placed=False)
 amos = read("amos_0336.mhd", placed=False)
 electron_density = read("1jzv.ccp4", placed=False)
+# Files of validation/picture/make_molecule.py.
+caffeine = together(read("caffeine_density.cube"), read("caffeine_potential.cube"))
 orbital = read("N2O_homo+lumo.cube.gz", placed=False, channel=0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes documents of measurements, and their pictures."""
+"""Writes documents of measurements, their tables and pictures."""
 
 import argparse
 from pathlib import Path
@@ -35,3 +35,14 @@ def write(folder, files):
             continue
         with replaced(folder / name) as temporary:
             temporary.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def table(rows):
+    """Returns the lines of a Markdown table. rows: Dicts of texts, or None, by the column."""
+    if not rows:
+        return []
+    lines = [
+        "| " + " | ".join("" if cell is None else cell for cell in row) + " |"
+        for row in (rows[0], *(row.values() for row in rows))
+    ]
+    return [lines[0], "|" + "---|" * len(rows[0]), *lines[1:]]

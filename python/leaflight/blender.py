@@ -23,6 +23,7 @@ from typing import Any
 
 from ._core import LeaflightError
 from .measure import blender_versions
+from .paths import AnyPath
 
 try:
     import bpy
@@ -33,7 +34,7 @@ except ImportError:
     ) from None
 
 
-def import_volume(path: str | os.PathLike[str], **options: Any) -> bpy.types.Object:
+def import_volume(path: AnyPath, **options: Any) -> bpy.types.Object:
     """Imports a volume and returns its object, which shows a default isosurface.
 
     path: A file of any format of File > Import.
@@ -170,7 +171,7 @@ def animate_frames(obj: bpy.types.Object, first_frame: int | None = None) -> Non
 
 def compare(
     obj: bpy.types.Object,
-    folder: str | os.PathLike[str],
+    folder: AnyPath,
     samples: int = 256,
     baked_samples: int = 64,
     share: float = 1.0,
@@ -198,9 +199,7 @@ def compare(
     return figures
 
 
-def export(
-    obj: bpy.types.Object, path: str | os.PathLike[str], isovalues: Iterable[float] | None = None
-) -> None:
+def export(obj: bpy.types.Object, path: AnyPath, isovalues: Iterable[float] | None = None) -> None:
     """Writes the bake of an object in another program's format, by leaflight.export().
 
     path: File whose suffix chooses the format (docs/export.md).
@@ -256,7 +255,7 @@ def _call(operator: Any, **options: Any) -> None:
         raise LeaflightError(f"{operator.idname_py()} was cancelled.")
 
 
-def _absolute(path: str | os.PathLike[str]) -> str:
+def _absolute(path: AnyPath) -> str:
     resolved: str = bpy.path.abspath(str(path))
     return os.path.abspath(resolved)
 

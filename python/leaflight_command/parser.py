@@ -6,20 +6,23 @@ It does not import the package, because loading that would take most of the time
 
 import argparse
 
-from .numbers import integer, number
 from .shared_options import (
     MACHINES,
     Parser,
+    bake_options,
     color_options,
-    layout_options,
     isosurface_options,
+    isovalue_option,
+    layout_options,
     limit_options,
     lit_options,
-    memory_options,
     resolution_options,
     scene_options,
+    seed_option,
     side_options,
+    switch,
     threads_options,
+    value,
     workers_options,
 )
 
@@ -67,63 +70,36 @@ def _add_info(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "info", parents=[layout_options()], help="show the contents of a volume"
     )
-    parser.add_argument(
-        "volume",
-        metavar="VOLUME",
-        help=f"a file, a folder of TIFF or DICOM slices, or {', '.join(GENERATED)}",
-    )
+    text = f"a file, a folder of TIFF or DICOM slices, or {', '.join(GENERATED)}"
+    parser.add_argument("volume", metavar="VOLUME", help=text)
 
 
 def _add_bake(subparsers: "argparse._SubParsersAction[Parser]") -> None:
+    shared = lit_options(_VOLUME), scene_options(), threads_options()
     parser = subparsers.add_parser(
         "bake",
-        parents=[
-            lit_options(_VOLUME),
-            scene_options(),
-            threads_options(),
-            layout_options(),
-            color_options(),
-        ],
+        parents=[*shared, layout_options(), color_options()],
         usage="leaflight bake VOLUME ... --out X.vdb [OPTION ...]",
         help="light every isosurface of volumes",
     )
     target = parser.add_mutually_exclusive_group(required=True)
-    target.add_argument("--out", metavar="X.vdb", help="file to write")
-    target.add_argument(
-        "--resume",
-        metavar="X.vdb",
-        help="resume the interrupted bake to this file",
-    )
-    target.add_argument(
-        "--estimate",
-        action="store_true",
-        help="print the expected time and memory instead of baking",
-    )
+    value(target, "--out", "X.vdb", "file to write")
+    value(target, "--resume", "X.vdb", "resume the interrupted bake to this file")
+    switch(target, "--estimate", "print the expected time and memory instead of baking")
     limit_options(parser)
-    parser.add_argument(
-        "--continue",
-        dest="previous",
-        metavar="BAKE.vdb",
-        help="continue a finished bake, instead of a VOLUME",
-    )
+    text = "continue a finished bake, instead of a VOLUME"
+    value(parser, "--continue", "BAKE.vdb", text, dest="previous")
     # The default is true if the back is visible.
-    parser.add_argument(
-        "--both-sides",
-        action="store_true",
-        default=None,
-        help="light the backs, too (off: --no-both-sides)",
-    )
+    switch(parser, "--both-sides", "light the backs, too (off: --no-both-sides)", default=None)
     parser.add_argument(
         "--no-both-sides", dest="both_sides", action="store_false", help=argparse.SUPPRESS
     )
-    for option, text in (
-        ("--walls", "bake the light of the walls, too"),
-        ("--verbose", "print the passes that were skipped, and why"),
-    ):
-        parser.add_argument(option, action="store_true", help=text)
+    switch(parser, "--walls", "bake the light of the walls, too")
+    switch(parser, "--verbose", "print the passes that were skipped, and why")
     resolution_options(parser)
     machines = parser.group(MACHINES)
-    memory_options(machines)
+    text = "memory limit, such as 4GiB; larger volumes are stored in a file beside the output, "
+    value(machines, "--memory", "SIZE", text + "and texels become coarser to fit")
     workers_options(machines, "number of processes on this machine (Dask); the result is the same")
 
 
@@ -131,27 +107,16 @@ def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> N
     batch = subparsers.add_parser(
         "batch", help="run many bakes; resumes them after an interruption"
     )
-    batch.add_argument(
-        "list", metavar="LIST.txt", help="file with the arguments of one bake per line"
-    )
+    text = "file with the arguments of one bake per line"
+    batch.add_argument("list", metavar="LIST.txt", help=text)
     render = subparsers.add_parser(
         "render",
         help="render the frames of a .blend by workers; resumes them after an interruption",
     )
     render.add_argument("blend", metavar="X.blend", help="file with keyframes")
-    render.add_argument(
-        "--out", required=True, metavar="OUT", help="folder for the frames (.png), or an .mp4"
-    )
-    render.add_argument(
-        "--frames",
-        type=integer,
-        nargs=2,
-        metavar=("FIRST", "LAST"),
-        help="(those of the .blend)",
-    )
-    render.add_argument(
-        "--blender", default="blender", metavar="PROGRAM", help="path of Blender (blender)"
-    )
+    value(render, "--out", "OUT", "folder for the frames (.png), or an .mp4", required=True)
+    value(render, "--frames", "FIRST LAST", "(those of the .blend)")
+    value(render, "--blender", "PROGRAM", "path of Blender (blender)", default="blender")
     for one in (batch, render):
         workers_options(one, "number of Blenders on this machine (1)")
 
@@ -160,98 +125,44 @@ def _add_surface(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "surface", parents=[isosurface_options()], help="write one lit isosurface as a mesh"
     )
-    parser.add_argument("--out", required=True, metavar="MESH.ply", help="file to write")
+    value(parser, "--out", "MESH.ply", "file to write", required=True)
 
 
 def _add_still(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
-        "still", help="render a picture of a lit isosurface, without Blender"
+        "still",
+        parents=[bake_options()],
+        help="render a picture of a lit isosurface, without Blender",
     )
-    parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
-    parser.add_argument(
-        "--isovalue",
-        type=float,
-        metavar="C",
-        help="isovalue in data units; 0..1 of the range for several volumes (chosen)",
-    )
-    parser.add_argument(
-        "--out",
-        required=True,
-        metavar="X.png",
-        help="file to write: .png (exposed, transparent background) or .exr (radiance)",
-    )
+    isovalue_option(parser)
+    text = "file to write: .png (exposed, transparent background) or .exr (radiance)"
+    value(parser, "--out", "X.png", text, required=True)
     where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--view",
-        type=float,
-        nargs=2,
-        metavar=("AROUND", "UP"),
-        help=(
-            "azimuth from -y and elevation in degrees (a patient's front, or the largest "
-            "silhouette from slightly above)"
-        ),
-    )
-    where.add_argument(
-        "--camera", metavar="FILE", help="JSON file with position, target, up and angle"
-    )
-    parser.add_argument(
-        "--zoom",
-        type=float,
-        metavar="Z",
-        help="factor on the size of the isosurface in the picture (1)",
-    )
-    parser.add_argument(
-        "--size", type=int, nargs=2, default=(1280, 720), metavar=("W", "H"), help="pixels"
-    )
-    parser.add_argument(
-        "--samples", type=int, default=2, metavar="N", help="rays per side of a pixel (2)"
-    )
-    parser.add_argument("--no-walls", action="store_true", help="leave the walls out")
-    parser.add_argument(
-        "--color-bar", action="store_true", help=".png: draw the color bar of --color-by"
-    )
-    parser.add_argument(
-        "--local",
-        action="store_true",
-        help="shade by lamps without shadows or indirect light, for comparison",
-    )
+    text = "azimuth from -y and elevation in degrees (a patient's front, or the largest "
+    value(where, "--view", "AROUND UP", text + "silhouette from slightly above)")
+    value(where, "--camera", "FILE", "JSON file with position, target, up and angle")
+    value(parser, "--zoom", "Z", "factor on the size of the isosurface in the picture (1)")
+    value(parser, "--size", "W H", "pixels", default=(1280, 720))
+    value(parser, "--samples", "N", "rays per side of a pixel (2)", default=2)
+    switch(parser, "--no-walls", "leave the walls out")
+    switch(parser, "--color-bar", ".png: draw the color bar of --color-by")
+    text = "shade by lamps without shadows or indirect light, for comparison"
+    switch(parser, "--local", text)
 
 
 def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "export",
+        parents=[bake_options()],
         help="write a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
     )
-    parser.add_argument("bake", metavar="BAKE", help="a .vdb written by bake")
-    parser.add_argument(
-        "--out",
-        required=True,
-        metavar="X.EXT",
-        help=(
-            "file to write; all isosurfaces: .html (browser), .vti, .am; one: .vtp, .ply; one or "
-            "a sequence: .glb, .usda, .usdc, .usd"
-        ),
-    )
-    parser.add_argument(
-        "--isovalue",
-        type=number,
-        nargs="+",
-        metavar="C",
-        help="isovalue in data units; 0..1 of the range for several volumes (chosen)",
-    )
+    text = "file to write; all isosurfaces: .html (browser), .vti, .am; one: .vtp, .ply; one or "
+    value(parser, "--out", "X.EXT", text + "a sequence: .glb, .usda, .usdc, .usd", required=True)
+    isovalue_option(parser, "C ...")
     side_options(parser)
-    parser.add_argument(
-        "--coarser",
-        type=int,
-        default=0,
-        metavar="N",
-        help=".html: halve voxels and texels N times along each axis, 1 to 3 (0)",
-    )
-    parser.add_argument(
-        "--embed",
-        action="store_true",
-        help=".html: write a folder for an iframe on a web server",
-    )
+    text = ".html: halve voxels and texels N times along each axis, 1 to 3 (0)"
+    value(parser, "--coarser", "N", text, default=0)
+    switch(parser, "--embed", ".html: write a folder for an iframe on a web server")
 
 
 def _add_photons(subparsers: "argparse._SubParsersAction[Parser]") -> None:
@@ -260,15 +171,9 @@ def _add_photons(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         parents=[layout_options(), color_options(), lit_options(_VOLUME), scene_options()],
         help="write photons on isosurfaces as points",
     )
-    parser.add_argument("--out", required=True, metavar="POINTS.ply", help="file to write")
-    parser.add_argument(
-        "--photons",
-        type=integer,
-        default=100_000,
-        metavar="N",
-        help="number of emitted photons (100000)",
-    )
-    parser.add_argument("--seed", type=integer, default=0, metavar="N", help="random seed (0)")
+    value(parser, "--out", "POINTS.ply", "file to write", required=True)
+    value(parser, "--photons", "N", "number of emitted photons (100000)", default=100_000)
+    seed_option(parser, "random seed (0)")
 
 
 def _add_compare(subparsers: "argparse._SubParsersAction[Parser]") -> None:
@@ -277,21 +182,12 @@ def _add_compare(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         parents=[isosurface_options(), threads_options()],
         help="measure the error of a bake by path tracing",
     )
-    parser.add_argument("--points", type=integer, default=3000, metavar="N", help="points (3000)")
-    parser.add_argument(
-        "--spp", type=integer, default=1024, metavar="N", help="paths per point (1024)"
-    )
-    parser.add_argument(
-        "--reference",
-        choices=REFERENCES,
-        default=REFERENCES[0],
-        help="path: Leaflight's path tracer; cycles: Blender's Cycles (path)",
-    )
-    parser.add_argument(
-        "--mesh",
-        metavar="NAME",
-        help="compare this mesh of the walls; --back is the side against its normals",
-    )
+    value(parser, "--points", "N", "points (3000)", default=3000)
+    value(parser, "--spp", "N", "paths per point (1024)", default=1024)
+    text = "path: Leaflight's path tracer; cycles: Blender's Cycles (path)"
+    parser.add_argument("--reference", choices=REFERENCES, default=REFERENCES[0], help=text)
+    text = "compare this mesh of the walls; --back is the side against its normals"
+    value(parser, "--mesh", "NAME", text)
 
 
 def _add_flatland(subparsers: "argparse._SubParsersAction[Parser]") -> None:
@@ -301,16 +197,9 @@ def _add_flatland(subparsers: "argparse._SubParsersAction[Parser]") -> None:
         help="light every isoline of an image within the plane",
     )
     parser.add_argument("image", metavar="IMAGE", help="PNG, JPEG, TIFF or EXR, or bump_box")
-    parser.add_argument("--dims", type=integer, metavar="N", help="bump_box: nodes per side (200)")
-    parser.add_argument(
-        "--out",
-        required=True,
-        metavar="X.exr",
-        help="texture to write; also writes a picture X.png",
-    )
-    parser.add_argument(
-        "--isolines", type=number, nargs="+", metavar="C", help="isolines of the picture (chosen)"
-    )
+    value(parser, "--dims", "N", "bump_box: nodes per side (200)")
+    value(parser, "--out", "X.exr", "texture to write; also writes a picture X.png", required=True)
+    value(parser, "--isolines", "C ...", "isolines of the picture (chosen)")
     limit_options(parser)
     resolution_options(parser)
 

@@ -36,17 +36,8 @@ def test_the_camera_is_followed_when_the_volume_turns(found, name):
     assert 0.3 < row["height"] < 0.63
 
 
-def test_continue_goes_on(found):
-    row = found["continued"]
-    assert row["another"] and row["free"] and not row["failure"]
-
-
 def test_a_kept_bake_has_the_light_of_walls_or_says_so(found):
     assert found["kept"]["walls"]
-
-
-def test_a_bake_goes_on_when_its_window_is_closed(found):
-    assert found["window closed"] == {"goes on": True, "offered": True}
 
 
 def test_a_bake_ends_with_its_volume_and_its_sentence_with_undo(found):

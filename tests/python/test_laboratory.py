@@ -28,13 +28,11 @@ RUNS = [
     ("bench rays --quick", "| bump box, 16^3 at 100 |"),
     ("bench scrub --quick", "| bump box, 24^3 at 100 |"),
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
-    ("normals_against_cycles bump_box 47 --points 30 --spp 8", "| 47 | all |"),
-    ("direct_against_paths --cases 40^3 --points 20 --spp 8", "| bump box, 40^3 | 100 |"),
+    ("edits_against_cycles cuts bump --points 30 --spp 8", "| bump box | 100 |"),
     ("workers --dims 12", "| 4 |"),
-    ("error_bars --nodes 8 --seeds 2 --photons 1000 --estimators path", "| nucleons | path |"),
     (f"unwritten_memory {GOOD_FILE}", "1 files, 1 read, 0 with memory that was not written"),
 ]
-NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "normals_against_cycles")
+NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "edits_against_cycles")
 
 
 @pytest.fixture(autouse=True)

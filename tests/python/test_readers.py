@@ -7,10 +7,10 @@ import nibabel
 import numpy as np
 import pytest
 import tifffile
-from leaflight import read_volume
+from leaflight import Cancelled, Progress, read_volume
 from leaflight.io import reader_process
 from leaflight.io.images import read_pixels
-from leaflight.io.readers import probe
+from leaflight.io.readers import probe, watched
 from outcomes import reads, refused
 from PIL import Image, ImageSequence
 
@@ -150,3 +150,22 @@ def test_missing_data_are_masked(tmp_path, values):
     volume = read_volume(path)
     assert volume.field().masked
     np.testing.assert_array_equal(volume.values, values)
+
+
+def test_a_reading_is_cancelled_halfway(tmp_path, monkeypatch):
+    nibabel.save(
+        nibabel.Nifti1Image(np.zeros((200, 200, 200), np.uint8), np.eye(4)), tmp_path / "x.nii.gz"
+    )
+    progress, read, shares = Progress(), watched._Watched.readinto, []
+
+    def cancels(file, buffer):
+        shares.append(progress.fraction)
+        if progress.fraction > 0.05:
+            progress.cancel()
+        return read(file, buffer)
+
+    monkeypatch.setattr(watched, "_MOST", 1 << 8)
+    monkeypatch.setattr(watched._Watched, "readinto", cancels)
+    with pytest.raises(Cancelled):
+        read_volume(tmp_path / "x.nii.gz", progress=progress)
+    assert 0 < shares[-1] < 0.5

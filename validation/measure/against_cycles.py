@@ -5,10 +5,9 @@ import os
 
 import numpy as np
 from leaflight.bake.settings import DEFAULT_ERROR
-from leaflight.io.markdown import table
 from leaflight.measure.cycles import find_blender
 from volume_recipes import absent_text
-from written import parse_arguments, prepare, write
+from written import parse_arguments, prepare, table, write
 
 from .judged_bakes import (
     EXCEEDED,
@@ -22,23 +21,6 @@ from .judged_bakes import (
 
 # Mean color below which a relative difference means nothing.
 DARK = 0.01
-BAKE_FORMATS = {
-    "texels": "{:,}",
-    "passes": "{}",
-    "estimated before %": "{:.2f}",
-    "estimated after %": "{:.2f}",
-    "found %": "{:.2f}",
-}
-CYCLES_FORMATS = {
-    "isovalue": "{:g}",
-    "paths": "{:,}",
-    "RMS %": "{:.2f}",
-    "mean off by %": "{:+.1f}",
-    "noise %": "{:.2f}",
-    "texture %": "{:.2f}",
-    "mesh %": "{:.2f}",
-    "noise of Cycles %": "{:.2f}",
-}
 
 
 def main():
@@ -68,11 +50,11 @@ def bake_rows(rows):
         {
             "bake": name,
             "nodes": " x ".join(map(str, bake.nodes)),
-            "texels": bake.statistics.texels,
-            "passes": bake.statistics.passes,
-            "estimated before %": bake.before.error,
-            "estimated after %": bake.after,
-            "found %": bake.found,
+            "texels": f"{bake.statistics.texels:,}",
+            "passes": f"{bake.statistics.passes}",
+            "estimated before %": f"{bake.before.error:.2f}",
+            "estimated after %": f"{bake.after:.2f}",
+            "found %": f"{bake.found:.2f}",
             "true": "yes" if bake.true else "no",
         }
         for name, bake in bakes.items()
@@ -84,14 +66,14 @@ def cycles_rows(rows):
     return [
         {
             "bake": ": ".join(filter(None, (row.bake.case.name, row.volume))),
-            "isovalue": row.isovalue,
-            "paths": row.paths,
-            "RMS %": row.errors["rms_percent"],
-            "mean off by %": _off_by(row.errors),
-            "noise %": row.parts["noise_percent"],
-            "texture %": row.parts["texture_percent"],
-            "mesh %": row.parts["mesh_percent"],
-            "noise of Cycles %": row.errors["reference_noise_percent"],
+            "isovalue": f"{row.isovalue:g}",
+            "paths": f"{row.paths:,}",
+            "RMS %": f"{row.errors['rms_percent']:.2f}",
+            "mean off by %": "".join(f"{off:+.1f}" for off in _off_by(row)),
+            "noise %": f"{row.parts['noise_percent']:.2f}",
+            "texture %": f"{row.parts['texture_percent']:.2f}",
+            "mesh %": f"{row.parts['mesh_percent']:.2f}",
+            "noise of Cycles %": f"{row.errors['reference_noise_percent']:.2f}",
             "verdict": row.verdict,
         }
         for row in rows
@@ -99,11 +81,11 @@ def cycles_rows(rows):
 
 
 def summary(rows):
-    """Returns a paragraph about the rows of cycles_rows()."""
-    errors = np.array([row["RMS %"] for row in rows])
-    noise = [row["noise %"] for row in rows]
-    off = [row["mean off by %"] for row in rows if row["mean off by %"] is not None]
-    exceeded = sum(row["verdict"] == EXCEEDED for row in rows)
+    """Returns a paragraph about the isosurfaces."""
+    errors = np.array([row.errors["rms_percent"] for row in rows])
+    noise = [row.parts["noise_percent"] for row in rows]
+    off = [off for row in rows for off in _off_by(row)]
+    exceeded = sum(row.verdict == EXCEEDED for row in rows)
     return (
         f"{sum(errors <= DEFAULT_ERROR)} of the {len(rows)} isosurfaces have an error of at most "
         f"{DEFAULT_ERROR:g} %, and {sum(errors <= 2)} one of at most 2 %; the median is "
@@ -115,7 +97,7 @@ def summary(rows):
 
 def cycles_text(rows, absent, effort):
     lines = [
-        *([summary(cycles_rows(rows)), ""] if effort.judged and rows else []),
+        *([summary(rows), ""] if effort.judged and rows else []),
         "- Each bake has default settings and covers its default isovalue range. Cycles traces "
         f"*paths* at each of about {effort.points:,} random points of an isosurface's mesh. "
         "Blender builds the scene itself: marching cubes, smooth normals, caustics, no clamping "
@@ -145,12 +127,13 @@ def cycles_text(rows, absent, effort):
         *lines,
         *absent_text(absent),
         "",
-        *table(bake_rows(rows), BAKE_FORMATS),
+        *table(bake_rows(rows)),
         "",
-        *table(cycles_rows(rows), CYCLES_FORMATS),
+        *table(cycles_rows(rows)),
     ]
 
 
-def _off_by(errors):
-    """Returns the deviation of the mean in percent; None if everything is dark."""
-    return None if errors["mean_radiance"] < DARK else 100 * (errors["mean_ratio"] - 1)
+def _off_by(row):
+    """Returns [deviation of the mean in percent]; an empty list if everything is dark."""
+    is_dark = row.errors["mean_radiance"] < DARK
+    return [] if is_dark else [100 * (row.errors["mean_ratio"] - 1)]

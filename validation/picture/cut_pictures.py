@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes docs/images/cuts.webp and regions.webp, stills of cut volumes on a lit floor.
+"""Makes docs/images/regions.webp, stills of cut volumes on a lit floor.
 
-    validation/run cut_pictures DIR [NAME]
+    validation/run cut_pictures DIR
 
-DIR holds the real volumes: ch2.nii.gz, tooth16.raw, engine.vti and amos_0336.mhd.
+DIR holds the real volumes ch2.nii.gz and amos_0336.mhd.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from leaflight.stills.first_view import camera_around_bake
 from leaflight.volume.regions import LargestPart, changed
 from PIL import Image
 
-from measure.cuts_against_cycles import brain, engine, tooth, turned_box
+from measure.edits_against_cycles import outside_of_box
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 PANEL = (560, 420)
@@ -73,16 +73,12 @@ def standing(volume, isovalue):
     return fitted(description, Fit(np.array(center), fit.scale))
 
 
-def cuts(folder):
-    shown = ((brain, 45.5, (200, 25)), (tooth, 500.5, (20, 15)), (engine, 50.5, (45, 35)))
-    return [Panel(*make(folder), isovalue, angles) for make, isovalue, angles in shown]
-
-
 def regions(folder):
     """Returns a head cut in four ways, and a body with and without the table under it."""
     head = leaflight.read_volume(folder / "ch2.nii.gz")
     quarter = [
-        turned_box(head, (-0.1, 0.5, 0.4), (0.5, 1.2, 1.2), 0.2, cut) for cut in ("capped", "open")
+        outside_of_box((-0.1, 0.5, 0.4), (0.5, 1.2, 1.2), 0.2, cut)(head)[1][0]
+        for cut in ("capped", "open")
     ]
     angles = (200, 25)
     body = leaflight.read_volume(folder / "amos_0336.mhd")
@@ -99,17 +95,12 @@ def regions(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, metavar="DIR")
-    made = {maker.__name__: maker for maker in (cuts, regions)}
-    parser.add_argument("name", nargs="?", choices=made)
-    options = parser.parse_args()
-    for name in [options.name] if options.name else made:
-        panels = made[name](options.folder)
-        rows = -(-len(panels) // 3)
-        picture = Image.new("RGB", (3 * PANEL[0], rows * PANEL[1]))
-        for number, panel in enumerate(panels):
-            place = np.array([number % 3, number // 3]) * PANEL
-            picture.paste(panel.draw(), tuple(place.tolist()))
-            picture.save(IMAGES / f"{name}.webp", quality=88)
+    panels = regions(parser.parse_args().folder)
+    picture = Image.new("RGB", (3 * PANEL[0], len(panels) // 3 * PANEL[1]))
+    for number, panel in enumerate(panels):
+        place = np.array([number % 3, number // 3]) * PANEL
+        picture.paste(panel.draw(), tuple(place.tolist()))
+    picture.save(IMAGES / "regions.webp", quality=88)
 
 
 if __name__ == "__main__":

@@ -9,9 +9,8 @@ import shutil
 from dataclasses import dataclass
 
 import numpy as np
-from leaflight.io.markdown import table
 from volume_recipes import absent_text
-from written import parse_arguments, prepare, write
+from written import parse_arguments, prepare, table, write
 
 from . import plots
 from .curves import (
@@ -127,15 +126,15 @@ def curve_rows(curves):
     return [
         {
             "curve": curve.name,
-            "samples": point.samples,
-            "rays": point.costs[0].rays,
-            "seconds": point.seconds,
-            "fastest": min(cost.seconds for cost in point.costs),
-            "slowest": max(cost.seconds for cost in point.costs),
-            "RMS %": point.error,
-            "noise %": point.noise,
-            "peak MiB": point.peak / MEBIBYTE,
-            "file MiB": point.costs[0].file and point.costs[0].file / MEBIBYTE,
+            "samples": f"{point.samples}",
+            "rays": None if point.costs[0].rays is None else f"{point.costs[0].rays:,}",
+            "seconds": f"{point.seconds:.2f}",
+            "fastest": f"{min(cost.seconds for cost in point.costs):.2f}",
+            "slowest": f"{max(cost.seconds for cost in point.costs):.2f}",
+            "RMS %": f"{point.error:.2f}",
+            "noise %": f"{point.noise:.2f}",
+            "peak MiB": f"{point.peak / MEBIBYTE:.0f}",
+            "file MiB": point.costs[0].file and f"{point.costs[0].file / MEBIBYTE:.1f}",
         }
         for curve in curves.curves
         for point in curve.points
@@ -167,7 +166,7 @@ def curves_text(curves):
         "and a first pass. Seconds are the mean of the isosurfaces. Cycles bakes each corner of a "
         "triangle, about six at a vertex. Its error includes that of the mesh.",
         "",
-        *table(curve_rows(curves), CURVE_FORMATS),
+        *table(curve_rows(curves)),
     ]
 
 
@@ -178,18 +177,18 @@ def slope_rows(curves, analysis):
         samples = [point.samples for point in curve.points]
         fit, last = analysis.errors[curve.name], curve.points[-1]
         floor = root(fit.interval(0))
+        of_error = slope(samples, [point.error for point in curve.points])
+        rest = np.sqrt(max(0.0, last.error**2 - last.noise**2))
         enough = samples_for(np.sqrt(2.0) * floor.value, fit) if floor.value > 0 else np.inf
         rows.append(
             {
                 "curve": curve.name,
-                "slope of the error": slope(samples, [point.error for point in curve.points]),
-                "slope of the noise": analysis.slopes[curve.name],
-                "floor, %": floor,
-                "samples for noise = floor": enough,
-                "most samples": last.samples,
-                "error less noise there, %": float(
-                    np.sqrt(max(0.0, last.error**2 - last.noise**2))
-                ),
+                "slope of the error": _interval(of_error, ".2f"),
+                "slope of the noise": _interval(analysis.slopes[curve.name], ".2f"),
+                "floor, %": _interval(floor, ".2f"),
+                "samples for noise = floor": f"{enough:.0f}",
+                "most samples": f"{last.samples}",
+                "error less noise there, %": f"{rest:.2f}",
             }
         )
     return rows
@@ -210,7 +209,7 @@ def slopes_text(curves, analysis):
         "- The last column is the floor without a fit, from the squares of error and noise with "
         "the most samples.",
         "",
-        *table(slope_rows(curves, analysis), SLOPE_FORMATS),
+        *table(slope_rows(curves, analysis)),
     ]
 
 
@@ -229,8 +228,25 @@ def break_even_text(analysis):
         f"{100 * SECONDS_VARY:.0f} % between runs. A value of 0 means that Cycles does not reach "
         "the error, because of the triangles of its mesh.",
         "",
-        *table(analysis.break_even, BREAK_EVEN_FORMATS),
+        *table(
+            [
+                {
+                    **row,
+                    "RMS %": f"{row['RMS %']:.2f}",
+                    "seconds": f"{row['seconds']:.2f}",
+                    "isosurfaces": _interval(row["isosurfaces"], ".1f"),
+                }
+                for row in analysis.break_even
+            ]
+        ),
     ]
+
+
+def _interval(estimate, form):
+    low, value, high = (
+        format(number, form) for number in (estimate.low, estimate.value, estimate.high)
+    )
+    return f"{value} ({low} .. {high})"
 
 
 def data_rows(rows):
@@ -242,20 +258,20 @@ def data_rows(rows):
             {
                 "data set": row.data_set.name,
                 "isovalues": ", ".join(f"{c:g}" for c in row.data_set.isovalues),
-                "texels": row.texels,
-                "bake s": row.cost.seconds,
-                "direct s": row.direct,
-                "estimated %": row.estimated,
-                "RMS %": row.error,
-                "of which noise %": row.noise,
-                "mean color": row.color,
-                "break-even": row.break_even,
-                "peak MiB": row.cost.peak / MEBIBYTE,
-                "file MiB": row.cost.file / MEBIBYTE,
-                "thesis bake s": printed and printed.bake,
-                "thesis direct s": printed and printed.direct,
-                "thesis RMS %": printed and printed.error,
-                "thesis break-even": printed and printed.bake / printed.direct,
+                "texels": f"{row.texels:,}",
+                "bake s": f"{row.cost.seconds:.1f}",
+                "direct s": f"{row.direct:.1f}",
+                "estimated %": f"{row.estimated:.2f}",
+                "RMS %": f"{row.error:.2f}",
+                "of which noise %": f"{row.noise:.2f}",
+                "mean color": f"{row.color:.2f}",
+                "break-even": f"{row.break_even:.1f}",
+                "peak MiB": f"{row.cost.peak / MEBIBYTE:.0f}",
+                "file MiB": f"{row.cost.file / MEBIBYTE:.1f}",
+                "thesis bake s": printed and f"{printed.bake:.0f}",
+                "thesis direct s": printed and f"{printed.direct:.0f}",
+                "thesis RMS %": printed and f"{printed.error:.2f}",
+                "thesis break-even": printed and f"{printed.bake / printed.direct:.1f}",
             }
         )
     return result
@@ -277,46 +293,4 @@ def data_text(rows, absent, effort):
         "- The peak is the most memory of the process during the bake, with Python, its modules "
         "and the volume. The file holds the radiance and the volume, compressed.",
     ]
-    return [*lines, *absent_text(absent), "", *table(data_rows(rows), DATA_FORMATS)]
-
-
-CURVE_FORMATS = {
-    "samples": "{}",
-    "rays": "{:,}",
-    "seconds": "{:.2f}",
-    "fastest": "{:.2f}",
-    "slowest": "{:.2f}",
-    "RMS %": "{:.2f}",
-    "noise %": "{:.2f}",
-    "peak MiB": "{:.0f}",
-    "file MiB": "{:.1f}",
-}
-SLOPE_FORMATS = {
-    "slope of the error": "{:.2f}",
-    "slope of the noise": "{:.2f}",
-    "floor, %": "{:.2f}",
-    "samples for noise = floor": "{:.0f}",
-    "most samples": "{}",
-    "error less noise there, %": "{:.2f}",
-}
-BREAK_EVEN_FORMATS = {
-    "RMS %": "{:.2f}",
-    "seconds": "{:.2f}",
-    "isosurfaces": "{:.1f}",
-}
-DATA_FORMATS = {
-    "texels": "{:,}",
-    "bake s": "{:.1f}",
-    "direct s": "{:.1f}",
-    "estimated %": "{:.2f}",
-    "RMS %": "{:.2f}",
-    "of which noise %": "{:.2f}",
-    "mean color": "{:.2f}",
-    "break-even": "{:.1f}",
-    "peak MiB": "{:.0f}",
-    "file MiB": "{:.1f}",
-    "thesis bake s": "{:.0f}",
-    "thesis direct s": "{:.0f}",
-    "thesis RMS %": "{:.2f}",
-    "thesis break-even": "{:.1f}",
-}
+    return [*lines, *absent_text(absent), "", *table(data_rows(rows))]

@@ -5,7 +5,7 @@ import io
 import os
 
 import numpy as np
-from written import parse_arguments, prepare, write
+from written import parse_arguments, prepare, table, write
 
 from .experiments import QUICK, Effort, table_3_1, table_4_2, table_4_9
 from .pictures import side_by_side
@@ -29,22 +29,22 @@ def main():
     options = parse_arguments(__doc__, has_data=False)
     prepare(options.out, "tables.md")
     effort = QUICK if options.quick else Effort()
-    done = [table(effort) for table in TABLES]
+    done = [compute(effort) for compute in TABLES]
     lines = [
         "# The thesis's tables",
         "",
         f"Written by `validation/run tables{' --quick' * options.quick}` on {os.cpu_count()} "
         f"cores. {TABLES_SAY}",
-        *(line for table in done for line in _text(table)),
+        *(line for made in done for line in _text(made)),
     ]
-    files = {name: content for table in done for name, content in _files(table).items()}
+    files = {name: content for made in done for name, content in _files(made).items()}
     write(options.out, {**files, "tables.md": "\n".join(lines) + "\n"})
     print("\n".join(lines))
-    return int(any(row.passed is False for table in done for row in table.rows))
+    return int(any(row.passed is False for made in done for row in made.rows))
 
 
 def _cells(row):
-    """Returns the COLUMNS of a row; absent ones are None."""
+    """Returns the texts of a row, by COLUMNS and further errors."""
     trial, scattered = row.trial, row.trial.scattered
     cells = (
         trial.name,
@@ -56,16 +56,17 @@ def _cells(row):
         row.seconds,
         row.verdict,
     )
-    return {**dict(zip(COLUMNS, cells, strict=True)), **row.others}
+    found = {**dict(zip(COLUMNS, cells, strict=True)), **row.others}
+    return {name: _printed(name, cell) for name, cell in found.items()}
 
 
-def _files(table):
+def _files(made):
     """Returns pictures by their names."""
     files = {}
-    for kind, pictures in table.pictures.items():
+    for kind, pictures in made.pictures.items():
         reduction = max(1, round(max(map(np.shape, pictures.values()))[1] / BESIDE))
         row = side_by_side(list(pictures.values()), reduction)
-        files[f"images/{table.name}_{kind}.png"] = _small_png(row)
+        files[f"images/{made.name}_{kind}.png"] = _small_png(row)
     return files
 
 
@@ -78,15 +79,12 @@ def _small_png(picture):
     return file.getvalue()
 
 
-def _text(table):
-    columns = [*COLUMNS, *table.rows[0].others]
-    lines = ["", f"## {table.title}", "", _line(columns), "|" + "---|" * len(columns)]
-    for row in table.rows:
-        lines += [_line(_printed(name, cell) for name, cell in _cells(row).items())]
-    lines += ["", *(f"- {note}" for note in table.notes)]
-    for kind, pictures in table.pictures.items():
+def _text(made):
+    lines = ["", f"## {made.title}", "", *table([_cells(row) for row in made.rows])]
+    lines += ["", *(f"- {note}" for note in made.notes)]
+    for kind, pictures in made.pictures.items():
         names = ", ".join(pictures)
-        lines += ["", f"![{names}](images/{table.name}_{kind}.png)", ""]
+        lines += ["", f"![{names}](images/{made.name}_{kind}.png)", ""]
         lines += [f"*{kind.capitalize()}: {names}.*"]
     return lines
 
@@ -97,7 +95,3 @@ def _printed(name, cell):
     number = "{:.2f}" if isinstance(cell, float) else "{}"
     formats = {"samples": "{:,}", "printed": "{:g}", "seconds": "{:.1f}"}
     return formats.get(name, number).format(cell)
-
-
-def _line(cells):
-    return "| " + " | ".join(cells) + " |"

@@ -2,7 +2,6 @@
 """The class Bake: the radiance of every isosurface, and the methods that read it."""
 
 import json
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike
 from .._core import LeaflightError
 from ..arrays import Array
 from ..io.output import check_writable
+from ..paths import AnyPath
 from ..words import by, figures, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
@@ -147,7 +147,7 @@ class Bake:
         """Largest difference of radiance along an edge of a small mesh for display."""
         return LARGEST_STEP / self.scene.exposure
 
-    def save(self, path: str | os.PathLike[str], progress: _core.Progress | None = None) -> None:
+    def save(self, path: AnyPath, progress: _core.Progress | None = None) -> None:
         """Writes the bake as one .vdb. No incomplete file gets the final name.
 
         Raises LeaflightError, and Cancelled if progress, a _core.Progress, is cancelled before the
@@ -355,7 +355,7 @@ class Bake:
 
         def export_page(
             self,
-            path: str | os.PathLike[str],
+            path: AnyPath,
             isovalue: float | None = None,
             *,
             coarser: int = 0,

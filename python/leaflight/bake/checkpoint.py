@@ -2,7 +2,6 @@
 """Checkpoints: an interrupted bake in passes resumes from one and gives the same bits."""
 
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,14 @@ from typing import Any
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..paths import AnyPath
 from .provenance import Provenance, provenance_from_json
 
 # Longest time between two checkpoints, unless a block of light takes longer.
 SECONDS = 25.0
 
 
-def checkpoint_for(out: str | os.PathLike[str]) -> Path:
+def checkpoint_for(out: AnyPath) -> Path:
     """Returns the path of the checkpoint of a bake that will be written to a file."""
     return Path(f"{out}.checkpoint")
 
@@ -63,13 +63,13 @@ class Checkpoint:
             pass  # A file that is left does no harm.
 
 
-def read_recipe(path: str | os.PathLike[str]) -> dict[str, Any]:
+def read_recipe(path: AnyPath) -> dict[str, Any]:
     """Returns the recipe of the bake that wrote a checkpoint. Raises LeaflightError."""
     recipe: dict[str, Any] = _read(path)["recipe"]
     return recipe
 
 
-def _read(path: str | os.PathLike[str]) -> dict[str, Any]:
+def _read(path: AnyPath) -> dict[str, Any]:
     try:
         text = json.loads(_core.read_checkpoint(path))
         if not isinstance(text["recipe"], dict):

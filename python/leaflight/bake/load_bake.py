@@ -2,7 +2,6 @@
 """Loads bakes from their files."""
 
 import json
-import os
 from dataclasses import replace
 
 import leaflight._core as _core
@@ -10,6 +9,7 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..io.reader_process import ReaderProcess
 from ..io.scene_file import scene_from_json
+from ..paths import AnyPath
 from ..volume.regions import cuts_from_record
 from ..volume.units import METERS
 from ..volume.volume import Volume
@@ -18,7 +18,7 @@ from .provenance import EARLIER, provenance_from_json, read_bake_id
 from .statistics import statistics_from_record
 
 
-def load_bake(path: str | os.PathLike[str]) -> Bake:
+def load_bake(path: AnyPath) -> Bake:
     """Reads a file that Bake.save wrote. Raises LeaflightError for any other file."""
     progress = _core.Progress()
     return with_walls(*open_bake(path, progress), progress)
@@ -32,9 +32,7 @@ def with_walls(bake: Bake, walls: _core.WallRadiance | None, progress: _core.Pro
     return replace(bake, walls=walls)
 
 
-def open_bake(
-    path: str | os.PathLike[str], progress: _core.Progress
-) -> tuple[Bake, _core.WallRadiance | None]:
+def open_bake(path: AnyPath, progress: _core.Progress) -> tuple[Bake, _core.WallRadiance | None]:
     """Returns a bake without its walls, and the walls for with_walls().
 
     The direct light of walls may take a minute. Raises LeaflightError, Cancelled.

@@ -18,11 +18,12 @@ from .._core import LeaflightError
 from ..io.scene_file import scene_to_json
 from ..scene.scene import Mesh, SceneDescription
 from ..volume.other_arrays import as_volumes
+from ..volume.regions import frozen
 from ..volume.volume import Volume
 from .bake import placed
 from .baked import Bake
 from .relit import can_be_relit
-from .provenance import Provenance, frozen, values_sha256
+from .provenance import Provenance, values_sha256
 
 
 @dataclass(frozen=True)

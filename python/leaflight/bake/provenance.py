@@ -3,7 +3,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
@@ -15,9 +14,10 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..paths import AnyPath
 from ..scene.scene import Color, Isosurfaces
 from ..version import __version__
-from ..volume.regions import cuts_to_record
+from ..volume.regions import cuts_to_record, frozen
 from ..volume.volume import Volume
 
 _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
@@ -189,14 +189,7 @@ def provenance_from_json(text: str) -> Provenance:
     return found
 
 
-def frozen(value: Any) -> Any:
-    """Returns the value with tuples in place of lists, at any depth."""
-    if isinstance(value, dict):
-        return {key: frozen(each) for key, each in value.items()}
-    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
-
-
-def read_bake_id(path: str | os.PathLike[str]) -> str:
+def read_bake_id(path: AnyPath) -> str:
     """Returns the id of the bake in a file. Reads only its first bytes.
 
     Raises LeaflightError for any other file.

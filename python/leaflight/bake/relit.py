@@ -18,7 +18,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..scene.scene import AreaLight, Color, Isosurfaces, Light, Mesh, PointLight, Ramp, is_color
-from .provenance import frozen
+from ..volume.regions import frozen
 
 if TYPE_CHECKING:
     from .baked import Bake

@@ -24,7 +24,7 @@ from ..words import figures
 from .coloring import COLOR_OPTIONS, source_anywhere
 from .lighting import bake_options, to_light
 from ..progress_bar import run_with_progress
-from .output import Output
+from .output import Output, picked
 from .workers import workers_of
 
 # Options allowed for any bake, because they do not change its result.
@@ -71,11 +71,7 @@ def run_bake(options: Namespace) -> Output:
 
 def bake_settings(options: Namespace) -> dict[str, Any]:
     """Returns the settings for bake()."""
-    return {
-        **bake_options(options),
-        "both_sides": options.both_sides,
-        "walls": options.walls,
-    }
+    return {**bake_options(options), **picked(options, "both_sides walls")}
 
 
 def _continued(options: Namespace) -> Bake:
@@ -93,13 +89,11 @@ def _continued(options: Namespace) -> Bake:
         with workers_of(options, progress) as workers:
             baked = refine(
                 previous,
-                error=options.error,
-                time=options.time,
                 walls=options.walls or None,
-                threads=options.threads,
                 progress=progress,
                 checkpoint=checkpoint,
                 workers=workers,
+                **picked(options, "error time threads"),
             )
         return _saved(baked, options, progress, checkpoint)
 

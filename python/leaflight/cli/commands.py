@@ -48,7 +48,7 @@ from .lighting import bake_options, given_options, open_with, to_light
 from ..progress_bar import run_with_progress
 from .render_command import run_render
 from .still_command import run_still
-from .output import Command, Output, json_line, print_error, print_lines
+from .output import Command, Output, json_line, picked, print_error, print_lines
 
 
 def run(options: Namespace) -> int:
@@ -92,8 +92,8 @@ def _channels(options: Namespace) -> list[Channel]:
     """Returns the channels of a file; none if there is only one, or if it is generated."""
     if is_generated(options.volume):
         return []
-    names = StoredOptions.__annotations__
-    stored = probe(options.volume, **given_options(options, **{name: name for name in names}))
+    given = given_options(options, StoredOptions.__annotations__)
+    stored = probe(options.volume, **given)
     return [stored.channel(k) for k in range(stored.channels)] if stored.channels > 1 else []
 
 
@@ -140,14 +140,8 @@ def _photons(options: Namespace) -> Output:
     volumes, scene = to_light(options, ".ply")
 
     def work(progress: Progress) -> Photons:
-        photons = trace_photons(
-            volumes,
-            scene,
-            count=options.photons,
-            isovalues=options.isovalues,
-            seed=options.seed,
-            progress=progress,
-        )
+        how = picked(options, "isovalues seed")
+        photons = trace_photons(volumes, scene, count=options.photons, progress=progress, **how)
         progress.check()
         write_photons(options.out, photons)
         return photons
@@ -182,9 +176,7 @@ def _surface(options: Namespace) -> Output:
 
     surface = run_with_progress(work, "surface", writes=True)
     result = {
-        "out": options.out,
-        "isovalue": options.isovalue,
-        "volume": options.volume,
+        **picked(options, "out isovalue volume"),
         "vertices": len(surface.vertices),
         "triangles": len(surface.triangles),
         "seconds": surface.seconds,
@@ -199,19 +191,8 @@ def _compare(options: Namespace) -> Output:
     baked = load_bake(options.bake)
 
     def work(progress: Progress) -> dict[str, Any]:
-        return compare(
-            baked,
-            options.isovalue,
-            points=options.points,
-            spp=options.spp,
-            seed=options.seed,
-            threads=options.threads,
-            progress=progress,
-            volume=options.volume,
-            back=options.back,
-            mesh=options.mesh,
-            reference=options.reference,
-        )
+        how = picked(options, "points spp seed threads volume back mesh reference")
+        return compare(baked, options.isovalue, progress=progress, **how)
 
     result = run_with_progress(work, "compare")
     isovalue = _isovalue(baked, options)

@@ -10,23 +10,15 @@ from ..bake.load_bake import load_bake
 from ..words import figures
 from ..export.export import export
 from ..progress_bar import run_with_progress
-from .output import Output
+from .output import Output, picked
 
 
 def run_export(options: Namespace) -> Output:
     baked = load_bake(options.bake)
 
     def work(progress: Progress) -> dict[float, Surface]:
-        return export(
-            baked,
-            options.out,
-            options.isovalue,
-            volume=options.volume,
-            back=options.back,
-            progress=progress,
-            coarser=options.coarser,
-            embed=options.embed,
-        )
+        how = picked(options, "volume back coarser embed")
+        return export(baked, options.out, options.isovalue, progress=progress, **how)
 
     surfaces = run_with_progress(work, "export", writes=True)
     out = Path(options.out)

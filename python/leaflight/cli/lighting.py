@@ -3,7 +3,7 @@
 
 import os
 from argparse import Namespace
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -61,14 +61,14 @@ def to_light(options: Namespace, suffix: str) -> tuple[list[Volume], SceneDescri
 
 def bake_options(options: Namespace) -> dict[str, Any]:
     """Returns the arguments that bake and bake_flatland have in common."""
-    names = ("isovalues", "error", "time", "resolution", "seed", "threads")
-    return given_options(options, **{name: name for name in names})
+    return given_options(options, ("isovalues", "error", "time", "resolution", "seed", "threads"))
 
 
-def given_options(options: Namespace, **names: str) -> dict[str, Any]:
-    """Returns the options that were given, by the names of the settings."""
-    values = {name: getattr(options, option) for name, option in names.items()}
-    return {name: value for name, value in values.items() if value is not None}
+def given_options(options: Namespace, names: Container[str]) -> dict[str, Any]:
+    """Returns those of the options that were given, by their names."""
+    return {
+        name: value for name, value in vars(options).items() if name in names and value is not None
+    }
 
 
 def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None = None) -> Volume:
@@ -77,4 +77,4 @@ def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None
 
 
 def _merged(options: Namespace, reading: Mapping[str, Any]) -> dict[str, Any]:
-    return {**reading, **given_options(options, **{name: name for name in OPTIONS})}
+    return {**reading, **given_options(options, OPTIONS)}

@@ -14,6 +14,11 @@ Output = tuple[dict[str, Any], Sequence[str]]
 Command = Callable[[Namespace], Output]
 
 
+def picked(options: Namespace, names: str) -> dict[str, Any]:
+    """Returns some of the options, by their names in a text."""
+    return {name: getattr(options, name) for name in names.split()}
+
+
 def print_lines(lines: Iterable[str]) -> bool:
     """Prints lines to stdout. Returns False if that failed."""
     if sys.stdout is None:

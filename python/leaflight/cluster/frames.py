@@ -5,13 +5,13 @@ It runs in the processes of workers. A frame's file is complete or absent.
 """
 
 import json
-import os
 import subprocess
 import threading
 from collections.abc import Sequence
 from pathlib import Path
 
 from .._core import Cancelled, LeaflightError
+from ..paths import AnyPath
 
 # Number of last characters of Blender's output that an error quotes.
 _LAST_WORDS = 300
@@ -69,9 +69,7 @@ print("FRAMES", [scene.frame_start, scene.frame_end, render.fps, *size])
 """
 
 
-def ask(
-    blender: str | os.PathLike[str], blend: str | os.PathLike[str]
-) -> tuple[int, int, int, int, int]:
+def ask(blender: AnyPath, blend: AnyPath) -> tuple[int, int, int, int, int]:
     """Returns (first frame, last frame, frames per second, width, height) of a .blend.
 
     Raises LeaflightError.
@@ -86,12 +84,7 @@ def ask(
     return tuple(json.loads(line.partition(" ")[2]))
 
 
-def render(
-    key: str,
-    blender: str | os.PathLike[str],
-    blend: str | os.PathLike[str],
-    work: Sequence[tuple[int, str]],
-) -> None:
+def render(key: str, blender: AnyPath, blend: AnyPath, work: Sequence[tuple[int, str]]) -> None:
     """Renders frames. work: (number, path of the .png) of each frame.
 
     key: Key for cancel().
@@ -106,11 +99,7 @@ def render(
 
 
 def assemble(
-    blender: str | os.PathLike[str],
-    frames: Sequence[Path],
-    out: Path,
-    fps: int,
-    size: Sequence[int],
+    blender: AnyPath, frames: Sequence[Path], out: Path, fps: int, size: Sequence[int]
 ) -> None:
     """Makes an .mp4 of pictures in one folder. Raises LeaflightError."""
     work = json.dumps([[str(path) for path in frames], str(out), fps, size])
@@ -136,7 +125,7 @@ def cancel(key: str) -> None:
             _running[key].kill()
 
 
-def _run(command: Sequence[str | os.PathLike[str]], key: str | None = None) -> str:
+def _run(command: Sequence[AnyPath], key: str | None = None) -> str:
     """Returns the output of Blender.
 
     Raises LeaflightError if it fails, Cancelled after cancel().

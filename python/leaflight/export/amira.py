@@ -4,7 +4,6 @@
 In amira it is the Color Field of an isosurface of the same data.
 """
 
-import os
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,10 +13,11 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
+from ..paths import AnyPath
 from .point_grid import point_grid
 
 
-def write_amira(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
+def write_amira(path: AnyPath, bake: Bake, volume: int = 0) -> None:
     """Writes the colors of a volume (its number) of a Bake. Raises LeaflightError.
 
     A point has four bytes: sRGB at the scene's exposure, and 255. The box of the file is the volume

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """export() writes a bake in the format of a file's suffix; export_page() writes a web page."""
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
@@ -13,6 +12,7 @@ import leaflight._core as _core
 from .._core import LeaflightError
 from ..bake.baked import Bake, Surface
 from ..io.output import check_writable
+from ..paths import AnyPath
 from ..progress_bar import with_progress
 from ..stills.first_view import default_isovalue_of
 from ..volume.setting_error import SettingError
@@ -51,7 +51,7 @@ _BROUGHT_BY = {
 @with_progress("export")
 def export(
     bake: Bake,
-    path: str | os.PathLike[str],
+    path: AnyPath,
     isovalues: Iterable[float] | None = None,
     *,
     volume: int = 0,
@@ -112,7 +112,7 @@ def export(
 @with_progress("export")
 def export_page(
     bake: Bake,
-    path: str | os.PathLike[str],
+    path: AnyPath,
     isovalue: float | None = None,
     *,
     coarser: int = 0,

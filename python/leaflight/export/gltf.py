@@ -5,7 +5,6 @@ https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
 """
 
 import json
-import os
 import struct
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
+from ..paths import AnyPath
 from ..scene.texture_values import identifiers
 from ..version import __version__
 from ..volume.units import METERS
@@ -40,10 +40,7 @@ _MATERIAL = {
 
 
 def write_glb(
-    path: str | os.PathLike[str],
-    surfaces: Mapping[float, Surface],
-    exposure: float,
-    seconds: float = _SECONDS,
+    path: AnyPath, surfaces: Mapping[float, Surface], exposure: float, seconds: float = _SECONDS
 ) -> None:
     """Writes Surfaces, {isovalue: Surface}. Raises LeaflightError.
 

@@ -4,7 +4,6 @@
 import base64
 import html
 import json
-import os
 from pathlib import Path
 from typing import TypedDict
 
@@ -14,6 +13,7 @@ from .._core import LeaflightError
 from ..bake.baked import Bake
 from ..io.images import png_bytes
 from ..io.output import check_writable, replaced, replaced_together
+from ..paths import AnyPath
 from ..stills.photograph import photographed
 from ..stills.still import check_diffuse, still
 from .light_bricks import LARGEST_SIDE
@@ -44,7 +44,7 @@ class PageOptions(TypedDict, total=False):
 
 
 def write_page(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     bake: Bake,
     isovalue: float,
     coarser: int = 0,

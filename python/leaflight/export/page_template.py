@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The web page without a bake. web/bundle.mjs builds it as a part of the package."""
 
-import os
 from pathlib import Path
 
 from .._core import LeaflightError
+from ..paths import AnyPath
 
 TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 
 
-def read_template(path: str | os.PathLike[str]) -> str:
+def read_template(path: AnyPath) -> str:
     """Returns the page without a bake. Raises LeaflightError for path if it is missing."""
     try:
         return TEMPLATE.read_text(encoding="utf-8")

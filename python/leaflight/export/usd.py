@@ -2,7 +2,6 @@
 """Lit isosurfaces as Universal Scene Description (.usda, .usdc, .usd)."""
 
 import errno
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
 from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
+from ..paths import AnyPath
 from ..scene.texture_values import identifiers
 from ..volume.units import METERS
 
@@ -21,9 +21,7 @@ _TAKEN = ("displaycolor", "displayopacity", "normals", "radiance", "st", "widths
 _FRAMES_PER_SECOND = 24.0
 
 
-def write_usd(
-    path: str | os.PathLike[str], surfaces: Mapping[float, Surface], exposure: float
-) -> None:
+def write_usd(path: AnyPath, surfaces: Mapping[float, Surface], exposure: float) -> None:
     """Writes Surfaces, {isovalue: Surface}, in world coordinates, z up. Raises LeaflightError.
 
     metersPerUnit is that of the world, 1 if unknown. The mesh is /Leaflight/isosurface, with

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake as a VTK image (.vti), for ParaView."""
 
-import os
-
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
@@ -13,12 +11,13 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
+from ..paths import AnyPath
 from ..scene.texture_values import identifiers
 from .point_grid import point_grid
 from .vtk_arrays import add_text_and_numbers, write
 
 
-def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None:
+def write_vti(path: AnyPath, bake: Bake, volume: int = 0) -> None:
     """Writes a volume (its number) of a Bake with its radiance. Raises LeaflightError.
 
     Point data are value (float, data units), radiance (W/(m^2 sr), linear RGB), radiance_error and
@@ -56,7 +55,7 @@ def write_vti(path: str | os.PathLike[str], bake: Bake, volume: int = 0) -> None
         write(vtkXMLImageDataWriter(), image, temporary)
 
 
-def _place(path: str | os.PathLike[str], image: vtkImageData, index_to_world: Array) -> None:
+def _place(path: AnyPath, image: vtkImageData, index_to_world: Array) -> None:
     """Sets VTK's origin, spacing and rotation. Raises LeaflightError for other matrices."""
     axes = index_to_world[:3, :3]
     spacing = np.linalg.norm(axes, axis=0)

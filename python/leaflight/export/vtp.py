@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lit isosurface as VTK's polygons (.vtp), for ParaView."""
 
-import os
-
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -12,13 +10,12 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from ..bake.baked import Surface
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
+from ..paths import AnyPath
 from ..scene.texture_values import identifiers
 from .vtk_arrays import add_text_and_numbers, write
 
 
-def write_vtp(
-    path: str | os.PathLike[str], surface: Surface, exposure: float, isovalue: float
-) -> None:
+def write_vtp(path: AnyPath, surface: Surface, exposure: float, isovalue: float) -> None:
     """Writes a Surface, in world coordinates. Raises LeaflightError.
 
     Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure) and normals.

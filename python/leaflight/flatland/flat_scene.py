@@ -11,7 +11,6 @@ lights: List of {"name", "corner", "edge": [x, y], "radiance": [r, g, b] in W/(m
 """
 
 import json
-import os
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -21,6 +20,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..io.json_object import JsonObject, parse, read_text
+from ..paths import AnyPath
 from ..scene.scene import Color, Fit, Isosurfaces, core_isosurfaces
 from ..volume.volume import Volume
 
@@ -57,7 +57,7 @@ class FlatScene:
     coordinates: str = "world"
 
 
-def load_flat_scene(path: str | os.PathLike[str]) -> FlatScene:
+def load_flat_scene(path: AnyPath) -> FlatScene:
     """Reads a scene file of flatland. Raises LeaflightError naming the object that is wrong."""
     root = parse(read_text(path), str(path))
     root.only("name", "coordinates", "isosurface_albedo", "exposure", "meshes", "lights", "comment")

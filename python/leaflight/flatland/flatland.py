@@ -6,7 +6,6 @@ The height field is a Volume of two dimensions: arrays are [y, x] with y up, poi
     direction; a surface in space reflects a / pi.
 """
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from ..bake.provenance import Provenance, provenance_of
 from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_bake
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colors, luminance, read_pixels
+from ..paths import AnyPath
 from ..progress_bar import with_progress
 from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume, on_unit_cube
@@ -106,7 +106,7 @@ class FlatBake:
         return _core.reference2(scene, points, isovalue, spp, seed, threads, progress)
 
 
-def read_image(path: str | os.PathLike[str]) -> Volume:
+def read_image(path: AnyPath) -> Volume:
     """Reads an image as a height field with a longest side of 1, a Volume of two dimensions.
 
     The image is PNG, JPEG, TIFF or EXR. Colors become their luminance (Rec. 709) in the stored

@@ -2,7 +2,6 @@
 """Images as arrays: PNG and JPEG through Pillow, TIFF through tifffile, EXR through OpenEXR."""
 
 import io
-import os
 import warnings
 from pathlib import Path
 from typing import Any
@@ -13,13 +12,14 @@ from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..paths import AnyPath
 from ..srgb import linear_from_srgb, srgb_from_linear
 from .output import replaced
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
-def read_pixels(path: str | os.PathLike[str]) -> Array:
+def read_pixels(path: AnyPath) -> Array:
     """Returns the numbers as stored: [row, column] or [row, column, RGB], top row first.
 
     The type is uint8, uint16 or floating point. Alpha is left out. Raises LeaflightError.
@@ -48,7 +48,7 @@ def read_pixels(path: str | os.PathLike[str]) -> Array:
     return pixels
 
 
-def read_texture(path: str | os.PathLike[str]) -> Array:
+def read_texture(path: AnyPath) -> Array:
     """Returns linear RGB, float32 [row, column, 3], bottom row first. Integers are sRGB in the
     file.
 
@@ -80,14 +80,14 @@ def display_colors(radiance: ArrayLike, exposure: float) -> Array:
     return colors
 
 
-def png_bytes(path: str | os.PathLike[str], pixels: Array) -> bytes:
+def png_bytes(path: AnyPath, pixels: Array) -> bytes:
     """Returns uint8 [row, column, RGB or RGBA], top row first, as PNG. path: Name in errors."""
     buffer = io.BytesIO()
     _pillow(path).fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def write_png(path: str | os.PathLike[str], pixels: Array) -> None:
+def write_png(path: AnyPath, pixels: Array) -> None:
     """Writes a complete PNG or none."""
     content = png_bytes(path, pixels)
     with replaced(path) as temporary:
@@ -113,7 +113,7 @@ def _read_tiff(path: Path) -> Array:
     return pixels
 
 
-def _pillow(path: str | os.PathLike[str]) -> Any:
+def _pillow(path: AnyPath) -> Any:
     try:
         from PIL import Image
     except ImportError:

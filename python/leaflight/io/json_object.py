@@ -2,7 +2,6 @@
 """Checked reading of JSON objects. Errors name the object and the fault."""
 
 import json
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal, overload
@@ -11,10 +10,11 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..paths import AnyPath
 from ..scene.scene import Color, Ramp, Vector
 
 
-def read_text(path: str | os.PathLike[str]) -> str:
+def read_text(path: AnyPath) -> str:
     """Returns the text of a scene file. Raises LeaflightError."""
     try:
         return Path(path).read_text(encoding="utf-8")

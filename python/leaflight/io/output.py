@@ -10,11 +10,10 @@ from pathlib import Path
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..paths import AnyPath
 
 
-def check_writable(
-    path: str | os.PathLike[str], suffix: str, *inputs: str | os.PathLike[str]
-) -> None:
+def check_writable(path: AnyPath, suffix: str, *inputs: AnyPath) -> None:
     """Raises LeaflightError unless path can be written, has this suffix and is none of inputs."""
     path = Path(path)
     if path.suffix.lower() != suffix:
@@ -45,7 +44,7 @@ def check_writable(
 
 
 @contextmanager
-def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
+def replaced(path: AnyPath) -> Iterator[Path]:
     """Yields a temporary path of the same suffix, which replaces path at the end.
 
     Raises LeaflightError and leaves path as it was if writing fails.
@@ -55,7 +54,7 @@ def replaced(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def replaced_together(*paths: str | os.PathLike[str]) -> Iterator[list[Path]]:
+def replaced_together(*paths: AnyPath) -> Iterator[list[Path]]:
     """Yields temporary paths for several files: all of them are replaced at the end, or none."""
     files = _core.ReplacedFiles([Path(path) for path in paths])
     temporaries = [files.temporary(index) for index in range(len(paths))]

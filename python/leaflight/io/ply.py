@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lit isosurfaces and photons as PLY files."""
 
-import os
 from typing import Protocol
 
 from ..arrays import Array
+from ..paths import AnyPath
 from ..scene.texture_values import identifiers
 from .images import display_colors
 from .output import check_writable, replaced
@@ -35,7 +35,7 @@ class _Photons(Protocol):
     def colors(self) -> Array: ...
 
 
-def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) -> None:
+def write_ply(path: AnyPath, surface: _Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
     Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
@@ -52,7 +52,7 @@ def write_ply(path: str | os.PathLike[str], surface: _Surface, exposure: float) 
     _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
 
 
-def write_photons(path: str | os.PathLike[str], photons: _Photons) -> None:
+def write_photons(path: AnyPath, photons: _Photons) -> None:
     """Writes Photons as binary PLY of points, as write_ply does.
 
     Vertex properties: x y z (double), flux_r flux_g flux_b and common_isovalue (float, see
@@ -72,10 +72,7 @@ def _columns(names: str, values: Array) -> dict[str, Array]:
 
 
 def _write(
-    path: str | os.PathLike[str],
-    points: Array,
-    cells: list[tuple[str, Array]],
-    properties: dict[str, Array],
+    path: AnyPath, points: Array, cells: list[tuple[str, Array]], properties: dict[str, Array]
 ) -> None:
     import meshio
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from .._core import LeaflightError, Progress
 from ..arrays import Array
+from ..paths import AnyPath
 from ..volume.setting_error import SettingError
 from ..volume.voxels import bytes_of
 from .process_limits import limit_process
@@ -67,7 +68,7 @@ class ReaderProcess:
 
     def __init__(
         self,
-        path: str | os.PathLike[str],
+        path: AnyPath,
         kind: str,
         module: str,
         function: str,
@@ -113,7 +114,7 @@ class ReaderProcess:
             self._input.close()
         self._process.wait()
 
-    def ask(self, path: str | os.PathLike[str], most: int, *request: object) -> Array:
+    def ask(self, path: AnyPath, most: int, *request: object) -> Array:
         """Returns the answer to a request about a file: an array of at most `most` bytes."""
         self.path, self.seconds = path, _seconds(most)
         self._timer.cancel()

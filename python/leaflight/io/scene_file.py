@@ -55,7 +55,6 @@ little-endian float32 RGB, bottom row first, compressed by zlib, in base64.
 
 import json
 import math
-import os
 from collections.abc import Callable
 from dataclasses import MISSING, fields, replace
 from numbers import Real
@@ -66,6 +65,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..paths import AnyPath
 from ..scene.scene import (
     IDENTITY,
     AreaLight,
@@ -92,7 +92,7 @@ BLACK = (0.0, 0.0, 0.0)
 IOR = (0.1, 10.0)
 
 
-def load_scene(path: str | os.PathLike[str]) -> SceneDescription:
+def load_scene(path: AnyPath) -> SceneDescription:
     """Reads a scene file. Raises LeaflightError naming the file and the object that is wrong."""
     return scene_from_json(read_text(path), str(path), Path(path).parent)
 
@@ -107,9 +107,7 @@ def packaged_scene(name: str) -> SceneDescription:
     return load_scene(Path(__file__).parent.parent / "scenes" / name)
 
 
-def scene_from_json(
-    text: str, source: str = "scene", folder: str | os.PathLike[str] = "."
-) -> SceneDescription:
+def scene_from_json(text: str, source: str = "scene", folder: AnyPath = ".") -> SceneDescription:
     """Parses the text of a scene file. Raises LeaflightError.
 
     source: The file's name in errors. folder: Folder of the files that it names.
@@ -156,7 +154,7 @@ def _material(item: JsonObject, name: str, prefix: str = "") -> Isosurfaces:
     )
 
 
-def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurfaces:
+def _isosurfaces(item: JsonObject, folder: AnyPath) -> Isosurfaces:
     item.only(
         *("name", "source", "reading", "albedo", "emission", "scattering", "ior", "isovalues"),
         *("capped", "texture"),
@@ -180,7 +178,7 @@ def _isosurfaces(item: JsonObject, folder: str | os.PathLike[str]) -> Isosurface
     return replace(material, isovalues=isovalues, source=source, reading=reading, texture=texture)
 
 
-def _mesh(item: JsonObject, folder: str | os.PathLike[str]) -> Mesh:
+def _mesh(item: JsonObject, folder: AnyPath) -> Mesh:
     item.only(
         *("name", "albedo", "vertices", "faces", "scattering", "ior", "emission", "texture", "uv")
     )
@@ -275,7 +273,7 @@ def _sun(item: JsonObject) -> SunLight:
     return SunLight(item.name, direction, item.color("irradiance"), math.radians(angle))
 
 
-def _environment(item: JsonObject, folder: str | os.PathLike[str]) -> Environment:
+def _environment(item: JsonObject, folder: AnyPath) -> Environment:
     item.only("name", "radiance", "image", "rotation", "world_to_image")
     matrix = np.array(IDENTITY)
     if "world_to_image" in item:
@@ -295,7 +293,7 @@ def _environment(item: JsonObject, folder: str | os.PathLike[str]) -> Environmen
     )
 
 
-def _image(item: JsonObject, key: str, folder: str | os.PathLike[str]) -> Array:
+def _image(item: JsonObject, key: str, folder: AnyPath) -> Array:
     """Returns an image file or an embedded image, float32 [row, column, 3], bottom row first."""
     value = item.get(key)
     if isinstance(value, str):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sources of volumes: files, and generated volumes by name."""
 
-import os
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from .._core import Progress
+from ..paths import AnyPath
 from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.regions import as_regions, changed
 from ..volume.setting_error import SettingError
@@ -25,14 +25,12 @@ _GENERATED: dict[str, Callable[..., Volume]] = {
 GENERATED = tuple(_GENERATED)
 
 
-def is_generated(source: str | os.PathLike[str]) -> bool:
+def is_generated(source: AnyPath) -> bool:
     """Returns True if the text names a generated volume, not a file."""
     return source in _GENERATED
 
 
-def open_volume(
-    source: str | os.PathLike[str], *, dims: Sequence[int] | None = None, **layout: Any
-) -> Volume:
+def open_volume(source: AnyPath, *, dims: Sequence[int] | None = None, **layout: Any) -> Volume:
     """Returns the Volume of a file or folder, or a generated one.
 
     dims: For a .raw (nx, ny, nz); for a generated volume a list of one number, the nodes per axis.

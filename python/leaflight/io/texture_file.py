@@ -2,7 +2,6 @@
 """Textures of isosurfaces in scene files (scene_file.py)."""
 
 import base64
-import os
 import zlib
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..paths import AnyPath
 from ..scene.volume_texture import MOST_STEPS, Stops, VolumeTexture, label_texture, texture_of
 from ..volume.volume import Volume
 from ..volume.voxels import VOXEL_TYPES, as_voxels
@@ -21,7 +21,7 @@ from .sources import is_generated, open_volume
 _TYPES = {np.dtype(kind).name: np.dtype(kind) for kind in VOXEL_TYPES}
 
 
-def texture_from(item: JsonObject, folder: str | os.PathLike[str]) -> VolumeTexture:
+def texture_from(item: JsonObject, folder: AnyPath) -> VolumeTexture:
     """Returns the texture of a volume. Raises LeaflightError. folder: of the files it names."""
     keys = ("channels", "colors", "map", "range", "nearest", "labels")
     item.only(*keys, "reverse", "symmetric", "steps")
@@ -62,7 +62,7 @@ def texture_data(texture: VolumeTexture) -> dict[str, Any]:
     return data | ({"nearest": True} if texture.nearest else {})
 
 
-def _channel(item: JsonObject, folder: str | os.PathLike[str]) -> Volume:
+def _channel(item: JsonObject, folder: AnyPath) -> Volume:
     if "source" in item:
         item.only("name", "source", "reading")
         if "reading" in item:

@@ -3,7 +3,6 @@
 
 import json
 import math
-import os
 import sys
 from dataclasses import asdict, dataclass
 
@@ -13,6 +12,7 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.json_object import read_text
+from ..paths import AnyPath
 from ..scene.scene import Vector
 
 # Angle of view across the picture's shorter side: a portrait lens, as in the add-on's stages.
@@ -68,7 +68,7 @@ def bounds_of(bake: Bake) -> tuple[Array, Array]:
     return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
 
 
-def load_camera(path: str | os.PathLike[str]) -> Camera:
+def load_camera(path: AnyPath) -> Camera:
     """Reads a JSON object with the names and values of a Camera's fields. Raises LeaflightError."""
     text = read_text(path)
     try:

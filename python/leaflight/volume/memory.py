@@ -7,6 +7,7 @@ import tempfile
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..paths import AnyPath
 
 # Smallest limit of a process, and the part of it that Python, libraries and threads need.
 LEAST_LIMIT, _PROGRAM = 192 << 20, 96 << 20
@@ -20,7 +21,7 @@ _BOUNDS = 2.6
 _limit: int | None = None
 
 
-def limit_memory(size: int | None, folder: str | os.PathLike[str] | None = None) -> None:
+def limit_memory(size: int | None, folder: AnyPath | None = None) -> None:
     """Limits this process to about `size` bytes of memory; None removes the limit.
 
     Volumes above a quarter of the limit are stored in files. A bake takes the finest texels whose

@@ -222,7 +222,7 @@ def region_of(record: Any) -> Region:
         raise LeaflightError(
             f"{record!r} is no region: give one with a kind of {', '.join(KINDS)}."
         )
-    fields = {name: _tuples(value) for name, value in record.items() if name != "kind"}
+    fields = {name: frozen(value) for name, value in record.items() if name != "kind"}
     kind = KINDS[record["kind"]]
     try:
         region = kind(**fields)
@@ -264,8 +264,11 @@ def sphere(center: Point, radius: float, keep: str = "outside", cut: str = "capp
     """Returns the Ball with a center and a radius."""
     matrix = np.diag([radius, radius, radius, 1.0])
     matrix[:3, 3] = center
-    return Ball(_tuples(matrix.tolist()), keep, cut)
+    return Ball(frozen(matrix.tolist()), keep, cut)
 
 
-def _tuples(value: Any) -> Any:
-    return tuple(map(_tuples, value)) if isinstance(value, (list, tuple)) else value
+def frozen(value: Any) -> Any:
+    """Returns the value with tuples in place of lists, at any depth."""
+    if isinstance(value, dict):
+        return {key: frozen(each) for key, each in value.items()}
+    return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value

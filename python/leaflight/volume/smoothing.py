@@ -2,13 +2,13 @@
 """Gaussian smoothing of values, against noise and against terraces of few bits."""
 
 import math
-import os
 from collections.abc import Iterable
 
 import numpy as np
 
 from .._core import Progress
 from ..arrays import Array
+from ..paths import AnyPath
 from .setting_error import SettingError
 from .voxels import new_voxels
 
@@ -41,9 +41,7 @@ def smoothed(values: Array, sigma: float, progress: Progress) -> Array:
     return kept.reshape(values.shape)
 
 
-def source_of(
-    path: str | os.PathLike[str], smooth: float, smooth_normals: float, offset: float = 0
-) -> str:
+def source_of(path: AnyPath, smooth: float, smooth_normals: float, offset: float = 0) -> str:
     """Returns the source of a volume from a file, for its provenance.
 
     offset: Number that was subtracted from the values.
@@ -54,7 +52,7 @@ def source_of(
     return f"{path}{less}{values}{normals}"
 
 
-def checked(sigma: float, name: str, whose: str | os.PathLike[str]) -> float:
+def checked(sigma: float, name: str, whose: AnyPath) -> float:
     """Returns the standard deviation that was asked for. Raises SettingError with this name."""
     if not 0.0 <= sigma <= MOST_SMOOTH:
         raise SettingError(

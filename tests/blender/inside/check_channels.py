@@ -65,6 +65,23 @@ def check_four_channels_have_their_names_and_colors(tmp_path):
     assert len({obj.leaflight.bake_id for obj in _volumes()}) == 1
 
 
+def check_channels_without_names_are_numbered(tmp_path):
+    """Checks channels of a NRRD file, which are read again as they were."""
+    values = np.moveaxis(_balls((-0.4, 0.0, 0.4)), 0, -1)
+    header = "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 20 20 20\nencoding: raw\n"
+    path = tmp_path / "cells.nrrd"
+    path.write_bytes(f"{header}kinds: vector domain domain domain\n\n".encode() + values.tobytes())
+    bpy.ops.leaflight.import_volume(filepath=str(path), all_channels=True)
+    assert [obj.leaflight.channel for obj in _volumes()] == [0, 1, 2]
+    assert [obj.name for obj in _volumes()] == [f"cells channel {k}" for k in range(3)]
+    assert len({tuple(obj.leaflight.isosurface_albedo) for obj in _volumes()}) == 3
+    for k, obj in enumerate(_volumes()):
+        close(cache.volume_of(obj).values, values[..., k], 0)
+    cache.forget_unused()
+    bpy.ops.leaflight.import_volume(filepath=str(path), channel=1)
+    assert bpy.context.object.leaflight.channel == 1
+
+
 def _drawn(path, **chosen):
     """Returns what the file dialog draws for the channels of a file."""
     no_choice = {"channel": -1, "channels": _ticked(), "all_channels": False, "as_rgb": False}

@@ -14,7 +14,7 @@ from leaflight_addon.show import isosurfaces
 from leaflight_addon.store import cache, source_files
 from leaflight_addon.edit import data_picture
 from leaflight_addon.show import distribution
-from tools import assert_shows, close, error_of, vertices_of
+from tools import assert_shows, close, error_of
 
 CHOICES = {"use_spacing": False, "level": 0, "dataset": "", "spacing": (1, 1, 1)}
 AFFINE = np.array([[-2.0, 0, 0, 90], [0, 2.5, 0, -126], [0, 0.5, 3.0, -72], [0, 0, 0, 1]])
@@ -266,31 +266,3 @@ def check_a_picture_is_painted_once(bumps, monkeypatch):
     bumps.leaflight.isovalue += 0.3 * (bumps.leaflight.high - bumps.leaflight.isovalue)
     data_picture.icon_of(bumps)
     assert len(painted) == 2
-
-
-def check_all_channels_are_volumes_in_one_place(tmp_path):
-    """Checks a file with three balls, one in each channel."""
-    axis = np.linspace(-1.0, 1.0, 20)
-    x, y, z = axis, axis[:, None], axis[:, None, None]
-    balls = [np.exp(-8.0 * ((x - at) ** 2 + y**2 + z**2)) for at in (-0.4, 0.0, 0.4)]
-    values = np.stack(balls, axis=-1).astype("<f4")
-    header = (
-        "NRRD0004\ntype: float\ndimension: 4\nsizes: 3 20 20 20\n"
-        "kinds: vector domain domain domain\nendian: little\nencoding: raw\n\n"
-    )
-    path = tmp_path / "cells.nrrd"
-    path.write_bytes(header.encode() + values.tobytes())
-    bpy.ops.leaflight.import_volume(filepath=str(path), all_channels=True)
-    volumes = [obj for obj in bpy.data.objects if obj.leaflight.is_volume]
-    assert [obj.leaflight.channel for obj in volumes] == [0, 1, 2]
-    assert [obj.name for obj in volumes] == [f"cells channel {k}" for k in range(3)]
-    assert len({tuple(obj.leaflight.isosurface_albedo) for obj in volumes}) == 3
-    for obj, ball in zip(volumes, balls):
-        close(obj.matrix_world, volumes[0].matrix_world, 1e-6)
-        close(cache.volume_of(obj).values, ball, 1e-6)
-    middles = [vertices_of(obj)[:, 0].mean() for obj in volumes]
-    assert middles[0] < middles[1] < middles[2]
-    # Each is read again as it was.
-    cache.forget_unused()
-    bpy.ops.leaflight.import_volume(filepath=str(path), channel=1)
-    assert bpy.context.object.leaflight.channel == 1

@@ -49,12 +49,19 @@ def _sides(obj, name="texture"):
 def check_the_list_has_the_names_and_colors_of_the_table(regions):
     obj, label_map = regions
     labels = label_map.leaflight.labels
+    assert obj.leaflight.isovalue == 0.5 and label_map.hide_render
+    assert label_map.name == "regions labels"
     assert [(label.number, label.name) for label in labels] == [(3, "Left Lung"), (7, "Heart")]
     close(labels[0].color, RED, 1e-6)
     close(labels[1].color, TEAL, 1e-6)
     left, right = _sides(obj)
     close(left, np.tile(RED, (len(left), 1)), 2e-3)
     close(right, np.tile(TEAL, (len(right), 1)), 2e-3)
+
+
+def check_surfaces_of_labels_can_be_left_off(path):
+    bpy.ops.leaflight.import_volume(filepath=str(path), labels=False)
+    assert bpy.context.object.leaflight.texture_volume is None
 
 
 def check_a_color_changes_at_once(regions):

@@ -6,6 +6,7 @@ import sys
 import time
 from dataclasses import replace
 
+import addon_utils
 import bpy
 import leaflight
 import numpy as np
@@ -188,6 +189,27 @@ def error_of(operator, **arguments):
     with pytest.raises(RuntimeError) as caught:
         operator(**arguments)
     return str(caught.value).strip().removeprefix("Error: ")
+
+
+def imported_gltf(path, monkeypatch):
+    """Returns the mesh object that Blender's own importer makes of a .glb, its linear colors
+    (n, 3), and the vertex of each color.
+    """
+    if addon_utils.enable("io_scene_gltf2") is None:
+        pytest.skip("this Blender has no importer of glTF")
+    # Debian's importer needs an older NumPy.
+    monkeypatch.setattr(np, "bool", bool, raising=False)
+    before = set(bpy.data.objects)
+    bpy.ops.import_scene.gltf(filepath=str(path), merge_vertices=False)
+    (obj,) = [obj for obj in set(bpy.data.objects) - before if obj.type == "MESH"]
+    bpy.context.view_layer.update()
+    colors = obj.data.color_attributes[0]
+    values = np.empty(4 * len(colors.data), np.float32)
+    colors.data.foreach_get("color", values)
+    vertices = np.arange(len(colors.data))
+    if colors.domain == "CORNER":
+        obj.data.loops.foreach_get("vertex_index", vertices := np.empty(len(vertices), np.int32))
+    return obj, values.reshape(-1, 4)[:, :3], vertices
 
 
 def duplicate(obj, linked=False):

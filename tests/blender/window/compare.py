@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""blender --enable-event-simulate --python compare.py -- FOLDER: makes a comparison by its dialog,
-then ends a comparison and an import by Esc.
+"""blender --enable-event-simulate --python compare.py -- FOLDER: makes a comparison by its dialog.
 
 Prints a line WINDOW and a JSON object.
 """
 
-import gzip
 import sys
 import time
 from pathlib import Path
@@ -13,11 +11,8 @@ from pathlib import Path
 import bpy
 import hand
 import leaflight
-import nibabel
-import numpy as np
 import stepwise
 from leaflight import blender
-from leaflight.io.readers import watched
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.operators import jobs
 
@@ -47,13 +42,7 @@ def main():
     blender.bake(obj, (40, 60), bake_folder=str(FOLDER / "bakes"))
     blender.show(obj, 47.0)
     bpy.context.view_layer.objects.active = obj
-    stepwise.run(drive(obj), found)
-
-
-def drive(obj):
-    yield from compare(obj)
-    yield from cancel(obj)
-    yield from cancel_import()
+    stepwise.run(compare(obj), found)
 
 
 def compare(obj):
@@ -83,62 +72,6 @@ def compare(obj):
         "statuses": list(statuses),
         "sentence": obj.leaflight.comparison,
         "files": sorted(path.name for path in images.iterdir()),
-    }
-
-
-def cancel(obj):
-    obj.leaflight.comparison = ""
-    images = FOLDER / "cancelled"
-    with hand.in_view():
-        bpy.ops.leaflight.render_comparison(
-            "INVOKE_DEFAULT", asked=True, samples=4096, baked_samples=4096, folder=str(images)
-        )
-    yield from stepwise.until(lambda: "Baked" in jobs.running().status())
-    start = time.perf_counter()
-    yield from hand.key("ESC")
-    yield from stepwise.until(lambda: jobs.running() is None)
-    found["cancel"] = {
-        "seconds": time.perf_counter() - start,
-        "sentence": obj.leaflight.comparison,
-        "files": len(list(images.iterdir())),
-    }
-
-
-def cancel_import():
-    """Cancels the import of half a gigabyte of zeros by Esc, after a part of it was read."""
-    readinto = watched._Watched.readinto
-
-    def wait_for_esc(file, buffer):
-        while file._progress.fraction > 0.05 and not file._progress.cancelled:
-            time.sleep(0.01)
-        return readinto(file, buffer)
-
-    watched._Watched.readinto = wait_for_esc
-    path = FOLDER / "large.nii.gz"
-    header = nibabel.Nifti1Header()
-    header.set_data_shape((800, 800, 800))
-    header.set_data_dtype(np.uint8)
-    header["magic"], header["vox_offset"] = b"n+1", 352
-    block = gzip.compress(bytes(800**3 // 64))
-    path.write_bytes(gzip.compress(header.binaryblock + bytes(4)) + 64 * block)
-    before = len(bpy.data.objects), len(bpy.data.meshes)
-    # Use the shading of Blender's factory scene, where imports come first.
-    hand.view().spaces.active.shading.type = "SOLID"
-    yield from viewport_rests()
-    with hand.in_view():
-        bpy.ops.leaflight.import_volume("INVOKE_DEFAULT", filepath=str(path))
-    yield from hand.press_browser()
-    yield from stepwise.until(lambda: jobs.running() is not None)
-    work = jobs.running()
-    yield from stepwise.until(lambda: work.progress.fraction > 0.05)
-    start, status = time.perf_counter(), work.status()
-    yield from hand.key("ESC")
-    yield from stepwise.until(lambda: jobs.running() is None)
-    found["import"] = {
-        "seconds": time.perf_counter() - start,
-        "statuses": status,
-        "read": work.progress.fraction,
-        "left": (len(bpy.data.objects), len(bpy.data.meshes)) != before,
     }
 
 

@@ -17,7 +17,7 @@ import mathutils
 import numpy as np
 import stepwise
 from bpy_extras.object_utils import world_to_camera_view
-from leaflight_addon.bake import continue_bake, stopped
+from leaflight_addon.bake import stopped
 from leaflight_addon.operators import failures, jobs
 from leaflight_addon.stage import camera
 from leaflight_addon.store import cache
@@ -42,9 +42,7 @@ def drive():
     for row in (
         bake_before_stage,
         turn_up_and_front,
-        continue_a_bake,
         keep_the_light_of_walls,
-        close_the_window_of_a_bake,
         delete_the_volume_of_a_bake,
         import_what_is_no_volume,
         see_the_clip_box,
@@ -84,25 +82,6 @@ def turn_up_and_front():
         }
 
 
-def continue_a_bake():
-    yield from open_volume(stages=True)
-    hand.volume().leaflight.error, hand.volume().leaflight.light_walls = 20.0, False
-    hand.press(bpy.ops.leaflight.bake)
-    yield from until_free()
-    first = hand.volume().leaflight.bake_id
-    hand.volume().leaflight.error = 0.4 * hand.volume().leaflight.bake_error
-    hand.volume().leaflight.bake_needs_texels = False
-    hand.press(
-        getattr(bpy.ops.leaflight, continue_bake.suited(hand.volume()).bl_idname.partition(".")[2])
-    )
-    yield from until_free()
-    found["continued"] = {
-        "another": hand.volume().leaflight.bake_id != first,
-        "failure": failures.sentence(),
-        "free": bpy.ops.leaflight.bake.poll(),
-    }
-
-
 def keep_the_light_of_walls():
     hand.volume().leaflight.light_walls = True
     yield from begin_bake()
@@ -114,27 +93,6 @@ def keep_the_light_of_walls():
         "walls": bake.walls is not None or "walls" in hand.volume().leaflight.bake_warnings,
         "lit walls": bake.walls is not None,
     }
-
-
-def close_the_window_of_a_bake():
-    manager = bpy.context.window_manager
-    with hand.in_view():
-        bpy.ops.wm.window_new()
-    yield from stepwise.wait(1.0)
-    hand.use_window(1)
-    yield from begin_bake()
-    work = jobs.running()
-    with bpy.context.temp_override(window=hand.window()):
-        bpy.ops.wm.window_close()
-    hand.use_window(0)
-    yield from stepwise.until(lambda: len(manager.windows) == 1)
-    yield from stepwise.wait(1.0)
-    goes_on = jobs.running() is work and work.is_alive() and not work.progress.cancelled
-    found["window closed"] = {"goes on": goes_on}
-    yield from escape()
-    found["window closed"]["offered"] = stopped.offered() is not None
-    hand.press(bpy.ops.leaflight.throw_bake_away)
-    yield from stepwise.wait(0.2)
 
 
 def delete_the_volume_of_a_bake():

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from leaflight.bake.bake import bake
-from leaflight.io.markdown import table
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.compare import compare
 from leaflight.measure.cycles import find_blender
 from leaflight.measure.truth import without
 from leaflight.volume.volume import bump_box
+from written import table
 from volume_recipes import absent_text, colin27, engine, generated, heptane, nucleon
 
 from .cycles_peer import FEWER, Peer, cost_at
@@ -66,20 +66,6 @@ QUICK = Effort(
     most_paths=1_000_000,
     often=lambda _: 1,
 )
-BAKE_FORMATS = {
-    "texels": "{:,}",
-    "million rays": "{:.1f}",
-    "bake s": "{:.2f}",
-    "RMS %": "{:.2f}",
-    "noise %": "{:.2f}",
-    "texture %": "{:.2f}",
-    "noise of the reference %": "{:.2f}",
-    "Cycles s": "{:.2f}",
-    "break-even": "{:.2f}",
-    "vertices": "{:,}",
-    "repetitions": "{}",
-}
-POINT_FORMATS = {"samples": "{:,}", "s": "{:.2f}", "error %": "{:.2f}"}
 
 
 def bakes_section(options):
@@ -114,11 +100,11 @@ def bakes_section(options):
         f"{REPETITIONS} times, or fewer if one turn takes minutes (*repetitions*).",
         *absent_text(absent),
         "",
-        *table(rows, BAKE_FORMATS),
+        *table(rows),
         "",
         "*Samples* of Cycles are paths at each corner of a triangle:",
         "",
-        *table(points, POINT_FORMATS),
+        *table(points),
     ]
 
 
@@ -155,26 +141,28 @@ def _measured(case, volume, effort):
     name = f"{case.name} at {case.isovalue:g}"
     row = {
         "bake": name,
-        "texels": statistics.texels,
-        "million rays": statistics.rays / 1e6,
-        "bake s": bake_seconds,
-        "RMS %": rms,
-        "noise %": judged["parts"]["noise_percent"],
-        "texture %": judged["parts"]["texture_percent"],
-        "noise of the reference %": judge,
-        "Cycles s": cycles_seconds,
+        "texels": f"{statistics.texels:,}",
+        "million rays": f"{statistics.rays / 1e6:.1f}",
+        "bake s": f"{bake_seconds:.2f}",
+        "RMS %": f"{rms:.2f}",
+        "noise %": f"{judged['parts']['noise_percent']:.2f}",
+        "texture %": f"{judged['parts']['texture_percent']:.2f}",
+        "noise of the reference %": f"{judge:.2f}",
+        "Cycles s": None if cycles_seconds is None else f"{cycles_seconds:.2f}",
         "break-even": break_even(bake_seconds, cycles_seconds, outside, seconds),
-        "vertices": peer.vertices,
-        "repetitions": len(bakes),
+        "vertices": f"{peer.vertices:,}",
+        "repetitions": f"{len(bakes)}",
     }
-    measured = zip(counts, map(float, seconds), map(float, errors))
-    return row, [{"bake": name, **dict(zip(POINT_FORMATS, point))} for point in measured]
+    return row, [
+        {"bake": name, "samples": f"{count:,}", "s": f"{second:.2f}", "error %": f"{error:.2f}"}
+        for count, second, error in zip(counts, seconds, errors)
+    ]
 
 
 def break_even(bake_seconds, cycles_seconds, outside, seconds):
-    """Returns the ratio, or a text if it is outside the measured points."""
+    """Returns the ratio, or words if it is outside the measured points."""
     if outside is None:
-        return bake_seconds / cycles_seconds
+        return f"{bake_seconds / cycles_seconds:.2f}"
     side, end = ("above", seconds[0]) if outside == FEWER else ("below", seconds[-1])
     return f"{side} {bake_seconds / end:.2g}: {outside}"
 

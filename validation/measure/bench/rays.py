@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 from leaflight import LeaflightError, _core
-from leaflight.io.markdown import table
 from leaflight.volume.volume import bump_box
+from written import table
 from volume_recipes import absent_text, colin27, generated
 
 from .page import measured_on
@@ -29,13 +29,6 @@ QUICK_CASES = (("bump box, 16^3", generated(bump_box, 16), (20.0, 47.0, 100.0)),
 # Rays per isovalue, and number of repetitions.
 RAYS, REPETITIONS = 50_000, 9
 QUICK_RAYS, QUICK_REPETITIONS = 500, 3
-FORMATS = {
-    "triangles": "{:,}",
-    "million rays/s": "{:.2f}",
-    "over Embree's": "{:.2f}",
-    "occluded, million rays/s": "{:.2f}",
-    "over Embree's ": "{:.2f}",
-}
 
 
 def rays_section(options):
@@ -62,7 +55,7 @@ def rays_section(options):
         f"a new isovalue needs no tree. Processor seconds, medians of {repetitions} turns.",
         *absent_text(absent),
         "",
-        *table(rows, FORMATS),
+        *table(rows),
     ]
 
 
@@ -90,11 +83,11 @@ def _row(name, found, rays):
     )
     return {
         "isosurface": f"{name} at {found['isovalue']:g}",
-        "triangles": found["triangles"],
-        "million rays/s": speed,
-        "over Embree's": ratio,
-        "occluded, million rays/s": of_occluded,
-        "over Embree's ": ratio_of_occluded,
+        "triangles": f"{found['triangles']:,}",
+        "million rays/s": f"{speed:.2f}",
+        "over Embree's": f"{ratio:.2f}",
+        "occluded, million rays/s": f"{of_occluded:.2f}",
+        "over Embree's ": f"{ratio_of_occluded:.2f}",
     }
 
 

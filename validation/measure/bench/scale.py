@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 from leaflight.bake.bake import bake
-from leaflight.io.markdown import table
 from leaflight.io.scene_file import packaged_scene
 from leaflight.volume.volume import bump_box
+from written import table
 
 from .page import REPETITIONS, measured_on, repetitions
 
@@ -19,14 +19,6 @@ MEBIBYTE = 2**20
 # Nodes per axis: of the sizes, and of the bakes with one and two threads.
 SIZES, THREADS_SIZE = (16, 32, 48, 64, 96, 128), 64
 QUICK_SIZES, QUICK_THREADS_SIZE = (8, 12), 8
-FORMATS = {
-    "texels": "{:,}",
-    "s": "{:.2f}",
-    "ns per texel": "{:,.0f}",
-    "million rays/s": "{:.2f}",
-    "peak MiB": "{:.0f}",
-    "repetitions": "{}",
-}
 
 
 def scale_section(options):
@@ -54,7 +46,7 @@ def scale_section(options):
         f"{REPETITIONS} bakes in turns, or fewer if one takes minutes.",
         *pair,
         "",
-        *table([_row(nodes, found) for nodes, found in runs.items()], FORMATS),
+        *table([_row(nodes, found) for nodes, found in runs.items()]),
     ]
 
 
@@ -94,12 +86,12 @@ def _row(nodes, found):
     seconds, texels, rays = _median(found, "seconds"), found[0]["texels"], found[0]["rays"]
     return {
         "bake": f"bump box, {nodes}^3",
-        "texels": texels,
-        "s": seconds,
-        "ns per texel": 1e9 * seconds / texels,
-        "million rays/s": rays / seconds / 1e6,
-        "peak MiB": max(one["peak"] for one in found) / MEBIBYTE,
-        "repetitions": len(found),
+        "texels": f"{texels:,}",
+        "s": f"{seconds:.2f}",
+        "ns per texel": f"{1e9 * seconds / texels:,.0f}",
+        "million rays/s": f"{rays / seconds / 1e6:.2f}",
+        "peak MiB": f"{max(one['peak'] for one in found) / MEBIBYTE:.0f}",
+        "repetitions": f"{len(found)}",
     }
 
 

@@ -17,8 +17,8 @@ import driver
 import numpy as np
 from leaflight import _core
 from leaflight.bake.bake import bake
-from leaflight.io.markdown import table
 from leaflight.volume.volume import bump_box
+from written import table
 from volume_recipes import absent_text, colin27, generated
 
 from .page import measured_on
@@ -27,15 +27,6 @@ from .vtk_peer import VtkPeer
 SCRIPT = Path(__file__).with_name("scrub_scene.py")
 # Settings of a coarse bake, because the time of a lookup does not depend on the noise.
 LEAST_WORK = {"error": 20.0, "progress": False}
-FORMATS = {
-    "isovalue": "{:g}",
-    "triangles": "{:,}",
-    "ms": "{:.0f}",
-    "VTK ms": "{:.0f}",
-    "VTK / ours": "{:.2f}",
-    "triangles while it moves": "{:,}",
-    "ms while it moves": "{:.0f}",
-}
 
 
 @dataclass(frozen=True)
@@ -81,9 +72,9 @@ def scrub_section(options):
         "the evaluated mesh, before any drawing.",
         *absent_text(absent),
         "",
-        *table(rows, FORMATS),
+        *table(rows),
         "",
-        *table(inside, FORMATS),
+        *table(inside),
     ]
 
 
@@ -99,10 +90,10 @@ def _row(effort, field, grid, isovalue, peer):
     ours, theirs = np.transpose(pairs)
     return {
         "volume": f"{effort.name} at {isovalue:g}",
-        "triangles": triangles,
-        "ms": float(np.median(ours)),
-        "VTK ms": float(np.median(theirs)),
-        "VTK / ours": float(np.median(theirs / ours)),
+        "triangles": f"{triangles:,}",
+        "ms": f"{np.median(ours):.0f}",
+        "VTK ms": f"{np.median(theirs):.0f}",
+        "VTK / ours": f"{np.median(theirs / ours):.2f}",
     }
 
 

@@ -43,11 +43,11 @@ def main():
         moving, moving_milliseconds = scrubbed(obj, isovalue)
         rows.append(
             {
-                "isovalue": isovalue,
-                "triangles": triangles,
-                "ms": milliseconds,
-                "triangles while it moves": moving,
-                "ms while it moves": moving_milliseconds,
+                "isovalue": f"{isovalue:g}",
+                "triangles": f"{triangles:,}",
+                "ms": f"{milliseconds:.0f}",
+                "triangles while it moves": f"{moving:,}",
+                "ms while it moves": f"{moving_milliseconds:.0f}",
             }
         )
     Path(WORK["rows"]).write_text(json.dumps(rows))

@@ -7,6 +7,8 @@ from itertools import islice
 from pathlib import Path
 from struct import unpack
 
+from ...paths import AnyPath
+
 # Numbers of files that are opened to detect a series: in a folder, and in the folders within it.
 _LOOKED_AT, _LOOKED_AT_WITHIN = 100, 300
 # Upper bound on the depth of folders on a disc.
@@ -18,7 +20,7 @@ _FIRST_TYPES = {b"UL", b"UI", b"CS", b"SH", b"DA", b"TM", b"DT", b"OB", b"LO", b
 _LAST_OF_FIRST, _LONGEST = 0x18, 512
 
 
-def is_dicom(path: str | os.PathLike[str]) -> bool:
+def is_dicom(path: AnyPath) -> bool:
     """Returns True if a file begins as DICOM, with or without the standard's preamble."""
     try:
         with open(path, "rb") as file:

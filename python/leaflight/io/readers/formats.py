@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The registry of formats: the reader of each, and its options."""
 
-import os
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from ..._core import LeaflightError
+from ...paths import AnyPath
 from ...volume.setting_error import SettingError
 from .checks import listed
 from .dicom_signature import DIRECTORY, holds_dicom, is_dicom
@@ -108,7 +108,7 @@ def name_patterns() -> str:
     return ";".join([*patterns, *(f"*{name}*" for name in names if "." not in name)])
 
 
-def format_of(path: str | os.PathLike[str]) -> Format:
+def format_of(path: AnyPath) -> Format:
     """Returns the Format of a file by its name, of a folder by its files. Raises LeaflightError."""
     path = Path(path)
     name = path.name.lower()

@@ -4,12 +4,12 @@
 3D Slicer writes .ctbl, FreeSurfer a ColorLUT, ITK-SNAP a label description, BIDS a _dseg.tsv.
 """
 
-import os
 import re
 from pathlib import Path
 
 from ..._core import LeaflightError
 from ...arrays import Array
+from ...paths import AnyPath
 from ...volume.label_table import Label, label_numbers
 from ...volume.setting_error import SettingError
 
@@ -26,7 +26,7 @@ _ABOVE = 4
 _SUFFIXES = (".ctbl", ".tsv", ".txt")
 
 
-def read_label_table(path: str | os.PathLike[str]) -> tuple[Label, ...]:
+def read_label_table(path: AnyPath) -> tuple[Label, ...]:
     """Returns the labels above 0 of a table. Raises LeaflightError."""
     path = Path(path)
     try:
@@ -48,7 +48,7 @@ def read_label_table(path: str | os.PathLike[str]) -> tuple[Label, ...]:
 
 
 def labels_for(
-    path: Path, values: Array, table: str | os.PathLike[str] | None
+    path: Path, values: Array, table: AnyPath | None
 ) -> tuple[tuple[Label, ...], tuple[str, ...]]:
     """Returns (labels of the file `path` by a table, notes about it).
 
@@ -66,7 +66,7 @@ def labels_for(
         return (), () if beside.suffix == ".txt" else (f"{error}",)
 
 
-def matching_table(name: str, values: Array, table: str | os.PathLike[str]) -> tuple[Label, ...]:
+def matching_table(name: str, values: Array, table: AnyPath) -> tuple[Label, ...]:
     """Returns the labels of a table that has some of those in a label map. Raises LeaflightError.
 
     name: The path of the label map, for the error.

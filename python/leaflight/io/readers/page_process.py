@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decodes compressed pages of pictures in one subprocess for all pages of a volume."""
 
-import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from ...arrays import Array
+from ...paths import AnyPath
 from ..reader_process import ENDLESS, ReaderProcess
 
 
@@ -35,7 +35,7 @@ def kept_processes() -> Iterator[None]:
 
 
 def decoded(
-    path: str | os.PathLike[str], kind: str, function: tuple[str, str], most: int, *request: object
+    path: AnyPath, kind: str, function: tuple[str, str], most: int, *request: object
 ) -> Array:
     """Returns the page of a file that a function decodes in a subprocess.
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Entry point of all readers: read_volume() and probe()."""
 
-import os
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,6 +13,7 @@ import numpy as np
 
 from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...arrays import Array
+from ...paths import AnyPath
 from ...progress_bar import with_progress
 from ...volume.label_field import label_field
 from ...volume.label_table import without_labels
@@ -67,7 +67,7 @@ class ValueOptions(TypedDict, total=False):
     smooth_normals: float | None
     field: str | None
     hide: Sequence[int] | None
-    label_table: str | os.PathLike[str] | None
+    label_table: AnyPath | None
     regions: Sequence[Any] | None
 
 
@@ -86,7 +86,7 @@ OPTIONS = (
 
 @with_progress("read")
 def read_volume(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     *,
     frame: int | None = None,
     channel: Chosen = None,
@@ -186,7 +186,7 @@ class _Wanted:
     smooth_normals: float
     field: str | None
     hide: Sequence[int]
-    label_table: str | os.PathLike[str] | None
+    label_table: AnyPath | None
     regions: tuple[Region, ...]
 
 
@@ -255,7 +255,7 @@ def _processed(
     )
 
 
-def probe(path: str | os.PathLike[str], **stored: "Unpack[StoredOptions]") -> StoredVolume:
+def probe(path: AnyPath, **stored: "Unpack[StoredOptions]") -> StoredVolume:
     """Returns a StoredVolume, the facts of a file, without reading its voxels.
 
     stored: As for read_volume(). Without a choice that is needed, the result has dims None and the
