@@ -36,7 +36,8 @@ class Crop:
                 f"{volume.source or volume.name}: the crop is empty: let it end after its start "
                 "along each axis."
             )
-        return regions.crop(*self._ends(volume.values.shape[::-1]), volume.index_to_world)
+        first, last = self._ends(volume.values.shape[::-1])
+        return regions.crop(first, last, volume.index_to_world)
 
     def _ends(self, dims):
         return (0.01 * np.array(end) * (np.array(dims) - 1) for end in (self.low, self.high))

@@ -101,8 +101,9 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
         box = look.box_of(obj)
         to_file = np.linalg.inv(source_files.place_of_file(obj))
         place = to_file @ np.array(box.matrix_world, np.float64)
+        low, high = np.array(look.bounds_of(box))
         keep = obj.leaflight_look.keep.lower()
-        cut = Box.between(*np.array(look.bounds_of(box)), keep, self.cut).moved(place)
+        cut = Box.between(low, high, keep, self.cut).moved(place)
         regions = _with_region_of(obj, box, record_of(cut))
         return _job(obj, regions, "cut; bake to light the cut", _show_cut)
 
