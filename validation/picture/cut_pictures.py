@@ -59,7 +59,8 @@ class Panel:
             error=ERROR,
             progress=False,
         )
-        camera = camera_around_bake(bake, *self.angles, isovalue=self.isovalue, size=PANEL)
+        azimuth, elevation = self.angles
+        camera = camera_around_bake(bake, azimuth, elevation, isovalue=self.isovalue, size=PANEL)
         return bake.still(self.isovalue, camera=camera, size=PANEL).convert("RGB")
 
 
