@@ -20,6 +20,7 @@ from .bake.load_bake import load_bake
 from .bake.moved_scene import moved
 from .bake.refine import refine
 from .export.export import export, export_page
+from .export.mesh_objects import to_pyvista, to_trimesh, to_vtk
 from .export.notebook import picture, show
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
@@ -76,6 +77,9 @@ __all__ = [
 ]
 
 # Functions of layers above bakes become methods. Bake declares their signatures for type checkers.
+setattr(Surface, "to_pyvista", to_pyvista)
+setattr(Surface, "to_trimesh", to_trimesh)
+setattr(Surface, "to_vtk", to_vtk)
 setattr(Bake, "moved", moved)
 setattr(Bake, "export_page", export_page)
 setattr(Bake, "show", show)

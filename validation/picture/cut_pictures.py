@@ -7,7 +7,7 @@ DIR holds the real volumes ch2.nii.gz and amos_0336.mhd.
 """
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import leaflight
@@ -25,6 +25,8 @@ IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 PANEL = (560, 420)
 # Error of the bakes in percent, which a picture of this size does not show.
 ERROR = 4.0
+# Exposure relative to that of the scene, whose floor is wide.
+EXPOSURE = 2.2
 # Gap between isosurface and floor, in sizes of the scene.
 GAP = 0.01
 
@@ -71,6 +73,7 @@ def standing(volume, isovalue):
     fit = Fit.of_box(vertices.min(axis=0), vertices.max(axis=0))
     floor = min(mesh.vertices[:, 2].min() for mesh in description.meshes)
     center = (*fit.center[:2], vertices[:, 2].min() - (floor + GAP) * fit.scale)
+    description = replace(description, exposure=EXPOSURE * description.exposure)
     return fitted(description, Fit(np.array(center), fit.scale))
 
 

@@ -72,6 +72,12 @@ class Surface:
     def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
 
+    if TYPE_CHECKING:
+        # Signatures of functions in export.mesh_objects. __init__.py makes them methods.
+        def to_vtk(self, exposure: float = 1.0) -> Any: ...
+        def to_pyvista(self, exposure: float = 1.0) -> Any: ...
+        def to_trimesh(self, exposure: float = 1.0) -> Any: ...
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bake:

@@ -15,14 +15,12 @@ from ..scene.texture_values import identifiers
 from .vtk_arrays import add_text_and_numbers, write
 
 
-def write_vtp(path: AnyPath, surface: Surface, exposure: float, isovalue: float) -> None:
-    """Writes a Surface, in world coordinates. Raises LeaflightError.
+def polygons(surface: Surface, exposure: float) -> vtkPolyData:
+    """Returns a Surface as VTK's polygons, in world coordinates.
 
     Point data: radiance (W/(m^2 sr), linear RGB), color (uchar, sRGB at the exposure) and normals.
     Volumes that color it add their values (float). A value is NaN where they have none.
-    Field data: isovalue, exposure, unit (of lengths).
     """
-    check_writable(path, ".vtp")
     mesh = vtkPolyData()
     points = vtkPoints()
     points.SetData(numpy_to_vtk(surface.vertices, deep=True))
@@ -44,6 +42,16 @@ def write_vtp(path: AnyPath, surface: Surface, exposure: float, isovalue: float)
     normals = numpy_to_vtk(np.ascontiguousarray(surface.normals), deep=True)
     normals.SetName("normals")
     mesh.GetPointData().SetNormals(normals)
+    return mesh
+
+
+def write_vtp(path: AnyPath, surface: Surface, exposure: float, isovalue: float) -> None:
+    """Writes the polygons of a Surface. Field data: isovalue, exposure, unit (of lengths).
+
+    Raises LeaflightError.
+    """
+    check_writable(path, ".vtp")
+    mesh = polygons(surface, exposure)
     add_text_and_numbers(mesh, isovalue=isovalue, exposure=exposure, unit=surface.unit)
     with replaced(path) as temporary:
         write(vtkXMLPolyDataWriter(), mesh, temporary)
