@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lit isosurfaces as meshes of other Python packages: the methods to_*() of Surface.
 
-exposure: That of the scene, for the colors.
+exposure: The exposure of the scene, for the colors.
 """
 
 from importlib import import_module

@@ -108,8 +108,8 @@ def read_volume(
         A channel may also be its name. Several give the greatest of their values at each voxel.
     level: Resolution of a file that holds several. 0 is the finest and the default.
     dataset: Name of the array or series, if a file or folder holds several.
-    downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8. Of
-        labels one is taken.
+    downsample: Number of voxels along each axis that are averaged: 1 (default), 2, 4 or 8. A block
+        of labels gives one of them.
     smooth: Standard deviation of a Gaussian on the values, in voxels after downsampling. 0 is the
         default.
     smooth_normals: The same for the normals alone (see Volume).
