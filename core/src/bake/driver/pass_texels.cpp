@@ -10,8 +10,8 @@ namespace {
 // Upper bounds on the default texels if they are finer than voxels.
 constexpr std::size_t most_finer_texels = 2'500'000, most_finer_indirect_texels = 500'000;
 constexpr int most_halvings = 2;
-// Upper bound on the fine texels.
-constexpr std::size_t most_refined_texels = 5'000'000;
+// Upper bounds on the fine texels, and on the texels of their lattice, which lines pass.
+constexpr std::size_t most_refined_texels = 5'000'000, most_refined_lattice = 32'000'000;
 // Limits on the number of voxels that isosurfaces cross. Above the first, lines of indirect light
 // are two texels apart. Above the second, texels of indirect light are wider than voxels. Above the
 // third, so are those of photons.
@@ -107,8 +107,8 @@ PassResolutions<D> pass_resolutions(const Field<D>& field, const IsovalueRange& 
     if (width == 1)
       found.indirect = finest<D>(field.dims, voxels, most_finer_indirect_texels, counted);
     const Index<D> fine = finer_resolution<D>(field.dims);
-    if (kind == Texels::fine && voxels << D <= most_refined_texels &&
-        counted(fine) <= most_refined_texels) {
+    if (kind == Texels::fine && field.voxels() << D <= most_refined_lattice &&
+        voxels << D <= most_refined_texels && counted(fine) <= most_refined_texels) {
       if (found.shown == field.dims) found.shown = fine;
       if (found.indirect == field.dims) found.indirect = fine;
     }
