@@ -3,14 +3,17 @@
 
     validation/run pictures NAME [FILE, DIR or NAME]
 
-guide makes lit_walls.png, comparison.png and several_isosurfaces.png. first_brain makes
-first_brain_*.png, the window after each click. live makes live.png: a lamp is dragged over the
-baked volume FILE. stills makes README.md's pictures. They have vessels if DIR holds aneurism.nrrd.
-against_cycles makes against_cycles.webp, and prints FLIP of Colin27 and of the volumes in DIR.
-scans makes docs/gallery.md's pictures of scans, of one scan with its NAME. colors_and_cuts makes
-the others there, with real volumes in DIR and a molecule by PySCF. web_page makes web_page*.webp,
-the page of Colin27 in Chromium. All but the last are made through the add-on in Blender. The first
-three take minutes, the others half an hour.
+guide: lit_walls.png, comparison.png and several_isosurfaces.png
+first_brain: first_brain_*.png, the window after each click
+live: live.png, a lamp that is dragged over the baked volume FILE
+stills: README.md's pictures, with vessels if DIR holds aneurism.nrrd
+against_cycles: against_cycles.webp; also prints FLIP of Colin27 and of the volumes in DIR
+scans: docs/gallery.md's pictures of scans, or of the one scan NAME
+colors_and_cuts: the others of docs/gallery.md, of volumes in DIR and of a molecule by PySCF
+web_page: web_page*.webp, the page of Colin27 in Chromium
+
+All but the last are made through the add-on in Blender. The first three take minutes. The others
+take half an hour.
 """
 
 import argparse

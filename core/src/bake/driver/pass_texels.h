@@ -6,10 +6,13 @@
 
 namespace leaflight {
 
-// The texels of a bake. `usual`: as the settings say, or else by the size of the volume. `fine`: at
-// most half a voxel wide, if their number stays small. `wide`: twice the usual width. `preview`:
-// those of the first picture.
-enum class Texels : int { fine, usual, wide, preview };
+// The texels of a bake.
+enum class Texels : int {
+  fine,    // at most half a voxel wide, if their number stays small
+  usual,   // as wide as the settings say, or else by the size of the volume
+  wide,    // twice the usual width
+  preview  // for the first picture
+};
 
 // The resolutions of a bake in passes. They follow the settings, or else the detail and the size of
 // the volume.

@@ -87,7 +87,7 @@ class Passes {
       shown_.push_back(one.shown.lattice.resolution);
       count_ += one.shown.lattice.active.size();
     }
-    indirect_count_ = texels_of_indirect_light(texels_);
+    if (!texels_.empty()) indirect_resolution_ = texels_[0].indirect.lattice.resolution;
   }
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
@@ -179,14 +179,16 @@ class Passes {
       if (chosen == Texels::wide) {
         texels_ = std::move(wider());
         count_texels();
-      } else if (chosen == Texels::fine) {
-        set_texels(chosen);
+      } else if (chosen == Texels::fine && previous_texels_ != Texels::fine) {
+        texels_ = fine_.empty() ? texels_of(scene_, chosen) : std::move(fine_);
+        count_texels();
       }
       scene_.compute_visibility_maps(shown_, 1);
       bake_ = integrator(std::move(texels_), previous_, is_usual ? hooks_.workers : nullptr);
     }
     texels_.clear();
     wider_.clear();
+    fine_.clear();
     if (limit_.is_given() && scene_.plan.walls) scene_.compute_wall_direct_light();
     before_ = previous_ ? bake_->blocks() : 0;
     blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
@@ -272,8 +274,15 @@ class Passes {
         !is_out_of_reach(scene_.settings.error, bias)) {
       return false;
     }
-    const std::vector<BakeTexels<D>> fine = texels_of(scene_, Texels::fine);
-    return texels_of_indirect_light(fine) > indirect_count_ && fits(fine);
+    // Lines light one volume.
+    const LineVolume<D>& volume = scene_.volumes[0];
+    const PassResolutions<D> fine = pass_resolutions(volume.volume().field, volume.isovalue_range(),
+                                                     scene_.settings, Texels::fine);
+    if (fine.indirect == indirect_resolution_) return false;
+    fine_ = texels_of(scene_, Texels::fine);
+    if (fits(fine_)) return true;
+    fine_.clear();
+    return false;
   }
 
   // Saves a checkpoint after a block if one is due. True if time is left for another block.
@@ -378,10 +387,11 @@ class Passes {
   Progress& progress_;
   const std::uint64_t first_rays_ = progress_.rays();  // rays before this bake
   const Previous* previous_ = nullptr;                 // null: none
-  std::vector<BakeTexels<D>> texels_, wider_;          // until the integrator has them
+  std::vector<BakeTexels<D>> texels_, wider_, fine_;   // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
-  // Number of all texels, of those of indirect light, and of those of the first picture.
-  std::size_t count_ = 0, indirect_count_ = 0, preview_texels_ = 1;
+  Index<D> indirect_resolution_{};                     // that of the first volume's indirect light
+  // Number of all texels, and of those of the first picture.
+  std::size_t count_ = 0, preview_texels_ = 1;
   Texels chosen_ = Texels::usual, previous_texels_ = Texels::usual;
   // Number of passes, of blocks of the previous bake, and of blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
