@@ -57,7 +57,6 @@ else:
     from .edit import add_isosurface, animation, data_picture, label_operators, labels, looks
     from .edit import pick_isovalue
     from .export import export_bake
-    from .flatland import isolines
     from .importing import channels, import_volume, open_example, regions, smooth_volume
     from .operators import background, failures
     from .show import look_properties, properties
@@ -76,7 +75,6 @@ else:
         look_properties,
         orientation,
         presets,
-        isolines,
         failures,
         background,
         channels,

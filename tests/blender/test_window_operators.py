@@ -15,7 +15,6 @@ import leaflight
 import nibabel
 import numpy as np
 import pytest
-from PIL import Image
 from rows import BESIDE, HAPPY, ROWS, UNPRESSED, WAYS
 
 BLOCKED = Path(__file__).resolve().parents[2] / "build" / "test" / "window.md"
@@ -54,8 +53,6 @@ def files(tmp_path_factory):
         image.header.set_xyzt_units("mm")
         image.set_qform(image.affine, 1)
         nibabel.save(image, folder / f"{name}.nii.gz")
-    waves = 128 + 127 * np.sin(np.mgrid[0:6:48j, 0:6:48j].sum(axis=0))
-    Image.fromarray(waves.astype(np.uint8)).save(folder / "hills.png")
     return folder
 
 

@@ -38,7 +38,6 @@ ADDON = (
     "operators",
     "show",
     "stage",
-    "flatland",
     "bake",
     "compare",
     "export",

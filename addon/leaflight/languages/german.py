@@ -7,9 +7,6 @@ MESSAGES = {
     "Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)": (
         "Volumen für Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)"
     ),
-    "Image for Leaflight, Flatland (.png, .jpg, .tif, .exr)": (
-        "Bild für Leaflight, Flachland (.png, .jpg, .tif, .exr)"
-    ),
     "Example for Leaflight": "Beispiel für Leaflight",
     "Open Example": "Beispiel öffnen",
     "Read a scalar volume and show one of its isosurfaces": (

@@ -14,15 +14,10 @@ Condition = Callable[[Any, bpy.types.Context], bool]
 
 
 def active_volume(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Returns the active object if it is a volume, else the last active volume, else any or None.
-
-    Returns None while the graph of an image is active, which has another panel.
-    """
+    """Returns the active object if it is a volume, else the last active one, else any or None."""
     obj, scene = context.object, context.scene
     if obj is not None and obj.leaflight.is_volume:
         return obj
-    if obj is not None and obj.leaflight_flat.is_flatland:
-        return None
     last = scene.objects.get(scene.leaflight.active_volume)
     if last is not None and last.leaflight.is_volume:
         return last

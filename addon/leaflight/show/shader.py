@@ -27,12 +27,6 @@ ATLAS, BACK = "leaflight_atlas", "leaflight_back"
 _PART, _OUTSIDE, _EMISSION = "part", "outside", "emission"
 
 
-def build_lambertian(material, albedo):
-    graph = Graph(material)
-    graph.finish(graph.lambertian())
-    set_albedo(material, albedo)
-
-
 def build_isosurface(material, scattering, ior, emission, view=View()):
     """Builds an unlit isosurface: "DIFFUSE", "MIRROR" or "GLASS". emission: radiance, RGB."""
     graph = Graph(material, view)

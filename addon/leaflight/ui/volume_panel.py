@@ -3,10 +3,8 @@
 
 import bpy
 
-from .. import versions
 from ..bake import continue_bake, load_bake
 from ..edit import add_isosurface, data_picture, pick_isovalue
-from ..flatland import isolines
 from ..importing import import_volume, open_example, regions, smooth_volume
 from ..operators import jobs
 from ..operators.checks import active_volume
@@ -14,7 +12,7 @@ from ..show import display, distribution, isovalues, look, surface_material, sur
 from ..store import cache, frame_bakes, source_files
 from ..translations import iface_
 from . import clip_outline
-from .sidebar import SidebarPanel, sentence, split
+from .sidebar import SidebarPanel, sentence
 
 
 class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
@@ -23,10 +21,7 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         clip_outline.begin_sidebar(context)
-        graph, obj = context.object, active_volume(context)
-        if graph is not None and graph.leaflight_flat.is_flatland:
-            layout.label(text=graph.name, icon="IMAGE_DATA", translate=False)
-            return
+        obj = active_volume(context)
         if obj is None:
             self._draw_beginning()
             return
@@ -57,7 +52,6 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
         column = self.layout.column(align=True)
         column.operator(open_example.LEAFLIGHT_OT_open_example.bl_idname, icon="OUTLINER_OB_VOLUME")
         column.operator(import_volume.LEAFLIGHT_OT_import_volume.bl_idname, icon="IMPORT")
-        column.operator(isolines.LEAFLIGHT_OT_import_image.bl_idname, icon="IMAGE_DATA")
         column.operator(load_bake.LEAFLIGHT_OT_load_bake.bl_idname, icon="FILE_FOLDER")
 
     def _draw_added(self, context, obj):
@@ -170,34 +164,4 @@ def _draw_regions(layout, settings):
         remove.index, remove.action = index, "REMOVE"
 
 
-class LEAFLIGHT_PT_flatland(SidebarPanel, bpy.types.Panel):
-    bl_label = "Flatland"
-    bl_parent_id = "LEAFLIGHT_PT_volume"
-
-    @classmethod
-    def poll(cls, context):
-        return context.object is not None and context.object.leaflight_flat.is_flatland
-
-    def draw(self, context):
-        layout = self.layout
-        split(layout)
-        settings = context.object.leaflight_flat
-        for names in (
-            ("height", "count", "width", "brightness_correction"),
-            ("low", "high"),
-            ("error", "resolution"),
-            ("seed", "scene_file"),
-        ):
-            column = layout.column(align=True)
-            for name in names:
-                column.prop(settings, name, text={"low": "Lowest", "high": "Highest"}.get(name))
-        layout.operator(isolines.LEAFLIGHT_OT_bake_flatland.bl_idname, icon="LIGHT_AREA")
-        job = jobs.running()
-        if job is not None:
-            versions.draw_progress(layout, job.fraction(), job.status())
-        problem = surface_object.problems.get(context.object.name_full)
-        if problem:
-            sentence(context, layout, problem, icon="ERROR")
-
-
-CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data, LEAFLIGHT_PT_flatland)
+CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data)

@@ -10,10 +10,8 @@ from types import SimpleNamespace
 
 import bpy
 import leaflight
-import numpy as np
 import pytest
 from leaflight_addon.bake import bake, continue_bake, estimate_bake, live
-from leaflight_addon.flatland import isolines
 from leaflight_addon.bake import photon_cloud, stopped
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.export import export_bake
@@ -22,7 +20,6 @@ from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import preview, surface_material, surface_object, whole_detail
 from leaflight_addon.importing import smooth_volume
 from passes import Window
-from PIL import Image
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
 # Jobs that need a special driver.
@@ -50,14 +47,6 @@ def _keep(obj):
         work.result()
     job.ended()
     return stopped.KeepJob(job)
-
-
-def _flat(_obj):
-    path = bpy.path.abspath("//picture.png")
-    Image.fromarray(np.linspace(0, 255, 400).reshape(20, 20).astype(np.uint8)).save(path)
-    bpy.ops.leaflight.import_image(filepath=path)
-    bpy.context.object.leaflight_flat.error = 20.0
-    return isolines.FlatBakeJob(bpy.context.object)
 
 
 def _smooth(obj):
@@ -97,7 +86,6 @@ MAKERS = {
     continue_bake.ContinueJob: _continue,
     stopped.KeepJob: _keep,
     estimate_bake.EstimateJob: lambda obj: estimate_bake.EstimateJob(bpy.context, obj),
-    isolines.FlatBakeJob: _flat,
     smooth_volume.SmoothJob: _smooth,
     import_volume.ImportJob: _import,
     photon_cloud.PhotonJob: _photons,

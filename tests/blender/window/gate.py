@@ -4,7 +4,6 @@
 import time
 
 import leaflight
-from leaflight import flatland
 from leaflight_addon.operators import jobs
 
 # Point where work waits: before it starts, or after its first pass. Empty if it does not wait.
@@ -39,7 +38,6 @@ def install():
 
     jobs.BackgroundWork._run = held
     leaflight.bake, leaflight.refine = _in_passes(leaflight.bake), _in_passes(leaflight.refine)
-    flatland.bake_flatland = _in_passes(flatland.bake_flatland)
 
 
 def _in_passes(bake):

@@ -94,15 +94,6 @@ ROWS = (
         held="work",
         also="in the place of another",
     ),
-    Row(
-        "import_image",
-        "home",
-        "graphs",
-        asks="browser",
-        file="hills.png",
-        held="dialog",
-        without={DELETED: "There is no object before the file is read."},
-    ),
     _instant("open_example", "home", "volumes", short=True),
     Row("load_bake", "home", "lit", asks="browser", file="a bake", held="dialog"),
     Row("load_bake", "imported", "lit", asks="browser", file="a bake", held="dialog", also="of it"),
@@ -157,7 +148,6 @@ ROWS = (
     Row("finer_texels", "baked", "lit", held="pass"),
     Row("resume_bake", "interrupted", "lit", held="pass"),
     Row("estimate_bake", "staged", "estimate", held="work"),
-    Row("bake_flatland", "graph", "lit graphs", held="pass"),
     Row(
         "remove_unused_bakes",
         "unused",

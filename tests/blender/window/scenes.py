@@ -165,11 +165,6 @@ def _light_the_ceiling(_scenes):
     settings.isovalue = 50.0
 
 
-def _graph(_scenes):
-    bpy.ops.leaflight.import_image(source="BUMP_BOX", nodes=32)
-    seen.graphs()[0].leaflight_flat.error = _EASY
-
-
 def _add_stop(_scenes):
     bpy.ops.leaflight.add_stop()
 
@@ -228,6 +223,5 @@ _SCENES = {
     "clipped": ("imported", _add_clip_box),
     "labeled": ("home", _labels),
     "frames": ("home", _frames),
-    "graph": ("home", _graph),
 }
 _WITH_FILES = {"moved": _lose_bake, "unused": _bring_bake, "interrupted": _interrupt}

@@ -20,10 +20,6 @@ def volume():
     return volumes()[0]
 
 
-def graphs():
-    return [obj for obj in bpy.context.scene.objects if obj.leaflight_flat.is_flatland]
-
-
 def displays(kind):
     return sorted(obj.name for obj in bpy.context.scene.objects if display.is_display(obj, kind))
 
@@ -69,12 +65,10 @@ def _numbers(matrix):
 
 SEEN = {
     "volumes": lambda: [obj.name for obj in volumes()],
-    "graphs": lambda: [obj.name for obj in graphs()],
     # Bake that lights each volume's isosurface; empty without light.
     "lit": lambda: [
         obj.leaflight.bake_id if "radiance" in obj.data.attributes else "" for obj in volumes()
     ],
-    "lit graphs": lambda: [obj.leaflight_flat.bake_id for obj in graphs()],
     "bake path": lambda: bpy.path.abspath(volume().leaflight.bake_path),
     "baked frames": lambda: frame_bakes.count_baked(volume().leaflight),
     "stage": _stage,
