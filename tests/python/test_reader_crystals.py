@@ -73,7 +73,7 @@ def test_damaged_maps_of_bytes(tmp_path, densities):
         (whole[:-100], "claims"),
         (whole[:30], "readable DSN6"),
         (dsn6(densities, at={18: 0}), "readable DSN6"),
-        (dsn6(densities, at={3: -1}), "damaged"),
+        (dsn6(densities, at={3: -1}), "shape -1 x"),
         (dsn6(densities, at={15: 0}), "damaged"),
         (dsn6(densities, at={17: 0}), "readable DSN6|not invertible"),
         (dsn6(densities, at={9: 0}), "not invertible"),

@@ -91,7 +91,7 @@ def test_damaged(tmp_path, values):
         (header(dims=(60, 50, 40)), "60 x 50 x 40"),
         (header(dims=(6, 5)), "needs three dimensions"),
         (header().replace(b"vox: 1.5,2,3", b"vox: 0,2,3"), "not invertible"),
-        (b"mrtrix tracks\n", "MRtrix header"),
+        (b"mrtrix tracks\n", "readable MRtrix image"),
     ):
         refused(f"x.mif: .*{sentence}", read_volume, written(path, start.ljust(500) + data))
 

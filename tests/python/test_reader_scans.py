@@ -189,7 +189,7 @@ def test_damaged_afni(tmp_path):
     head = tmp_path / "x.HEAD"
     for types, cut, sentence in (
         ("1 3", 10**4, "nibabel cannot read it .*multiple data types"),
-        ("1 1", 300, "AFNI header"),
+        ("1 1", 300, "readable AFNI dataset"),
         ("1 1", 10**4, "x.BRIK: .*6 x 5 x 4 x 2"),
     ):
         text = HEAD.format(count=2, types=types, factors="0 0", order="LSB_FIRST")

@@ -5,7 +5,7 @@ import io
 from pathlib import Path
 
 import numpy as np
-from nibabel.brikhead import AFNIArrayProxy, AFNIHeader, AFNIHeaderError, AFNIImageError
+from nibabel.brikhead import AFNIArrayProxy, AFNIHeader, AFNIImageError
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
@@ -31,10 +31,6 @@ def open_volume(path: Path) -> StoredVolume:
         # nibabel raises this for values of several types, or of an unknown type.
         raise LeaflightError(
             f"{path}: nibabel cannot read it ({str(error)[:80]}); convert it to NIfTI first."
-        ) from None
-    except (AFNIHeaderError, IndexError, KeyError, TypeError, ValueError):
-        raise LeaflightError(
-            f"{path}: this is not a readable AFNI header, or it is damaged; fetch it again."
         ) from None
 
     def scaled(place: tuple[int, ...], progress: Progress) -> Array:

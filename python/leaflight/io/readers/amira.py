@@ -104,9 +104,7 @@ def _header(path: Path) -> tuple[str, str, int]:
     first = _FIRST.match(text)
     found = re.search(rb"\n# Data section follows[^\n]*\n", text) or re.search(rb"\n(?=@\d)", text)
     if not first or not found:
-        raise LeaflightError(
-            f"{path}: this is not a readable AmiraMesh file, or it is damaged; fetch it again."
-        )
+        raise ValueError("the first line")
     order = {b"ASCII": "", b"BINARY": ">"}.get(first[1].upper(), "<")
     return order, text[: found.start()].decode("utf-8", "replace"), found.end()
 

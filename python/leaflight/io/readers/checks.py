@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import DTypeLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 
+# From the world of ITK and DICOM (left-posterior-superior) to ours (right-anterior-superior).
+FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 # Upper bound on the ratio of deflate. A header that claims more is damaged.
 DEFLATE_MOST = 1032
 
@@ -137,6 +139,14 @@ def index_to_world(path: Path, spacing: float | Sequence[float]) -> Array:
             f"{path}: the spacing {spacing} is invalid; give one positive number or three, X Y Z."
         )
     return np.diag([*np.broadcast_to(sizes, 3), 1.0])
+
+
+def matrix_at(path: Path, axes: ArrayLike, origin: ArrayLike = 0.0) -> Array:
+    """Returns the matrix (4, 4) of steps along x, y and z, in columns. Raises LeaflightError."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = axes, origin
+    check_matrix(path, matrix)
+    return matrix
 
 
 def check_matrix(path: Path, matrix: Array) -> None:

@@ -2,17 +2,15 @@
 """Gaussian cubes of densities and orbitals, plain or gzipped: https://gaussian.com/cubegen"""
 
 import io
-import zlib
-from math import prod
 from pathlib import Path
 
 import numpy as np
 
-from ..._core import LeaflightError, Progress
+from ..._core import Progress
 from ...volume.volume import Volume
-from .checks import check_matrix, text, truncated
+from .checks import check_shape, matrix_at
 from .stored import StoredVolume, lengths
-from .text_numbers import check_count, numbers_of, read_numbers
+from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import open_watched
 
 # Characters of a column of values. Numbers may fill it without a space.
@@ -23,41 +21,24 @@ _LINE = 1 << 12
 
 def open_volume(path: Path) -> StoredVolume:
     """Opens a cube. Orbitals are channels. Lengths are in bohr, or in angstrom if it says so."""
-    try:
-        with open_watched(path, Progress()) as file:
-            lines = [file.readline(_LINE) for _ in range(6)]
-            atoms, *origin = numbers_of(lines[2])[:4]
-            axes = np.array([numbers_of(line)[:4] for line in lines[3:6]])
-            _skip(file, abs(int(atoms)))
-            orbitals = _orbitals(file, lines[2], atoms)
-            start = file.tell()
-        dims = tuple(abs(int(n)) for n in axes[:, 0])
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = axes[:, 1:].T, origin
-    except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
-        raise LeaflightError(
-            f"{path}: this is not a readable Gaussian cube, or it is damaged; fetch it again."
-        ) from None
-    if min(dims) < 1 or orbitals < 1:
-        raise LeaflightError(
-            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
-            "again."
-        )
-    check_matrix(path, matrix)
+    with open_watched(path, Progress()) as file:
+        lines = [file.readline(_LINE) for _ in range(6)]
+        atoms, *origin = numbers_of(lines[2])[:4]
+        axes = np.array([numbers_of(line)[:4] for line in lines[3:6]])
+        _skip(file, abs(int(atoms)))
+        orbitals = _orbitals(file, lines[2], atoms)
+        start = file.tell()
+    dims = tuple(abs(int(n)) for n in axes[:, 0])
+    check_shape(path, (*dims, orbitals))
+    matrix = matrix_at(path, axes[:, 1:].T, origin)
     check_count(path, (*dims, orbitals))
     # A negative number of voxels means angstrom.
     unit = "Å" if axes[0, 0] < 0 else "bohr"
 
     def load(_frame: int, channel: int, progress: Progress) -> Volume:
-        try:
-            with open_watched(path, progress) as file:
-                file.seek(start)
-                count = prod(dims) * orbitals
-                numbers = read_numbers(file, count, np.float32, progress, _COLUMN)
-        except (EOFError, ValueError, zlib.error):
-            raise truncated(path, dims) from None
-        values = numbers.reshape(*dims, orbitals)[..., channel]
-        return Volume(values.transpose(2, 1, 0), matrix, path.name.partition(".")[0])
+        values = numbers_at(path, start, (*dims, orbitals), np.float32, progress, _COLUMN)
+        name = path.name.partition(".")[0]
+        return Volume(values[..., channel].transpose(2, 1, 0), matrix, name)
 
     return StoredVolume(dims, np.dtype(np.float32), load, lengths(matrix), unit, channels=orbitals)
 

@@ -5,15 +5,14 @@ http://www.uoxray.uoregon.edu/tnt/manual/node104.html
 """
 
 import re
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..._core import LeaflightError, Progress
+from ..._core import Progress
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_matrix, check_size, text, truncated
+from .checks import DEFLATE_MOST, check_shape, check_size, matrix_at
 from .stored import StoredVolume, lengths
 from .unit_cell import cell_axes
 from .watched import is_packed, open_watched, read_values
@@ -46,36 +45,24 @@ class _Header:
 
 def open_volume(path: Path) -> StoredVolume:
     """Opens the part of the cell that the file covers, in angstrom."""
-    try:
-        with open_watched(path, Progress()) as file:
-            head = file.read(_HEADER)
-        header = _of_brix(head) if head.startswith(_BRIX) else _of_dsn6(head)
-    except (AttributeError, IndexError, ValueError, EOFError, OverflowError, zlib.error):
-        raise LeaflightError(
-            f"{path}: this is not a readable DSN6 or BRIX map, or it is damaged; fetch it again."
-        ) from None
+    with open_watched(path, Progress()) as file:
+        head = file.read(_HEADER)
+    header = _of_brix(head) if head.startswith(_BRIX) else _of_dsn6(head)
     dims = header.dims
-    if min(*dims, *header.grid) < 1 or not header.prod:
-        raise LeaflightError(
-            f"{path}: the header claims {text(dims)} voxels, so it is damaged; fetch the file "
-            "again."
-        )
-    matrix = np.eye(4)
-    matrix[:3, :3] = cell_axes(header.cell[:3], header.cell[3:]) / header.grid
-    matrix[:3, 3] = matrix[:3, :3] @ header.start
-    check_matrix(path, matrix)
+    check_shape(path, dims)
+    if min(header.grid) < 1 or not header.prod:
+        raise ValueError("the grid of the cell")
+    axes = cell_axes(header.cell[:3], header.cell[3:]) / header.grid
+    matrix = matrix_at(path, axes, axes @ header.start)
     bricks = tuple(-(-n // _SIDE) for n in dims)[::-1]
     packed = is_packed(path)
     stored = path.stat().st_size - (0 if packed else _HEADER)
     check_size(path, (*bricks, _SIDE**3), 1, max(0, stored), DEFLATE_MOST if packed else 1)
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:
-        try:
-            with open_watched(path, progress) as file:
-                file.seek(_HEADER)
-                values = read_values(file, (*bricks, _SIDE, _SIDE, _SIDE), np.uint8)
-        except (EOFError, zlib.error):
-            raise truncated(path, dims) from None
+        with open_watched(path, progress) as file:
+            file.seek(_HEADER)
+            values = read_values(file, (*bricks, _SIDE, _SIDE, _SIDE), np.uint8)
         if header.swapped:
             values = values.reshape(-1, 2)[:, ::-1].reshape(values.shape)
         joined = values.transpose(0, 3, 1, 4, 2, 5).reshape([n * _SIDE for n in bricks])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from nibabel.freesurfer.mghformat import MGHHeader
 
-from ..._core import LeaflightError, Progress
+from ..._core import Progress
 from ...volume.volume import Volume
 from .freesurfer_labels import read_labels
 from .scans import Scan, stored_scan
@@ -24,16 +24,11 @@ def open_volume(path: Path) -> StoredVolume:
     """Opens a volume with three axes, or four with the frame, in the scanner's coordinates."""
     with open_head(path) as file:
         block = file.read(_HEADER)
-    try:
-        if len(block) < _HEADER or block[:4] != _VERSION:
-            raise ValueError("It does not begin as such files do.")
-        header = MGHHeader(block)
-        dtype = np.dtype(header.get_data_dtype()).newbyteorder(">")
-        shape = tuple(int(size) for size in header.get_data_shape())
-    except (KeyError, ValueError):
-        raise LeaflightError(
-            f"{path}: this is not a readable FreeSurfer volume, or it is damaged; fetch it again."
-        ) from None
+    if len(block) < _HEADER or block[:4] != _VERSION:
+        raise ValueError("It does not begin as such files do.")
+    header = MGHHeader(block)
+    dtype = np.dtype(header.get_data_dtype()).newbyteorder(">")
+    shape = tuple(int(size) for size in header.get_data_shape())
     affine = np.asarray(header.get_affine(), np.float64)
     stored = stored_scan(path, Scan(path, header.get_data_offset(), shape, dtype, affine))
     size = prod(shape) * dtype.itemsize

@@ -15,7 +15,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
-from .checks import check_matrix, check_shape
+from .checks import FROM_LPS, check_shape, matrix_at
 from .data_files import data_files
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
@@ -39,8 +39,6 @@ _WIDE = (
 )
 # Upper bound on the bytes of a header, including file names.
 _MOST = 1 << 20
-# From ITK's world (left-posterior-superior) to Leaflight's (right-anterior-superior).
-_FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 def open_volume(path: Path) -> StoredVolume:
@@ -94,9 +92,7 @@ def _header(path: Path) -> tuple[dict[str, str], list[str], int]:
         if cut >= 0:
             fields[line[:cut].strip()] = line[cut + 1 :].strip()
     if not {"DimSize", "ElementType", "ElementDataFile"} <= fields.keys():
-        raise LeaflightError(
-            f"{path}: this is not a readable MetaImage header, or it is damaged; fetch it again."
-        )
+        raise ValueError("the fields")
     listed = text[place:].decode("latin-1").splitlines()
     return fields, listed if fields["ElementDataFile"][:4].upper() == "LIST" else [], place
 
@@ -144,12 +140,9 @@ def _matrix(path: Path, header: dict[str, str]) -> Array:
     identity = " ".join(map(str, np.eye(count).ravel()))
     names = ("TransformMatrix", "Rotation", "Orientation", "ElementDirection")
     axes = _numbers(header, identity, *names).reshape(count, count)
-    matrix = np.eye(4)
+    origin = _numbers(header, "0 0 0", "Offset", "Position", "Origin", "ElementOrigin")[:3]
     # Row i is the direction of axis i.
-    matrix[:3, :3] = axes[:3, :3].T * spacing[:3]
-    matrix[:3, 3] = _numbers(header, "0 0 0", "Offset", "Position", "Origin", "ElementOrigin")[:3]
-    check_matrix(path, matrix)
-    return _FROM_LPS @ matrix
+    return FROM_LPS @ matrix_at(path, axes[:3, :3].T * spacing[:3], origin)
 
 
 def _numbers(header: dict[str, str], default: str, *keys: str) -> Array:

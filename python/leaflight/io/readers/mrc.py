@@ -16,7 +16,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_matrix, check_scalar, check_size
+from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, matrix_at
 from .stored import StoredVolume, lengths
 from .unit_cell import cell_axes
 from .value_files import Index, ValueFiles
@@ -55,10 +55,7 @@ def open_volume(path: Path) -> StoredVolume:
     offset = _HEADER + int(header["nsymbt"])
     stored = path.stat().st_size - (0 if packed else offset)
     check_size(path, counts, dtype.itemsize, max(0, stored), DEFLATE_MOST if packed else 1)
-    if min(counts) < 1:
-        raise LeaflightError(
-            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
-        )
+    check_shape(path, counts)
     notes: tuple[str, ...] = ()
     if int(header["mode"]) == _BYTES:
         dtype, notes = _type_of_bytes(path, header, offset)
@@ -106,10 +103,7 @@ def _header(path: Path) -> Array:
     header["nsymbt"] = np.frombuffer(head, header["nsymbt"].dtype, 1, _LENGTH)[0]
     length = int(header["nsymbt"])
     if length < 0:
-        raise LeaflightError(
-            f"{path}: the header claims {length} bytes of text, so it is damaged; fetch the file "
-            "again."
-        )
+        raise ValueError("the length of the text")
     check_size(path, (length,), 1, path.stat().st_size, DEFLATE_MOST if is_packed(path) else 1)
     return header
 
@@ -160,13 +154,10 @@ def _matrix(path: Path, header: Array, axes: list[int]) -> Array:
     samples = [max(1, int(header[name])) for name in ("mx", "my", "mz")]
     # Without a cell the voxel size is 1.
     steps = np.array([size / n if size > 0 else 1.0 for size, n in zip(sizes, samples)])
-    matrix = np.eye(4)
-    matrix[:3, :3] = cell * steps
     starts = [0, 0, 0]
     for axis, name in zip(axes, ("nxstart", "nystart", "nzstart")):
         starts[axis] = int(header[name])
     # Microscopes write the origin, programs of crystallography the first index.
     origin = np.array([float(header["origin"][name]) for name in "xyz"])
-    matrix[:3, 3] = origin if np.isfinite(origin).all() and origin.any() else cell * steps @ starts
-    check_matrix(path, matrix)
-    return matrix
+    has_origin = np.isfinite(origin).all() and origin.any()
+    return matrix_at(path, cell * steps, origin if has_origin else cell * steps @ starts)

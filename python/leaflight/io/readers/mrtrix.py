@@ -80,9 +80,7 @@ def _header(path: Path) -> dict[str, str]:
         text = file.read(_MOST)
     lines = re.split(r"\r?\n", text.partition(b"\nEND")[0].decode("utf-8", "replace"))
     if lines[0].strip().lower() != "mrtrix image":
-        raise LeaflightError(
-            f"{path}: this is not a readable MRtrix header, or it is damaged; fetch it again."
-        )
+        raise ValueError("the first line")
     fields: dict[str, str] = {}
     for line in lines[1:]:
         name, colon, value = line.partition(":")

@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...volume.volume import Volume
 from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess
-from .checks import check_matrix, choose_named, listed, undecided
+from .checks import choose_named, listed, matrix_at, undecided
 from .stored import StoredVolume, lengths
 from .unit_cell import cell_axes
 from .watched import STAGE, begin
@@ -54,9 +54,7 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
         others = listed([other for other in names if other != name])
         notes = (f"The map of {name} is computed; other datasets are {others}.",)
     dims = tuple(int(n) for n in found["dims"])
-    matrix = np.eye(4)
-    matrix[:3, :3] = cell_axes(found["cell"][:3], found["cell"][3:]) / dims
-    check_matrix(path, matrix)
+    matrix = matrix_at(path, cell_axes(found["cell"][:3], found["cell"][3:]) / dims)
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:
         values = new_voxels(dims[::-1], np.float32)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """NIfTI-1 and -2, and Analyze, through nibabel, in coordinates of the scanner or the template."""
 
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,7 +42,7 @@ def open_volume(path: Path) -> StoredVolume:
     fifth axis, of vectors, counts channels.
     """
     header, file = _files(path)
-    image = _image(path, header, file)
+    image = _image(header, file)
     proxy, shape, dtype = image.dataobj, image.shape, image.get_data_dtype()
     layout = (shape, dtype, proxy.offset, proxy.slope, proxy.inter)
     kind = scaled_type(dtype, proxy.slope, proxy.inter)
@@ -100,38 +99,22 @@ def _files(path: Path) -> tuple[Path, Path]:
     return (path, beside) if kind == ".hdr" else (beside, path)
 
 
-def _image(path: Path, header: Path, file: Path) -> Any:
+def _image(header: Path, file: Path) -> Any:
     """Returns nibabel's image, with the header alone."""
-    try:
-        with _quiet_nibabel(), open_head(header) as opened:
-            block = opened.read(_SNIFFED)
-            opened.seek(0)
-            pair = _PAIRS.get(block[344:348]) or _PAIRS.get(block[4:8])
-            if header == file and pair is not None:
-                image = pair[1].from_file_map({"image": FileHolder(fileobj=opened)}, mmap=False)
-            else:
-                kind = pair[0] if pair is not None else nibabel.Spm2AnalyzeImage
-                files = {"header": FileHolder(fileobj=opened), "image": FileHolder(str(file))}
-                files["mat"] = FileHolder(str(_matrix_file(header)))
-                image = kind.from_file_map(files, mmap=False)
-        if header == file and image.dataobj.offset < _SNIFFED:
-            raise ValueError("Its values are said to lie within its header.")
-        image.get_data_dtype()
-        return image
-    except (
-        nibabel.filebasedimages.ImageFileError,
-        nibabel.spatialimages.HeaderDataError,
-        EOFError,
-        KeyError,
-        OSError,
-        OverflowError,
-        ValueError,
-        zlib.error,
-    ):
-        kind = "NIfTI file" if header == file else "NIfTI or Analyze header"
-        raise LeaflightError(
-            f"{path}: this is not a readable {kind}, or it is damaged; fetch it again."
-        ) from None
+    with _quiet_nibabel(), open_head(header) as opened:
+        block = opened.read(_SNIFFED)
+        opened.seek(0)
+        pair = _PAIRS.get(block[344:348]) or _PAIRS.get(block[4:8])
+        if header == file and pair is not None:
+            image = pair[1].from_file_map({"image": FileHolder(fileobj=opened)}, mmap=False)
+        else:
+            kind = pair[0] if pair is not None else nibabel.Spm2AnalyzeImage
+            files = {"header": FileHolder(fileobj=opened), "image": FileHolder(str(file))}
+            files["mat"] = FileHolder(str(_matrix_file(header)))
+            image = kind.from_file_map(files, mmap=False)
+    if header == file and image.dataobj.offset < _SNIFFED:
+        raise ValueError("Its values are said to lie within its header.")
+    return image
 
 
 def _matrix_file(header: Path) -> Path:

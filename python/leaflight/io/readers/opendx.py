@@ -6,7 +6,6 @@ https://apbs.readthedocs.io/en/latest/formats/opendx.html
 
 import io
 import re
-import zlib
 from dataclasses import dataclass, field
 from math import prod
 from pathlib import Path
@@ -17,9 +16,9 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_matrix, check_size, data_file, text, truncated
+from .checks import DEFLATE_MOST, check_size, data_file, matrix_at, text
 from .stored import StoredVolume, lengths
-from .text_numbers import check_count, numbers_of, read_numbers
+from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import is_packed, open_watched, read_values
 
 _TYPES = {
@@ -56,20 +55,12 @@ class _Map:
 
 def open_volume(path: Path) -> StoredVolume:
     """Opens the first array over a regular grid; components of vectors are channels."""
-    try:
-        with open_watched(path, Progress()) as file:
-            grid = _header(path, file)
-        matrix = np.eye(4)
-        matrix[:3, :3], matrix[:3, 3] = np.array(grid.deltas).T, grid.origin
-        points = tuple(grid.counts)
-        if len(points) != 3 or min(points) < 1:
-            raise ValueError("counts")
-    except (IndexError, ValueError, KeyError, OverflowError, EOFError, zlib.error):
-        raise LeaflightError(
-            f"{path}: this is not a readable OpenDX map of a regular grid with three dimensions, "
-            "or it is damaged; fetch it again."
-        ) from None
-    dims: tuple[int, ...] = points
+    with open_watched(path, Progress()) as file:
+        grid = _header(path, file)
+    matrix = matrix_at(path, np.array(grid.deltas).T, grid.origin)
+    dims = points = tuple(grid.counts)
+    if len(points) != 3 or min(points) < 1:
+        raise ValueError("counts")
     cells = tuple(max(1, n - 1) for n in points)
     if grid.items == prod(cells) != prod(points):
         # Values belong to connections (cells), in the middle of eight positions.
@@ -80,7 +71,6 @@ def open_volume(path: Path) -> StoredVolume:
             f"{path}: the header claims {text([grid.items])} values for {text(points)} positions, "
             "so it is damaged; fetch the file again."
         )
-    check_matrix(path, matrix)
     shape = (*dims, grid.channels)
     if grid.binary:
         most = DEFLATE_MOST if is_packed(grid.data) else 1
@@ -146,11 +136,8 @@ def _after(words: list[str], key: str, default: str) -> str:
 
 
 def _values(grid: _Map, shape: tuple[int, ...], progress: Progress) -> Array:
-    try:
-        with open_watched(grid.data, progress) as file:
-            file.seek(grid.start)
-            if grid.binary:
-                return read_values(file, shape, grid.dtype)
-            return read_numbers(file, prod(shape), grid.dtype, progress).reshape(shape)
-    except (EOFError, ValueError, zlib.error):
-        raise truncated(grid.data, shape) from None
+    if not grid.binary:
+        return numbers_at(grid.data, grid.start, shape, grid.dtype, progress)
+    with open_watched(grid.data, progress) as file:
+        file.seek(grid.start)
+        return read_values(file, shape, grid.dtype)

@@ -92,9 +92,7 @@ def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
     words = [line.split() for line in lines if line.strip()]
     form = next((line[1] for line in words if line[0] == "format" and len(line) > 1), None)
     if not found or words[0] != ["ply"] or form not in _MARKS:
-        raise LeaflightError(
-            f"{path}: this is not a readable point cloud, or it is damaged; fetch it again."
-        )
+        raise ValueError("the header")
     elements = [number for number, line in enumerate(words) if line[0] == "element"]
     if not elements or words[elements[0]][1] != "vertex":
         raise LeaflightError(

@@ -2,6 +2,7 @@
 """Entry point of all readers: read_volume() and probe()."""
 
 import warnings
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -25,7 +26,7 @@ from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
 from ...volume.voxels import as_voxels, held_type, new_voxels
 from .channels import Chosen, chosen_channels
-from .checks import choose, text
+from .checks import choose, text, truncated
 from .downsampling import downsampled, look_like_labels
 from .formats import RAW, Format, format_of, left_out
 from .label_files import labels_for
@@ -137,7 +138,7 @@ def read_volume(
         frame = choose(path, "frame", frame, opened.frames)
         channels = chosen_channels(path, channel, opened.channels, opened.channel_list)
         _check_memory(path, opened, wanted.step)
-        volume = _loaded(opened, frame, channels, progress)
+        volume = _loaded(path, opened, frame, channels, progress)
         volume = changed(_processed(path, opened, volume, wanted, progress), regions, progress)
     progress.begin("Examining values")
     progress.check()
@@ -159,11 +160,23 @@ def with_label_maps(regions: Sequence[Region], progress: Progress) -> tuple[Regi
 
 
 def _loaded(
-    opened: StoredVolume, frame: int, channels: Sequence[int], progress: Progress
+    path: Path, opened: StoredVolume, frame: int, channels: Sequence[int], progress: Progress
 ) -> Volume:
-    """Returns the volume of a channel, with its name, or of the greatest values of several."""
+    """Returns the volume of a channel, with its name, or of the greatest values of several.
+
+    Raises LeaflightError, also for values that end early or cannot be decoded.
+    """
+
+    def load(channel: int) -> Volume:
+        try:
+            return opened.load(frame, channel, progress)
+        except (EOFError, ValueError, zlib.error):
+            if opened.dims is None:
+                raise
+            raise truncated(path, opened.dims) from None
+
     first, *others = channels
-    volume = opened.load(frame, first, progress)
+    volume = load(first)
     name = opened.channel(first).name
     if not others:
         is_named = name and opened.channels > 1
@@ -172,7 +185,7 @@ def _loaded(
     for plane, stored in zip(values, volume.values):
         plane[...] = stored
     for other in others:
-        for plane, stored in zip(values, opened.load(frame, other, progress).values):
+        for plane, stored in zip(values, load(other).values):
             np.maximum(plane, stored, out=plane)
     return replace(volume, values=values)
 

@@ -4,6 +4,7 @@
 import io
 import re
 from collections.abc import Sequence
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from ..._core import Progress
 from ...arrays import Array
 from ...volume.voxels import new_voxels
 from .checks import DEFLATE_MOST, truncated
-from .watched import is_packed
+from .watched import is_packed, open_watched
 
 # Bytes of text that are converted at once.
 _PIECE = 1 << 20
@@ -60,6 +61,20 @@ def read_numbers(
         values[filled : filled + len(numbers)] = numbers
         filled += len(numbers)
     return values
+
+
+def numbers_at(
+    path: Path,
+    start: int,
+    shape: Sequence[int],
+    dtype: DTypeLike,
+    progress: Progress,
+    width: int | None = None,
+) -> Array:
+    """Returns the array of this shape from byte `start` of a file on. Raises as read_numbers()."""
+    with open_watched(path, progress) as file:
+        file.seek(start)
+        return read_numbers(file, prod(shape), dtype, progress, width).reshape(shape)
 
 
 def numbers_of(line: str | bytes) -> list[float]:

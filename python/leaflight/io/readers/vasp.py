@@ -5,7 +5,6 @@ https://www.vasp.at/wiki/index.php/CHGCAR
 """
 
 import io
-import zlib
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -18,9 +17,9 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
-from .checks import check_matrix, truncated
+from .checks import matrix_at
 from .stored import StoredVolume, lengths
-from .text_numbers import check_count, numbers_of, read_numbers
+from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import open_watched
 
 # Upper bounds on the characters of a line, and on lines between two grids, such as PAW spheres.
@@ -55,43 +54,24 @@ def open_volume(path: Path) -> StoredVolume:
 
     The grid is periodic: after its last voxel comes the first one of the next cell.
     """
-    try:
-        with open_watched(path, Progress()) as file:
-            grids = _grids(path, file)
-    except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
-        raise LeaflightError(
-            f"{path}: this is not a readable VASP file with values on a grid, or it is damaged; "
-            "fetch it again."
-        ) from None
+    with open_watched(path, Progress()) as file:
+        grids = _grids(path, file)
     dims, frames = grids.dims, len(grids.lattices)
     channels = len(grids.starts) // frames
-    matrices = [_matrix(lattice, dims) for lattice in grids.lattices]
-    for matrix in matrices:
-        check_matrix(path, matrix)
+    matrices = [matrix_at(path, lattice.T / dims) for lattice in grids.lattices]
     is_density, notes = _quantity(path, grids)
     if (is_density, channels) in _SETS:
         notes += (f"The file holds {channels} grids: {_SETS[is_density, channels]}.",)
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
-        try:
-            with open_watched(path, progress) as file:
-                file.seek(grids.starts[frame * channels + channel])
-                values = read_numbers(file, prod(dims), np.float32, progress)
-        except (EOFError, ValueError, zlib.error):
-            raise truncated(path, dims) from None
+        start = grids.starts[frame * channels + channel]
+        values = numbers_at(path, start, dims[::-1], np.float32, progress)
         if is_density:
             values /= np.float32(abs(np.linalg.det(grids.lattices[frame])))
-        name = path.name.partition(".")[0]
-        return Volume(values.reshape(dims[::-1]), matrices[frame], name)
+        return Volume(values, matrices[frame], path.name.partition(".")[0])
 
     sizes = lengths(matrices[0])
     return StoredVolume(dims, np.dtype(np.float32), load, sizes, "Å", frames, channels, notes=notes)
-
-
-def _matrix(lattice: Array, dims: tuple[int, ...]) -> Array:
-    matrix = np.eye(4)
-    matrix[:3, :3] = lattice.T / dims
-    return matrix
 
 
 def _quantity(path: Path, grids: _Grids) -> tuple[bool, tuple[str, ...]]:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..._core import LeaflightError, Progress
+from ..._core import Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from .channels import Channel
-from .checks import check_matrix, choose_named, listed, undecided
+from .checks import check_matrix, check_shape, choose_named, listed, undecided
 from .stored import StoredVolume, lengths
 
 # VTK marks voxels by them that belong to another piece, too.
@@ -54,10 +54,7 @@ class Image:
 def open_image(image: Image, dataset: str | None) -> StoredVolume:
     """Opens the chosen array, else the only one of points, else the only one."""
     path = image.path
-    if min(image.points) < 1:
-        raise LeaflightError(
-            f"{path}: the header claims no voxels, so it is damaged; fetch the file again."
-        )
+    check_shape(path, image.points)
     found = _named(image.arrays)
     names, notes = tuple(found), image.notes
     of_points = [name for name, array in found.items() if not array.of_cells]

@@ -99,18 +99,13 @@ class _File:
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     """Opens an image. Its arrays are datasets; components of vectors and colors are channels."""
     with open(path, "rb") as opened:
-        try:
-            data = mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ)
-        except ValueError:
-            raise LeaflightError(f"{path}: the file is empty; fetch it again.") from None
+        data = mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ)
     file = _File(path, data)
     # The first two lines are the version and a title, which may be empty.
     file.place = data.find(b"\n", data.find(b"\n") + 1) + 1
     form = " ".join(file.line() or ()).upper()
     if not data[: len(_MAGIC)] == _MAGIC or form not in ("ASCII", "BINARY"):
-        raise LeaflightError(
-            f"{path}: this is not a readable legacy VTK file, or it is damaged; fetch it again."
-        )
+        raise ValueError("the first lines")
     file.binary = form == "BINARY"
     _check_kind(file)
     while (words := file.line()) is not None:
@@ -214,10 +209,7 @@ def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, 
         content, shape = file.data[start:end], (*dims[::-1], channels)
         if file.binary:
             return np.frombuffer(content, dtype, prod(shape)).reshape(shape)[..., channel], ()
-        try:
-            numbers = read_numbers(io.BytesIO(content), prod(shape), dtype, progress)
-        except (ValueError, EOFError):
-            raise truncated(file.path, dims) from None
+        numbers = read_numbers(io.BytesIO(content), prod(shape), dtype, progress)
         values = numbers.reshape(shape)[..., channel]
         return (values * 255).round().clip(0, 255).astype(np.uint8) if is_color else values, ()
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element, ParseError, fromstring
+from xml.etree.ElementTree import Element, fromstring
 
 import numpy as np
 
@@ -90,18 +90,12 @@ class Document:
 
 def open_document(path: Path) -> Document:
     """Reads the file without its appended data, which are not XML."""
-    try:
-        with open(path, "rb") as file:
-            data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        end = data.find(b"<AppendedData")
-        root = fromstring(data[:] if end < 0 else data[:end] + b"</VTKFile>")
-        order = _ORDERS[root.get("byte_order", "LittleEndian")]
-        header = np.dtype(order + _HEADERS[root.get("header_type", "UInt32")])
-    except (ParseError, KeyError, ValueError):
-        raise LeaflightError(
-            f"{path}: this is not a readable VTK image, or it is truncated or damaged; fetch it "
-            "again."
-        ) from None
+    with open(path, "rb") as file:
+        data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    end = data.find(b"<AppendedData")
+    root = fromstring(data[:] if end < 0 else data[:end] + b"</VTKFile>")
+    order = _ORDERS[root.get("byte_order", "LittleEndian")]
+    header = np.dtype(order + _HEADERS[root.get("header_type", "UInt32")])
     compressor = root.get("compressor")
     if compressor not in _COMPRESSORS:
         known = listed([name for name in _COMPRESSORS if name])

@@ -4,10 +4,8 @@
 http://www.xcrysden.org/doc/XSF.html
 """
 
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +13,9 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
-from .checks import check_matrix, choose_named, text, truncated, undecided
+from .checks import check_matrix, choose_named, text, undecided
 from .stored import StoredVolume, lengths
-from .text_numbers import check_count, numbers_of, read_numbers
+from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import open_watched
 
 # Upper bound on the characters of a line.
@@ -36,12 +34,7 @@ class _Grid:
 
 def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     """Opens a grid. Several are datasets. The last points may repeat the first ones."""
-    try:
-        found = _grids(path)
-    except (IndexError, ValueError, OverflowError, EOFError, zlib.error):
-        raise LeaflightError(
-            f"{path}: this is not a readable XSF file, or it is damaged; fetch it again."
-        ) from None
+    found = _grids(path)
     names = tuple(found)
     if not names:
         raise LeaflightError(
@@ -59,13 +52,8 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     check_matrix(path, grid.matrix)
 
     def load(_frame: int, _channel: int, progress: Progress) -> Volume:
-        try:
-            with open_watched(path, progress) as file:
-                file.seek(grid.start)
-                values = read_numbers(file, prod(grid.dims), np.float32, progress)
-        except (EOFError, ValueError, zlib.error):
-            raise truncated(path, grid.dims) from None
-        return Volume(values.reshape(grid.dims[::-1]), grid.matrix, path.name.partition(".")[0])
+        values = numbers_at(path, grid.start, grid.dims[::-1], np.float32, progress)
+        return Volume(values, grid.matrix, path.name.partition(".")[0])
 
     size = lengths(grid.matrix)
     return StoredVolume(grid.dims, np.dtype(np.float32), load, size, "Å", datasets=names)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...._core import LeaflightError
 from ....arrays import Array
+from ..checks import FROM_LPS
 from .pixels import digest
 from .planes import Plane
 
@@ -22,8 +23,6 @@ _SAME, _SAME_PIXEL = 0.01, 1e-4
 _ASIDE = 1.0
 # Upper bound on the planes that a sparse object omits, per plane that it has.
 _MOST_EMPTY = 1000
-# From DICOM's world (left-posterior-superior) to Leaflight's (right-anterior-superior).
-_FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ def _unplaced(path: Path, planes: list[Plane]) -> Stack:
     first = planes[0]
     matrix = _axes(first)
     matrix[:3, 2] = np.multiply(first.normal, step)
-    return Stack([list(planes)], _checked(path, _FROM_LPS @ matrix), (note,))
+    return Stack([list(planes)], _checked(path, FROM_LPS @ matrix), (note,))
 
 
 def _along(one: Plane, first: Plane) -> float:
@@ -236,7 +235,7 @@ def _matrix(path: Path, first: Plane, last: Plane, count: int) -> Array:
     if count > 1:
         # The direction between planes may be oblique if the gantry was tilted.
         matrix[:3, 2] = np.subtract(last.position or (), first.position or ()) / (count - 1)
-    return _checked(path, _FROM_LPS @ matrix)
+    return _checked(path, FROM_LPS @ matrix)
 
 
 def _checked(path: Path, matrix: Array) -> Array:
