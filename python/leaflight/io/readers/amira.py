@@ -15,19 +15,11 @@ from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from .checks import check_matrix, check_shape, choose_named, undecided
+from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 
-_TYPES = {
-    **dict.fromkeys(("byte", "ubyte", "uint8"), "u1"),
-    **dict.fromkeys(("char", "int8"), "i1"),
-    **dict.fromkeys(("short", "int16"), "i2"),
-    **dict.fromkeys(("ushort", "uint16"), "u2"),
-    **dict.fromkeys(("int", "int32"), "i4"),
-    **dict.fromkeys(("uint", "uint32"), "u4"),
-    "float": "f4",
-    "double": "f8",
-}
+_TYPES = NUMBERS | dict.fromkeys(("byte", "ubyte"), "u1")
 _FIRST = re.compile(
     rb"#\s*(?:AmiraMesh|Avizo|HyperMesh)\b.*?\b(ASCII|BINARY(?:-LITTLE-ENDIAN)?)\b.*", re.IGNORECASE
 )

@@ -2,6 +2,7 @@
 """Checks of headers that readers share. All are made before memory is allocated for values."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from math import log10, prod
 from pathlib import Path
@@ -124,6 +125,16 @@ def undecided(path: Path, names: Sequence[str]) -> Callable[[int, int, Progress]
         )
 
     return load
+
+
+def unlike(names: Iterable[str]) -> list[str]:
+    """Returns names of which repeated ones are numbered: "a", "a (2)"."""
+    counts: Counter[str] = Counter()
+    found = []
+    for name in names:
+        counts[name] += 1
+        found.append(name if counts[name] == 1 else f"{name} ({counts[name]})")
+    return found
 
 
 def listed(names: Sequence[str], most: int = 8) -> str:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Zeiss CZI through Zeiss's library pylibCZIrw, in a subprocess."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -12,9 +13,8 @@ from ..._core import LeaflightError
 from ...arrays import Array
 from .channels import Channel, bytes_of_hex, channel_of
 from .microscope import Format, Picture, open_pictures
-from .stored import StoredVolume
 
-_FORMAT = Format("CZI file", "pylibCZIrw", __name__)
+open_volume = partial(open_pictures, kind=Format("CZI file", "pylibCZIrw", __name__))
 # Views are positions; phases, rotations and illuminations are channels.
 _NAMES = {"T": "T", "V": "P", "R": "C", "I": "C", "H": "C", "B": "C", "C": "C", "Z": "Z"}
 _TYPES = {
@@ -25,13 +25,6 @@ _TYPES = {
     "Bgr48": "u2",
     "Bgr96Float": "f4",
 }
-
-
-def open_volume(
-    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
-) -> StoredVolume:
-    """Opens the image of a file. dataset chooses one of several scenes or views."""
-    return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:

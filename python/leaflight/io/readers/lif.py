@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Leica LIF through liffile, in a subprocess."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...arrays import Array
 from .channels import Channel, channel_of
 from .microscope import Format, Picture, open_pictures
-from .stored import StoredVolume
 
-_FORMAT = Format("LIF file", "liffile", __name__)
+open_volume = partial(open_pictures, kind=Format("LIF file", "liffile", __name__))
 # Wavelengths are channels, and tiles of a mosaic are positions.
 _NAMES = {"λ": "C", "Λ": "C", "M": "P"}
 # Codes of liffile for the axes of space.
@@ -20,13 +20,6 @@ _COLORS = {
     **{"Red": (1, 0, 0), "Green": (0, 1, 0), "Blue": (0, 0, 1), "Gray": (1, 1, 1)},
     **{"Cyan": (0, 1, 1), "Magenta": (1, 0, 1), "Yellow": (1, 1, 0)},
 }
-
-
-def open_volume(
-    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
-) -> StoredVolume:
-    """Opens the only image that is a volume, or the one that dataset names."""
-    return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:

@@ -17,22 +17,12 @@ from ...volume.units import unit_of
 from ...volume.volume import Volume
 from .checks import FROM_LPS, check_shape, matrix_at
 from .data_files import data_files
+from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 
 # MET_LONG has four bytes on every machine, as in ITK.
-_TYPES = {
-    **dict.fromkeys(("MET_CHAR", "MET_ASCII_CHAR"), "i1"),
-    "MET_UCHAR": "u1",
-    "MET_SHORT": "i2",
-    "MET_USHORT": "u2",
-    **dict.fromkeys(("MET_INT", "MET_LONG"), "i4"),
-    **dict.fromkeys(("MET_UINT", "MET_ULONG"), "u4"),
-    "MET_LONG_LONG": "i8",
-    "MET_ULONG_LONG": "u8",
-    "MET_FLOAT": "f4",
-    "MET_DOUBLE": "f8",
-}
+_TYPES = NUMBERS | {"ascii char": "i1", "long": "i4", "ulong": "u4", "ulong long": "u8"}
 _WIDE = (
     "Values of type MET_LONG are read with eight bytes each, because that fits the size of the "
     "file."
@@ -121,7 +111,8 @@ def _type(
     path: Path, header: dict[str, str], stored: ValueFiles, shape: Sequence[int]
 ) -> tuple[np.dtype[Any], tuple[str, ...]]:
     """Returns (type of the values, notes about it)."""
-    name = header["ElementType"].upper().removesuffix("_ARRAY")
+    name = header["ElementType"].lower().removeprefix("met_").removesuffix("_array")
+    name = name.replace("_", " ")
     if name not in _TYPES:
         raise LeaflightError(
             f"{path}: the type {header['ElementType'][:40]} is unknown; convert the file first."
@@ -129,7 +120,7 @@ def _type(
     orders = [header.get(f"{key}ByteOrderMSB", "False") for key in ("BinaryData", "Element")]
     dtype = np.dtype((">" if any(map(_true, orders)) else "<") + _TYPES[name])
     count = prod(shape)
-    if name.removeprefix("MET_") in ("LONG", "ULONG") and stored.holds(8 * count):
+    if name in ("long", "ulong") and stored.holds(8 * count):
         return np.dtype(f"{dtype.byteorder}{dtype.kind}8"), (_WIDE,)
     return dtype, ()
 

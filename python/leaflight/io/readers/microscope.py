@@ -64,7 +64,11 @@ class Format:
 
 
 def open_pictures(
-    path: Path, kind: Format, dataset: str | None, spacing: float | Sequence[float] | None
+    path: Path,
+    dataset: str | None = None,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    kind: Format,
 ) -> StoredVolume:
     """Opens the only volume of a file, or the image that dataset names."""
     if not has_package(kind.package):

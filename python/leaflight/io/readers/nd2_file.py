@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nikon ND2 through the package nd2, in a subprocess."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from functools import partial
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -13,17 +14,9 @@ from ...arrays import Array
 from .channels import Channel, channel_of
 from .checks import truncated
 from .microscope import Format, Picture, open_pictures
-from .stored import StoredVolume
 
-_FORMAT = Format("ND2 file", "nd2", __name__)
+open_volume = partial(open_pictures, kind=Format("ND2 file", "nd2", __name__))
 _WITHIN_FRAMES = "CYXS"
-
-
-def open_volume(
-    path: Path, dataset: str | None = None, spacing: float | Sequence[float] | None = None
-) -> StoredVolume:
-    """Opens the image of a file. dataset chooses one of several positions."""
-    return open_pictures(path, _FORMAT, dataset, spacing)
 
 
 def pictures(path: Path) -> list[Picture]:

@@ -16,27 +16,12 @@ from ...volume.volume import Volume
 from .channels import RGB, Channel
 from .checks import text
 from .data_files import data_files
+from .encodings import NUMBERS
 from .nrrd_axes import axes_of
 from .nrrd_segments import LAYERS, merged, segments_of
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
 
-_TYPES = {
-    **dict.fromkeys(("signed char", "int8", "int8_t"), "i1"),
-    **dict.fromkeys(("uchar", "unsigned char", "uint8", "uint8_t"), "u1"),
-    **dict.fromkeys(("short", "short int", "signed short", "signed short int"), "i2"),
-    **dict.fromkeys(("int16", "int16_t"), "i2"),
-    **dict.fromkeys(("ushort", "unsigned short", "unsigned short int"), "u2"),
-    **dict.fromkeys(("uint16", "uint16_t"), "u2"),
-    **dict.fromkeys(("int", "signed int", "int32", "int32_t"), "i4"),
-    **dict.fromkeys(("uint", "unsigned int", "uint32", "uint32_t"), "u4"),
-    **dict.fromkeys(("longlong", "long long", "long long int", "signed long long"), "i8"),
-    **dict.fromkeys(("signed long long int", "int64", "int64_t"), "i8"),
-    **dict.fromkeys(("ulonglong", "unsigned long long", "unsigned long long int"), "u8"),
-    **dict.fromkeys(("uint64", "uint64_t"), "u8"),
-    "float": "f4",
-    "double": "f8",
-}
 # Other names of a field -> its name here.
 _ENCODINGS = {
     "raw": "raw",
@@ -58,7 +43,7 @@ def open_volume(path: Path) -> StoredVolume:
     """
     fields, keys, listed, end = _header(path)
     sizes = _sizes(path, fields)
-    dtype = np.dtype(_TYPES.get(_need(path, fields, "type").lower(), "V"))
+    dtype = np.dtype(NUMBERS.get(_need(path, fields, "type").lower(), "V"))
     if dtype.kind == "V":
         raise LeaflightError(
             f"{path}: the type {fields['type'][:40]} is not a number; convert the file to a "

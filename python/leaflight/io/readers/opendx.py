@@ -17,21 +17,12 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from .checks import DEFLATE_MOST, check_size, data_file, matrix_at, text
+from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
 from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import is_packed, open_watched, read_values
 
-_TYPES = {
-    "byte": "i1",
-    "signed byte": "i1",
-    "unsigned byte": "u1",
-    "short": "i2",
-    "unsigned short": "u2",
-    "int": "i4",
-    "unsigned int": "u4",
-    "float": "f4",
-    "double": "f8",
-}
+_TYPES = NUMBERS | {"byte": "i1", "signed byte": "i1", "unsigned byte": "u1"}
 # Upper bounds on the characters of a line of the header, and on its lines.
 _MOST_LINE, _MOST_LINES = 1 << 12, 1 << 12
 # Name of another file with the values, and their start in it.

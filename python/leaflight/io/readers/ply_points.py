@@ -15,26 +15,9 @@ from ..._core import LeaflightError, Progress
 from ...volume.scattered_points import interpolated
 from ...volume.volume import Volume
 from .checks import check_size, choose_named, truncated, undecided
+from .encodings import NUMBERS
 from .stored import StoredVolume
 
-_TYPES = {
-    "char": "i1",
-    "int8": "i1",
-    "uchar": "u1",
-    "uint8": "u1",
-    "short": "i2",
-    "int16": "i2",
-    "ushort": "u2",
-    "uint16": "u2",
-    "int": "i4",
-    "int32": "i4",
-    "uint": "u4",
-    "uint32": "u4",
-    "float": "f4",
-    "float32": "f4",
-    "double": "f8",
-    "float64": "f8",
-}
 _MARKS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 # Properties that are not values.
 _OTHERS = {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "s", "t", "u", "v"}
@@ -100,9 +83,9 @@ def _header(path: Path) -> tuple[str, int, np.dtype[Any], int]:
         )
     last = elements[1] if len(elements) > 1 else len(words)
     properties = [line[1:] for line in words[elements[0] + 1 : last] if line[0] == "property"]
-    if any(kind not in _TYPES for kind, *_ in properties):
+    if any(kind not in NUMBERS for kind, *_ in properties):
         raise LeaflightError(
             f"{path}: the points have properties that are lists; save only numbers."
         )
-    dtype = np.dtype([(name, _MARKS[form] + _TYPES[kind]) for kind, name in properties])
+    dtype = np.dtype([(name, _MARKS[form] + NUMBERS[kind]) for kind, name in properties])
     return form, int(words[elements[0]][2]), dtype, found.end()

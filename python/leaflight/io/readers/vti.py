@@ -14,9 +14,10 @@ from ...arrays import Array
 from ...volume.voxels import new_voxels
 from .channels import channel_of
 from .checks import data_file, text
+from .encodings import NUMBERS
 from .stored import StoredVolume
 from .vtk_image import Image, ImageArray, matrix_of, open_image
-from .vtk_xml import TYPES, Document, check_claim, dtype_of, open_document, values_of
+from .vtk_xml import Document, check_claim, dtype_of, open_document, values_of
 from .watched import STAGE, begin
 
 _MOST_PIECES = 1 << 14
@@ -36,7 +37,8 @@ class _Piece:
     def arrays(self, of_cells: bool) -> dict[str, Element]:
         """Returns the numeric arrays by name."""
         found = self.element.findall(("CellData" if of_cells else "PointData") + "/DataArray")
-        return {one.get("Name") or "unnamed": one for one in found if one.get("type") in TYPES}
+        found = [one for one in found if one.get("type", "").lower() in NUMBERS]
+        return {one.get("Name") or "unnamed": one for one in found}
 
     def shape(self, of_cells: bool) -> tuple[int, ...]:
         """Returns the shape [z, y, x] of an array."""

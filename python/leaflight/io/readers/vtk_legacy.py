@@ -19,28 +19,15 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from .checks import check_size, truncated
+from .encodings import NUMBERS
 from .stored import StoredVolume
 from .text_numbers import check_count, numbers_of, read_numbers
 from .vtk_image import Image, ImageArray, matrix_of, open_image
 from .watched import STAGE, begin
 
-_TYPES = {
-    "char": "i1",
-    "signed_char": "i1",
-    "unsigned_char": "u1",
-    "short": "i2",
-    "unsigned_short": "u2",
-    "int": "i4",
-    "unsigned_int": "u4",
-    "long": "i8",
-    "unsigned_long": "u8",
-    "vtktypeint64": "i8",
-    "vtktypeuint64": "u8",
-    # vtkIdType is written as an int.
-    "vtkidtype": "i4",
-    "float": "f4",
-    "double": "f8",
-}
+# A vtkIdType is written as an int.
+_TYPES = NUMBERS | {"vtktypeint64": "i8", "vtktypeuint64": "u8", "vtkidtype": "i4"}
+_TYPES |= {"long": "i8", "unsigned long": "u8"}
 # Attribute with a type -> number of values of each point or cell; 0 if the line has it.
 _ATTRIBUTES = {
     "SCALARS": 0,
@@ -166,10 +153,7 @@ def _read_attribute(file: _File, key: str, words: list[str]) -> bool:
         # Skip the name of a color table.
         if not following or following[0].upper() != "LOOKUP_TABLE":
             file.place = before
-    if kind.lower() not in _TYPES:
-        return False
-    _add(file, key, words[1], _dtype(file, kind), channels, file.count)
-    return True
+    return _add_typed(file, key, words[1], kind, channels, file.count)
 
 
 def _read_of_field(file: _File) -> bool:
@@ -178,14 +162,18 @@ def _read_of_field(file: _File) -> bool:
     while words and words[0] == "METADATA":
         _read(file, words)
         words = file.line()
-    if not words or words[3].lower() not in _TYPES:
+    if not words:
         return False
-    _add(file, "FIELD", words[0], _dtype(file, words[3]), int(words[1]), int(words[2]))
-    return True
+    return _add_typed(file, "FIELD", words[0], words[3], int(words[1]), int(words[2]))
 
 
-def _dtype(file: _File, kind: str) -> np.dtype[Any]:
-    return np.dtype((">" if file.binary else "=") + _TYPES[kind.lower()])
+def _add_typed(file: _File, key: str, name: str, kind: str, channels: int, count: int) -> bool:
+    """Adds the array that begins here. Returns False for an unknown type."""
+    type_of = _TYPES.get(kind.lower().replace("_", " "))
+    if type_of is not None:
+        dtype = np.dtype((">" if file.binary else "=") + type_of)
+        _add(file, key, name, dtype, channels, count)
+    return type_of is not None
 
 
 def _add(file: _File, key: str, name: str, dtype: np.dtype[Any], channels: int, count: int) -> None:

@@ -21,20 +21,9 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from .checks import DEFLATE_MOST, check_size, listed, truncated
+from .encodings import NUMBERS
 from .text_numbers import read_numbers
 
-TYPES = {
-    "Int8": "i1",
-    "UInt8": "u1",
-    "Int16": "i2",
-    "UInt16": "u2",
-    "Int32": "i4",
-    "UInt32": "u4",
-    "Int64": "i8",
-    "UInt64": "u8",
-    "Float32": "f4",
-    "Float64": "f8",
-}
 _ORDERS = {"LittleEndian": "<", "BigEndian": ">"}
 _HEADERS = {"UInt32": "u4", "UInt64": "u8"}
 
@@ -110,7 +99,7 @@ def open_document(path: Path) -> Document:
 
 
 def dtype_of(document: Document, array: Element) -> np.dtype[Any]:
-    return np.dtype(document.order + TYPES[array.attrib["type"]])
+    return np.dtype(document.order + NUMBERS[array.attrib["type"].lower()])
 
 
 def check_claim(document: Document, shape: tuple[int, ...], itemsize: int) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...._core import LeaflightError
-from ..checks import listed
+from ..checks import listed, unlike
 from .parts import Part, parts_of
 from .series import Series
 
@@ -95,9 +95,4 @@ def _names(found: list[Series]) -> list[str]:
         f"{one.name} ({one.date})" if counts[one.name] > 1 and one.date else one.name
         for one in found
     ]
-    seen: Counter[str] = Counter()
-    names = []
-    for name in dated:
-        seen[name] += 1
-        names.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
-    return names
+    return unlike(dated)

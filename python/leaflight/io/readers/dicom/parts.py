@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Splits a series into volumes: segments, stacks, and planes of each size and direction."""
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ...._core import LeaflightError
-from ..checks import text
+from ..checks import text, unlike
 from .planes import Plane
 from .series import Series
 
@@ -100,12 +100,7 @@ def _labels(groups: list[list[Plane]]) -> list[str]:
     labels = [" ".join(filter(None, pair)) for pair in words]
     if len(set(labels)) < len(labels):
         labels = [f"{label} {size}" for label, size in zip(labels, sizes)]
-    counts: Counter[str] = Counter()
-    names = []
-    for label in labels:
-        counts[label] += 1
-        names.append(label if counts[label] == 1 else f"{label} ({counts[label]})")
-    return names
+    return unlike(labels)
 
 
 def _direction(plane: Plane) -> str:
