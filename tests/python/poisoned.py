@@ -14,7 +14,7 @@ import sys
 
 import leaflight
 import numpy as np
-from leaflight.volume.voxels import new_voxels
+from leaflight.volume.memory import new_voxels
 from waiting import run_python
 
 # Two bytes that differ in each bit.

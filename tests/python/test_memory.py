@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from leaflight import Volume, _core, bump_box
 from leaflight.bake.bake import task_of
-from leaflight.volume.memory import LEAST_LIMIT, limit_memory
-from leaflight.volume.voxels import new_voxels
+from leaflight.volume.memory import LEAST_LIMIT, limit_memory, new_voxels
 from outcomes import refused
 from waiting import run_python
 

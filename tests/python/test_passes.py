@@ -11,8 +11,7 @@ import pytest
 from cone import FINE, stopping
 from leaflight import Cancelled, Progress, _core, load_bake
 from leaflight.bake.estimate import extrapolated
-from leaflight.bake.outcome import outcome
-from leaflight.bake.statistics import Statistics
+from leaflight.bake.statistics import Statistics, outcome
 from leaflight.volume.setting_error import SettingError
 from outcomes import refused
 from waiting import HANG

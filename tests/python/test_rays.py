@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from leaflight import Cancelled, Progress, lapr, load_bake, refine
 from leaflight.bake.checkpoint import Checkpoint
-from leaflight.bake.outcome import outcome
+from leaflight.bake.statistics import outcome
 from same_bytes import assert_same_light
 
 UNREACHED = 1e-3

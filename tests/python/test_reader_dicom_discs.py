@@ -129,12 +129,12 @@ def test_folders_of_no_volume(tmp_path, values):
 
 
 def test_folders_without_end(study, monkeypatch):
-    from leaflight.io.readers.dicom import disc
+    from leaflight.io.readers.dicom import series
 
-    monkeypatch.setattr(disc, "MOST_FILES", 5)
+    monkeypatch.setattr(series, "MOST_FILES", 5)
     (study / "a" / "again").symlink_to(study)
     if hasattr(os, "mkfifo"):
         os.mkfifo(study / "a" / "pipe")
     refused("5 files", read_volume, study)
-    monkeypatch.setattr(disc, "MOST_FILES", 11)
+    monkeypatch.setattr(series, "MOST_FILES", 11)
     assert len(probe(study).datasets) == 2

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests the process that reads files: its imports, and how it returns errors and values."""
+"""Tests the process that reads files: its imports, and how it returns errors and values.
+
+An absent package is named, with the command that installs it.
+"""
 
 import json
+import shutil
+import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from leaflight import LeaflightError
 from leaflight.io import reader_process
 from leaflight.io.reader_process import ReaderProcess
-from leaflight.io.readers import page_process
+from leaflight.io.readers import MissingPackage, missing_package
 from leaflight.volume.setting_error import SettingError
 from outcomes import refused
 from waiting import run_python
@@ -103,11 +109,11 @@ def test_errors_come_as_they_were_raised(call):
 def test_one_process_decodes_all_pages(call, tmp_path):
     def page(name, number, most=24):
         path = tmp_path / name
-        return page_process.decoded(path, "file", ("its_functions", "pages"), most, number)
+        return reader_process.decoded(path, "file", ("its_functions", "pages"), most, number)
 
     (tmp_path / "other.dat").write_bytes(b"")
     first = np.arange(12, dtype="<u2").reshape(3, 4)
-    with page_process.kept_processes():
+    with reader_process.kept_processes():
         np.testing.assert_array_equal(page("file.dat", 3), first + 3)
         np.testing.assert_array_equal(page("other.dat", 4), first + 4)
         number = page("file.dat", -1, most=1000)
@@ -148,3 +154,55 @@ def test_compiled_readers_are_imported_nowhere_else():
     loaded = set(json.loads(run_python("-c", script, check=True).stdout))
     assert "leaflight.io.readers.hdf5" in loaded
     assert not loaded & {"h5py", "zarr", "numcodecs", "crc32c", "gemmi", "openjpeg", "libjpeg"}
+
+
+@pytest.fixture
+def system(monkeypatch):
+    """Simulates a system whose pip refuses or not, and with or without Debian's apt."""
+
+    def become(managed, apt=True):
+        monkeypatch.setattr(missing_package, "_is_managed", lambda: managed)
+        monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if apt else None)
+
+    return become
+
+
+def said(package):
+    return str(MissingPackage(Path("x"), "CZI file", package))
+
+
+def test_where_pip_installs(system):
+    system(managed=False)
+    assert f"not installed; run '{sys.executable} -m pip install h5py'." in said("h5py")
+    assert "-m pip install pillow'." in said("PIL")
+
+
+def test_what_debian_has(system):
+    system(managed=True)
+    assert said("h5py").endswith("run 'apt install python3-h5py' as root.")
+    assert MissingPackage(Path("x"), "HDF5 file", "h5py").of_debian == "python3-h5py"
+
+
+@pytest.mark.parametrize("apt", [True, False])
+def test_what_only_a_virtual_environment_can_have(system, monkeypatch, apt):
+    """Checks that the command excludes requirements that would replace the system's packages."""
+    system(True, apt)
+    root = Path(missing_package.__file__).parents[3]
+    monkeypatch.setenv("PYTHONPATH", f"/elsewhere:{root}")
+    sentence = said("pylibCZIrw")
+    assert "-m venv --system-site-packages ~/leaflight-python && ~/leaflight-python/" in sentence
+    assert "pip install --no-deps pylibCZIrw validators xmltodict'" in sentence
+    assert sentence.endswith(f"'PYTHONPATH={root} ~/leaflight-python/bin/python -m leaflight'.")
+    assert len(sentence) < 600
+    monkeypatch.delenv("PYTHONPATH")
+    assert said("nd2").endswith("by '~/leaflight-python/bin/python -m leaflight'.")
+
+
+def test_pip_refuses_where_this_says_so():
+    """Compares with pip, which may refuse, but never in a virtual environment."""
+    managed = missing_package._is_managed()
+    command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "nothing-at-all"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if "No module named pip" in done.stderr:
+        pytest.skip("there is no pip")
+    assert ("externally-managed-environment" in done.stderr) == managed

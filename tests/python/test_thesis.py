@@ -7,7 +7,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import thesis
-from leaflight.bake.outcome import outcome
+from leaflight.bake.statistics import outcome
 from leaflight.flatland import bump_box_2d
 from leaflight.thesis import PhotonMap, Scattered, bake_flatland
 from outcomes import refused

@@ -10,8 +10,7 @@ import nibabel
 import numpy as np
 import pytest
 from leaflight import read_volume
-from leaflight.volume.few_steps import common_offset
-from leaflight.volume.fill_values import occurring
+from leaflight.volume.fill_values import common_offset, occurring
 
 N = 16
 Z, Y, X = np.mgrid[:N, :N, :N] - 0.5 * (N - 1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from leaflight import Volume, default_isovalue, default_isovalue_range, read_volume
 from leaflight.bake.provenance import sha256, values_sha256
-from leaflight.volume.voxels import VOXEL_TYPES, as_voxels
+from leaflight.volume.memory import VOXEL_TYPES, as_voxels
 
 INTEGERS = VOXEL_TYPES[:3]
 

@@ -33,7 +33,7 @@ import leaflight
 import numpy as np
 from leaflight import LeaflightError, flatland
 from leaflight.bake.checkpoint import Checkpoint
-from leaflight.bake.outcome import outcome
+from leaflight.bake.statistics import outcome
 from leaflight.cluster.workers import Workers
 from leaflight.io.sources import open_volume
 from leaflight.scene.scene import Mesh

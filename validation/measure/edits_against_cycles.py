@@ -22,7 +22,7 @@ from leaflight.io.scene_file import cornell_box
 from leaflight.measure.sides import IsosurfaceSide, MeshSide
 from leaflight.measure.truth import errors_of
 from leaflight.scene.volume_texture import VolumeTexture, sign_texture, texture_of
-from leaflight.volume.lobes import without_sign
+from leaflight.volume.label_field import without_sign
 from leaflight.volume.regions import Box, HalfSpace, changed
 
 

@@ -8,7 +8,7 @@ import bpy
 import leaflight
 from leaflight import LeaflightError
 from leaflight.bake.checkpoint import Checkpoint
-from leaflight.bake.outcome import outcome
+from leaflight.bake.statistics import outcome
 from leaflight.io.output import check_writable
 
 from ..operators import background, checks, jobs

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
-from leaflight.bake.outcome import is_limited_by_texels, outcome
+from leaflight.bake.statistics import is_limited_by_texels, outcome
 
 from ..show import display, isovalues, lamps, surface_object, walls
 from ..store import bake_files, cache, source_files

@@ -13,7 +13,7 @@ from leaflight.io import readers
 from leaflight.io.readers.reading import FIELDS
 from leaflight.io.readers.usable import about_labels
 from leaflight.scene.volume_texture import SIGN_WIDTH
-from leaflight.volume.lobes import has_lobes
+from leaflight.volume.label_field import has_lobes
 from leaflight.words import figures
 
 from ..operators import background, failures, jobs

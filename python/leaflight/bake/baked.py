@@ -9,22 +9,23 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-import leaflight._core as _core
 import numpy as np
 from numpy.typing import ArrayLike
+
+import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
 from ..io.output import check_writable
 from ..paths import AnyPath
-from ..words import by, figures, html_table
 from ..scene.on_mesh import interpolated
 from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
-from ..scene.texture_values import named_values
+from ..scene.volume_texture import named_values
 from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume
-from .relit import relit
+from ..words import by, figures, html_table
 from .provenance import Provenance
+from .relit import relit
 from .statistics import Statistics
 
 if TYPE_CHECKING:

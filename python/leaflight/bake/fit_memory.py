@@ -10,11 +10,8 @@ from ..scene.scene import SceneDescription, core_scene
 from ..volume.memory import is_limited, memory_of_light
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume
-from .statistics import SkippedPass
+from .statistics import FINER_TEXELS, SkippedPass
 
-# Names in skipped_passes of work for which the memory or the time had no room.
-FINER_TEXELS = "finer texels"
-NO_ROOM = FINER_TEXELS, "finer walls"
 # Upper bound on the bytes of the light of a texel.
 _MOST_OF_A_TEXEL = 500
 _MOST_TEXELS = 2**31

@@ -12,20 +12,17 @@ from ..bake.bake import bake, task_of, worker_memory
 from ..bake.baked import Bake
 from ..bake.checkpoint import Checkpoint, checkpoint_for, read_recipe
 from ..bake.estimate import Estimate, estimate
-from ..bake.fit_memory import NO_ROOM
 from ..bake.load_bake import load_bake
-from ..bake.outcome import outcome
 from ..bake.refine import refine
+from ..bake.statistics import NO_ROOM, outcome
 from ..io.output import check_writable
 from ..io.sources import is_generated
+from ..progress_bar import run_with_progress
 from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
 from ..words import figures
-from .coloring import COLOR_OPTIONS, source_anywhere
-from .lighting import bake_options, to_light
-from ..progress_bar import run_with_progress
+from .lighting import COLOR_OPTIONS, bake_options, source_anywhere, to_light, workers_of
 from .output import Output, picked
-from .workers import workers_of
 
 # Options allowed for any bake, because they do not change its result.
 _WHO_WORKS = {"threads", "workers", "scheduler"}

@@ -17,14 +17,12 @@ from .._core import Cancelled, LeaflightError, Progress
 from ..bake.bake import bake, task_of
 from ..bake.load_bake import load_bake
 from ..bake.provenance import Provenance
-from ..cluster.tasks import at_workers
+from ..cluster.frames import at_workers
 from ..io.output import check_writable
-from .bake_command import bake_settings, checkpoint_of, path_anywhere
-from .coloring import source_anywhere
-from .lighting import to_light
 from ..progress_bar import run_with_progress
+from .bake_command import bake_settings, checkpoint_of, path_anywhere
+from .lighting import source_anywhere, to_light, workers_of
 from .output import Output
-from .workers import workers_of
 
 if TYPE_CHECKING:
     from distributed import Future

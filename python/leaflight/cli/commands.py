@@ -13,15 +13,16 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TextIO
 
-import leaflight._core as _core
 import numpy as np
+
+import leaflight._core as _core
 
 from .._core import Cancelled, LeaflightError, Progress
 from ..bake.baked import Bake, Surface
 from ..bake.load_bake import load_bake
-from ..bake.outcome import outcome
 from ..bake.photons import Photons, trace_photons
 from ..bake.settings import ChosenSetting, UnusedSetting
+from ..bake.statistics import outcome
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -38,6 +39,7 @@ from ..io.readers.checks import listed
 from ..io.readers.reading import StoredOptions, probe
 from ..io.sources import is_generated
 from ..measure.compare import compare
+from ..progress_bar import run_with_progress
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
 from ..volume.label_table import labels_of
 from ..words import by, figures
@@ -45,10 +47,9 @@ from .bake_command import run_bake
 from .batch_command import run_batch
 from .export_command import run_export
 from .lighting import bake_options, given_options, open_with, to_light
-from ..progress_bar import run_with_progress
+from .output import Command, Output, json_line, picked, print_error, print_lines
 from .render_command import run_render
 from .still_command import run_still
-from .output import Command, Output, json_line, picked, print_error, print_lines
 
 
 def run(options: Namespace) -> int:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from .._core import Cancelled, LeaflightError, Progress
 from ..cluster import frames
-from ..cluster.tasks import at_workers
+from ..cluster.frames import at_workers
 from ..io.output import check_writable, replaced
 from ..progress_bar import run_with_progress
+from .lighting import workers_of
 from .output import Output
-from .workers import workers_of
 
 if TYPE_CHECKING:
     from distributed import Future

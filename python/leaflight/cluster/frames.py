@@ -4,14 +4,21 @@
 It runs in the processes of workers. A frame's file is complete or absent.
 """
 
+import contextlib
 import json
 import subprocess
 import threading
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .._core import Cancelled, LeaflightError
 from ..paths import AnyPath
+
+if TYPE_CHECKING:
+    from .._core import Progress
+    from .workers import Workers
 
 # Number of last characters of Blender's output that an error quotes.
 _LAST_WORDS = 300
@@ -162,3 +169,44 @@ def _run(command: Sequence[AnyPath], key: str | None = None) -> str:
     if process.returncode:
         raise LeaflightError(f"Blender failed: {' '.join(said[-_LAST_WORDS:].split())}")
     return said
+
+
+_Name = TypeVar("_Name")
+
+POLL_SECONDS = 0.2
+# Number of times that a task is repeated after its worker died.
+RETRIES = 3
+
+
+@contextlib.contextmanager
+def at_workers(
+    workers: "Workers",
+    tasks: Iterable[tuple[_Name, Callable[..., object], Sequence[object]]],
+    progress: "Progress",
+    stop: Callable[..., object],
+    *of_stop: object,
+) -> Iterator[Iterator[tuple[_Name, Any]]]:
+    """Gives tasks to Workers. Yields an iterator over (name, future), in the order of completion.
+
+    tasks: (name, function, arguments) of each task.
+    If the context ends before all tasks are done, stop(*of_stop) ends the others in each worker.
+    The iterator raises Cancelled.
+    """
+    left = {
+        workers.client.submit(function, *arguments, pure=False, retries=RETRIES): name
+        for name, function, arguments in tasks
+    }
+
+    def finished() -> Iterator[tuple[_Name, Any]]:
+        while left:
+            progress.check()
+            for future in [future for future in left if future.done()]:
+                yield left.pop(future), future
+            time.sleep(POLL_SECONDS)
+
+    try:
+        yield finished()
+    finally:
+        if left:
+            workers.client.cancel(list(left), force=True)
+            workers.client.run(stop, *of_stop, on_error="ignore")

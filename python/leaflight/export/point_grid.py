@@ -9,7 +9,7 @@ import numpy as np
 from .._core import Field
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..scene.texture_values import named_values
+from ..scene.volume_texture import named_values
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
 from ..paths import AnyPath
-from ..scene.texture_values import identifiers
+from ..scene.volume_texture import identifiers
 from ..volume.units import METERS
 
 SUFFIXES = (".usda", ".usdc", ".usd")

@@ -12,7 +12,7 @@ from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..io.output import check_writable, replaced
 from ..paths import AnyPath
-from ..scene.texture_values import identifiers
+from ..scene.volume_texture import identifiers
 from .point_grid import point_grid
 from .vtk_arrays import add_text_and_numbers, write
 

@@ -5,7 +5,7 @@ from typing import Protocol
 
 from ..arrays import Array
 from ..paths import AnyPath
-from ..scene.texture_values import identifiers
+from ..scene.volume_texture import identifiers
 from .images import display_colors
 from .output import check_writable, replaced
 

@@ -12,8 +12,8 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..paths import AnyPath
 from ..scene.volume_texture import MOST_STEPS, Stops, VolumeTexture, label_texture, texture_of
+from ..volume.memory import VOXEL_TYPES, as_voxels
 from ..volume.volume import Volume
-from ..volume.voxels import VOXEL_TYPES, as_voxels
 from .json_object import JsonObject
 from .readers.reading import OPTIONS, read_volume
 from .sources import is_generated, open_volume

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .voxels import VOXEL_TYPES, as_voxels, new_voxels
+from .memory import VOXEL_TYPES, as_voxels, new_voxels
 
 # Depth outside a cut at which values become constant, in voxels.
 _DEPTH = 2.0

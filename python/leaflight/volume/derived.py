@@ -10,9 +10,9 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from .cuts import trimmed
+from .memory import new_voxels
 from .regions import capped_cuts
 from .volume import Volume
-from .voxels import new_voxels
 
 # Distances into a cut, in voxels, of nodes next to its face. It lies at 0 to 1, and a node at most
 # the diagonal of a voxel away.

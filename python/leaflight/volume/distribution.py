@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .labels import are_labels
-from .voxels import as_voxels
+from .label_table import are_labels
+from .memory import as_voxels
 
 # Upper bounds on different values that are counted one by one: whole numbers, and others.
 MOST_LEVELS, FEW_LEVELS = 4096, 32

@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The field whose isosurface at one half is the boundary of labels.
+"""Fields of other values: the boundary of labels, and values without their sign.
 
-Labels are numbers above 0. The boundary is smooth. It encloses as much volume as the voxels with
-labels. It lies between the same voxels as before, so it moves by less than half a voxel.
+The isosurface at one half is the boundary of labels, which are numbers above 0. The boundary is
+smooth. It encloses as much volume as the voxels with labels. It lies between the same voxels as
+before, so it moves by less than half a voxel.
 """
 
-import leaflight._core as _core
+from dataclasses import replace
+
 import numpy as np
+
+import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .first_isovalue import is_mostly_zero
 from .label_table import label_numbers
+from .memory import as_voxels
 from .smoothing import smoothed
+from .volume import Volume
 
 # Standard deviation of the Gaussian, in voxels.
 _WIDTH = 1.0
@@ -77,3 +84,30 @@ def _enclosed(field: Array) -> float:
     vertices, _, triangles = _core.contour(_core.Field(closed, np.eye(4)), 0.5)
     a, b, c = np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
     return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0
+
+
+# Least ratio of the heights of the lobes.
+_ALIKE = 0.2
+
+
+def has_lobes(volume: Volume) -> bool:
+    """Returns True if a volume has lobes of both signs and similar height, with 0 between them."""
+    low, high = volume.data_range()
+    if not low < 0 < high or volume.values.ndim != 3:
+        return False
+    # Noise around 0 is shallow beside the peaks of an electron density.
+    shallow, deep = sorted((-low, high))
+    return shallow > _ALIKE * deep and is_mostly_zero(volume)
+
+
+def without_sign(volume: Volume) -> Volume:
+    """Returns the volume with the absolute values."""
+    return replace(volume, values=unsigned(volume.values))
+
+
+def unsigned(values: Array) -> Array:
+    """Returns absolute values, in one of VOXEL_TYPES."""
+    if values.dtype.kind == "u":
+        return values
+    # The absolute value of the lowest integer exceeds its type.
+    return as_voxels(np.abs(values if values.dtype.kind == "f" else values.astype(np.float32)))

@@ -8,16 +8,17 @@ would have steps of a voxel.
 
 from collections.abc import Sequence
 
-import leaflight._core as _core
 import numpy as np
+
+import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
 from .cuts import trimmed
 from .label_field import label_field
 from .label_table import label_numbers
+from .memory import as_voxels, new_voxels
 from .volume import Volume
-from .voxels import as_voxels, new_voxels
 
 
 def masked(

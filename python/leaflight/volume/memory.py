@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limits on the memory of volumes and of their light."""
+"""Memory of voxels: limits, types and arrays."""
 
 import os
 import tempfile
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike
 
 import leaflight._core as _core
 
 from .._core import LeaflightError
+from ..arrays import Array
 from ..paths import AnyPath
 
 # Smallest limit of a process, and the part of it that Python, libraries and threads need.
@@ -57,3 +63,37 @@ def memory_of_light(voxels: int) -> int | None:
 def is_limited() -> bool:
     """Returns True if limit_memory() set a limit."""
     return _limit is not None
+
+
+# Voxel types of the core, narrowest first. Files of other types are converted.
+VOXEL_TYPES = (np.uint8, np.int16, np.uint16, np.float32)
+
+
+def new_voxels(shape: Iterable[int], dtype: DTypeLike) -> Array:
+    """Returns an uninitialized array for the values of a volume, in memory or in a file.
+
+    Raises LeaflightError if the disk is full.
+    """
+    return _core.large_array([int(n) for n in shape], np.dtype(dtype))
+
+
+def bytes_of(voxels: Array) -> memoryview:
+    """Returns the memory of a contiguous array, to be filled byte by byte."""
+    return voxels.reshape(-1).view(np.uint8).data
+
+
+def held_type(dtype: DTypeLike) -> np.dtype[Any]:
+    """Returns the one of VOXEL_TYPES, a dtype, that stores values of this type."""
+    kept = next((kept for kept in VOXEL_TYPES if np.can_cast(dtype, kept)), np.float32)
+    return np.dtype(kept)
+
+
+def as_voxels(values: Array) -> Array:
+    """Returns a contiguous array in the narrowest of VOXEL_TYPES that holds its type, else float32.
+
+    It is copied only if necessary.
+    """
+    kept = held_type(values.dtype)
+    # float64 values beyond the range of float32 become infinite, and Field refuses them.
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(values, dtype=kept)

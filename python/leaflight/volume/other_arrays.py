@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .memory import as_voxels
 from .setting_error import SettingError
 from .units import METERS, unit_of
 from .volume import Volume
-from .voxels import as_voxels
 
 # Values, index_to_world or None, unit, name.
 _Read = tuple[Any, Array | None, str, str]

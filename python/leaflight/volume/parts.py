@@ -7,12 +7,13 @@ values become at most that of the surroundings, so lower isosurfaces show no she
 
 from collections.abc import Callable
 
-import leaflight._core as _core
 import numpy as np
+
+import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
-from .voxels import as_voxels
+from .memory import as_voxels
 
 # Distance in voxels to which the edge of a part fades out.
 _FADE = 4

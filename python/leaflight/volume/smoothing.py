@@ -9,8 +9,8 @@ import numpy as np
 from .._core import Progress
 from ..arrays import Array
 from ..paths import AnyPath
+from .memory import new_voxels
 from .setting_error import SettingError
-from .voxels import new_voxels
 
 # Standard deviation in voxels.
 MOST_SMOOTH = 10.0

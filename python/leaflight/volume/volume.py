@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypedDict
 
-import leaflight._core as _core
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
+
+import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
@@ -17,10 +18,10 @@ from ..words import by, html_table
 from .cuts import Cuts
 from .distribution import Distribution
 from .label_table import Label
+from .memory import VOXEL_TYPES, as_voxels, new_voxels
 from .setting_error import SettingError
 from .smoothing import checked, smoothed
 from .units import METERS, unit_of
-from .voxels import VOXEL_TYPES, as_voxels, new_voxels
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

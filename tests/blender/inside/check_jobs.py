@@ -11,14 +11,12 @@ from types import SimpleNamespace
 import bpy
 import leaflight
 import pytest
-from leaflight_addon.bake import bake, continue_bake, estimate_bake, live
-from leaflight_addon.bake import photon_cloud, stopped
+from leaflight_addon.bake import bake, continue_bake, estimate_bake, live, photon_cloud, stopped
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.export import export_bake
-from leaflight_addon.importing import import_volume
+from leaflight_addon.importing import import_volume, read_again
 from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import preview, surface_material, surface_object, whole_detail
-from leaflight_addon.importing import smooth_volume
 from passes import Window
 
 CALLBACKS = ("run", "fraction", "status", "show", "ended", "apply", "failed")
@@ -50,7 +48,7 @@ def _keep(obj):
 
 
 def _smooth(obj):
-    return smooth_volume.SmoothJob(obj, "smooth", 1.0)
+    return read_again.ReadAgainJob(obj, "Smooth", "smooth", 1.0, lambda obj: obj.name)
 
 
 def _import(obj):
@@ -86,7 +84,7 @@ MAKERS = {
     continue_bake.ContinueJob: _continue,
     stopped.KeepJob: _keep,
     estimate_bake.EstimateJob: lambda obj: estimate_bake.EstimateJob(bpy.context, obj),
-    smooth_volume.SmoothJob: _smooth,
+    read_again.ReadAgainJob: _smooth,
     import_volume.ImportJob: _import,
     photon_cloud.PhotonJob: _photons,
     export_bake.ExportJob: _export,

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks of headers that readers share. All are made before memory is allocated for values."""
+"""Checks of headers and matrices that readers share. All are made before memory is allocated for
+values.
+"""
 
 import re
 from collections import Counter
@@ -189,3 +191,16 @@ def data_file(path: Path, name: str) -> Path:
             f"{path}: the data file {name[:100]!r} is missing; put it beside the header."
         )
     return data
+
+
+def cell_axes(sizes: Sequence[float] | Array, angles: Sequence[float]) -> Array:
+    """Returns the edges a, b and c, in columns: a along x, b in the plane of x and y.
+
+    angles: alpha, beta and gamma in degrees. Old files use 0 for right angles.
+    """
+    cosines = [np.cos(np.radians(angle or 90.0)) for angle in angles]
+    alpha, beta, gamma = [0.0 if abs(cosine) < 1e-9 else float(cosine) for cosine in cosines]
+    sine = np.sqrt(1 - gamma**2)
+    lean = (alpha - beta * gamma) / sine
+    edges = [[1, gamma, beta], [0, sine, lean], [0, 0, np.sqrt(1 - beta**2 - lean**2)]]
+    return np.array(edges, np.float64) * sizes

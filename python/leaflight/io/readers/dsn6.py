@@ -12,9 +12,8 @@ import numpy as np
 
 from ..._core import Progress
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_shape, check_size, matrix_at
+from .checks import DEFLATE_MOST, cell_axes, check_shape, check_size, matrix_at
 from .stored import StoredVolume, lengths
-from .unit_cell import cell_axes
 from .watched import is_packed, open_watched, read_values
 
 _HEADER = 512

@@ -9,8 +9,7 @@ from ..._core import LeaflightError
 from ...paths import AnyPath
 from ...volume.setting_error import SettingError
 from .checks import listed
-from .dicom_signature import DIRECTORY, holds_dicom, is_dicom
-from .sniffing import module_of
+from .sniffing import DIRECTORY, holds_dicom, is_dicom, module_of
 
 
 @dataclass(frozen=True)

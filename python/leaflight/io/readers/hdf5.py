@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..._core import LeaflightError, Progress
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess, has_package
 from .checks import check_matrix, choose_level, choose_named, index_to_world, undecided
 from .hdf5_image import image_of_json

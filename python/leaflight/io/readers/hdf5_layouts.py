@@ -11,14 +11,12 @@ from dataclasses import replace
 import h5py
 import numpy as np
 
-from .attributes import attribute, numbers_of, text_of
 from .axes import CF, Axis, axis_at, grid_of
-from .hdf5_bdv import bdv_images
 from .hdf5_image import Image, image_of
-from .hdf5_imaris import imaris_images
 from .hdf5_links import walked
+from .hdf5_microscopes import bdv_images, imaris_images
 from .hdf5_nexus import default_signal, is_nexus_data, signals
-from .packing import NAMES, packing_of
+from .packing import NAMES, attribute, numbers_of, packing_of, text_of
 
 # Attributes of the voxel size, z first, and its unit: ilastik and Fiji; CREMI.
 _SIZES = {"element_size_um": "µm", "voxel_size": "", "resolution": ""}

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import h5py
 
-from .attributes import attribute, text_of, texts_of
 from .axes import Axis, axis_at
 from .hdf5_links import resolved
+from .packing import attribute, text_of, texts_of
 
 # Upper bound on the groups on the path to a default.
 _DEEPEST = 8

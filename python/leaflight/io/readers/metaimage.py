@@ -16,10 +16,9 @@ from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
 from .checks import FROM_LPS, check_shape, matrix_at
-from .data_files import data_files
 from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
-from .value_files import Index, ValueFiles
+from .value_files import Index, ValueFiles, data_files
 
 # MET_LONG has four bytes on every machine, as in ITK.
 _TYPES = NUMBERS | {"ascii char": "i1", "long": "i4", "ulong": "u4", "ulong long": "u8"}

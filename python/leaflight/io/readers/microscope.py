@@ -15,10 +15,9 @@ import numpy as np
 from ..._core import LeaflightError
 from ...arrays import Array
 from ..reader_process import ReaderProcess, has_package
-from .blocks import Axes, Blocks, stack_of
 from .channels import Channel, channel_of_json
 from .checks import check_scalar, listed, text
-from .stack import Stack, stored
+from .stack import Axes, Blocks, Stack, stack_of, stored
 from .stored import StoredVolume
 from .voxel_size import voxel_size
 

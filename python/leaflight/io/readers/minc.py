@@ -14,8 +14,8 @@ from nibabel.fileholders import FileHolder
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess, has_package
 from .checks import check_matrix, check_shape
 from .stored import StoredVolume, lengths

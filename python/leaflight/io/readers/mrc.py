@@ -16,9 +16,8 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 from ...volume.volume import Volume
-from .checks import DEFLATE_MOST, check_scalar, check_shape, check_size, matrix_at
+from .checks import DEFLATE_MOST, cell_axes, check_scalar, check_shape, check_size, matrix_at
 from .stored import StoredVolume, lengths
-from .unit_cell import cell_axes
 from .value_files import Index, ValueFiles
 from .watched import is_packed, open_head
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from .checks import check_matrix, check_shape, data_file
 from .packing import scaled_type
 from .stored import StoredVolume, lengths

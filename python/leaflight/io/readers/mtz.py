@@ -14,12 +14,11 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess
-from .checks import choose_named, listed, matrix_at, undecided
+from .checks import cell_axes, choose_named, listed, matrix_at, undecided
 from .stored import StoredVolume, lengths
-from .unit_cell import cell_axes
 from .watched import STAGE, begin
 
 # Voxels per shortest wavelength, gemmi's default for maps.

@@ -14,13 +14,12 @@ from nibabel.externals.netcdf import netcdf_file
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from . import hdf5
-from .attributes import text_of
 from .axes import CF, Axis, Grid, axis_at, grid_of
 from .checks import check_matrix, choose_named, index_to_world, undecided
-from .packing import NAMES, Packing, packing_of
+from .packing import NAMES, Packing, packing_of, text_of
 from .stored import StoredVolume, lengths
 from .watched import watched
 

@@ -16,24 +16,21 @@ from ..._core import Cancelled, LeaflightError, Progress, machine_memory
 from ...arrays import Array
 from ...paths import AnyPath
 from ...progress_bar import with_progress
-from ...volume.label_field import label_field
+from ...volume.label_field import label_field, unsigned
 from ...volume.label_table import without_labels
-from ...volume.lobes import unsigned
-from ...volume.memory import is_limited
+from ...volume.memory import as_voxels, held_type, is_limited, new_voxels
 from ...volume.regions import Region, WithinLabels, as_regions, changed
 from ...volume.setting_error import SettingError
 from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
-from ...volume.voxels import as_voxels, held_type, new_voxels
+from ..reader_process import kept_processes
 from .channels import Chosen, chosen_channels
 from .checks import choose, text, truncated
-from .downsampling import downsampled, look_like_labels
 from .formats import RAW, Format, format_of, left_out
 from .label_files import labels_for
 from .missing_package import MissingPackage
-from .page_process import kept_processes
 from .stored import StoredVolume
-from .usable import Usable, about_labels, usable
+from .usable import Usable, about_labels, downsampled, look_like_labels, usable
 from .watched import watched
 
 if TYPE_CHECKING:

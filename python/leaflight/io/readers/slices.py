@@ -8,10 +8,9 @@ from pathlib import Path
 
 from ..._core import LeaflightError
 from ...arrays import Array
-from .blocks import Blocks, has_depth, stack_of
 from .checks import check_scalar, text
 from .file_names import Slices, sequences
-from .stack import Stack, stored
+from .stack import Blocks, Stack, has_depth, stack_of, stored
 from .stored import StoredVolume
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..._core import Progress
 from ...arrays import Array
+from ...volume.memory import held_type
 from ...volume.volume import Volume
-from ...volume.voxels import held_type
 from .channels import Channel
 
 

@@ -13,7 +13,7 @@ from numpy.typing import DTypeLike
 
 from ..._core import Progress
 from ...arrays import Array
-from ...volume.voxels import new_voxels
+from ...volume.memory import new_voxels
 from .checks import DEFLATE_MOST, truncated
 from .watched import is_packed, open_watched
 

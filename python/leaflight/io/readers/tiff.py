@@ -14,12 +14,11 @@ import numpy as np
 from ..._core import LeaflightError
 from ...arrays import Array
 from . import imagej, ome
-from .blocks import Blocks, has_depth, picture, stack_of
 from .channels import Channel, channel_of
 from .checks import check_scalar, listed, text, truncated
 from .file_names import visible_files
 from .slices import open_slices
-from .stack import Stack, stored
+from .stack import Blocks, Stack, has_depth, picture, stack_of, stored
 from .stored import StoredVolume
 from .tiff_pages import axes_of, check_pages, opened, read_page, series_of
 from .voxel_size import VoxelSize, voxel_size

@@ -14,9 +14,8 @@ import tifffile
 
 from ..._core import Cancelled, LeaflightError
 from ...arrays import Array
-from ..reader_process import requests
+from ..reader_process import decoded, requests
 from .checks import check_scalar, check_size, truncated
-from .page_process import decoded
 
 # Upper bound on the ratio of TIFF's compressions: 12-bit LZW expands 12 bits to 4 KB.
 LZW_MOST = 4096

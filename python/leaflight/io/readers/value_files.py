@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values whose position a header gives: behind it, in another file, or in several files."""
+"""Values whose position a header gives: behind it, in another file, or in several files.
+
+Several files are a list in the header, or a pattern with a number.
+"""
 
 import io
 from collections.abc import Generator, Iterator, Sequence
@@ -13,13 +16,16 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
-from ...volume.voxels import bytes_of, new_voxels
+from ...volume.memory import bytes_of, new_voxels
 from .checks import check_size, truncated
 from .encodings import ENCODINGS
 from .watched import open_watched, read_into, read_values, watched
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
+import re
+
+from .checks import data_file, text
 
 # Index along each axis, slowest first; a slice for all of them.
 Index = tuple[int | slice, ...]
@@ -202,3 +208,63 @@ class _Stream(io.RawIOBase):
         target[:count] = self._left[:count]
         self._left = self._left[count:]
         return count
+
+
+# A pattern with one number, such as slice%03d.raw, followed by first, last and step.
+_PATTERN = re.compile(r"([^%]*%0?\d{0,2}[diu][^%]*?)((?:\s+-?\d{1,9}){0,4})")
+_LIST = re.compile(r"LIST(?:\s+(\d{1,2})D?)?", re.IGNORECASE)
+# Upper bound on the files, more than any volume has planes.
+_MOST_FILES = 1 << 16
+
+
+def data_files(
+    path: Path, field: str, listed: Sequence[str], shape: Sequence[int]
+) -> tuple[Path, ...]:
+    """Returns the files that share the values of an array evenly, in order. Raises LeaflightError.
+
+    field: The header's text about the files.
+    listed: Lines after the header.
+    shape: Sizes of the axes, fastest first. By default a file has all but the slowest.
+    """
+    if found := _LIST.fullmatch(field):
+        axes = int(found[1] or 0) or len(shape) - 1
+        names = [line.strip() for line in listed if line.strip()]
+        _check_count(path, len(names), shape, axes)
+    elif (found := _PATTERN.fullmatch(field)) and not (path.parent / field).is_file():
+        numbers = [int(word) for word in found[2].split()]
+        axes = numbers.pop() if len(numbers) == 4 else len(shape) - 1
+        steps = _numbers(path, numbers, shape[-1])
+        _check_count(path, len(steps), shape, axes)
+        names = [found[1] % number for number in steps]
+    else:
+        return (data_file(path, field),)
+    return tuple(data_file(path, name) for name in names)
+
+
+def _numbers(path: Path, given: Sequence[int], count: int) -> Sequence[int]:
+    """Returns the numbers of a pattern's files. given: None, the first, the last, the step."""
+    first = given[0] if given else 1
+    if len(given) < 2:
+        return range(first, first + count)
+    last = given[1]
+    evenly = (last - first) // max(count - 1, 1)
+    step = given[2] if len(given) > 2 else evenly or (1 if last >= first else -1)
+    if not step:
+        raise LeaflightError(
+            f"{path}: the header numbers the data files in steps of 0; correct the header."
+        )
+    return range(first, last + (1 if step > 0 else -1), step)
+
+
+def _check_count(path: Path, count: int, shape: Sequence[int], axes: int) -> None:
+    """Raises LeaflightError unless the array can be split into this many files of `axes` axes."""
+    wanted = 1
+    for size in shape[axes:]:
+        wanted *= size
+    # Files with all axes are slabs along the slowest.
+    right = shape[-1] % max(count, 1) == 0 if axes == len(shape) else count == wanted
+    if not 0 < axes <= len(shape) or not right or not 0 < count <= _MOST_FILES:
+        raise LeaflightError(
+            f"{path}: the header names {count} data files, which do not match {text(shape)} "
+            "values; correct the header."
+        )

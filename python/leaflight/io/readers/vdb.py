@@ -5,13 +5,14 @@ import math
 from pathlib import Path
 from typing import Any
 
-import leaflight._core as _core
 import numpy as np
+
+import leaflight._core as _core
 
 from ..._core import Progress
 from ...arrays import Array
+from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from ...volume.voxels import new_voxels
 from ..reader_process import ReaderProcess
 from .stored import StoredVolume
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
-from ...volume.voxels import new_voxels
+from ...volume.memory import new_voxels
 from .channels import channel_of
 from .checks import data_file, text
 from .encodings import NUMBERS

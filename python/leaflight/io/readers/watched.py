@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike
 
 from ..._core import Progress
 from ...arrays import Array
-from ...volume.voxels import bytes_of, new_voxels
+from ...volume.memory import bytes_of, new_voxels
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer

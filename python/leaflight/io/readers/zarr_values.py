@@ -21,7 +21,7 @@ from numcodecs.compat import ensure_contiguous_ndarray
 
 from ..._core import LeaflightError
 from ...arrays import Array
-from ...volume.voxels import bytes_of
+from ...volume.memory import bytes_of
 from .zarr_folder import header_of
 
 # A part of an array: the first index along each axis and the one after the last.

@@ -10,10 +10,9 @@ from ...._core import LeaflightError, Progress
 from ....volume.label_table import Label
 from ....volume.volume import Volume
 from ..checks import choose_named, undecided
-from ..dicom_signature import DIRECTORY
+from ..sniffing import DIRECTORY
 from ..stored import StoredVolume, lengths
-from .choices import choices_of, meant
-from .parts import Part
+from .parts import Part, choices_of, meant
 from .series import find_series
 from .stacks import Stack, sparse_stack_of, stack_of
 from .values import label_map, value_type, values_of_frame

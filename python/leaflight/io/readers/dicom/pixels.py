@@ -10,7 +10,7 @@ import pydicom
 
 from ...._core import LeaflightError
 from ....arrays import Array
-from ..page_process import decoded
+from ...reader_process import decoded
 from .header import Pixels
 from .planes import Plane
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...._core import Progress
 from ....arrays import Array
-from ....volume.voxels import new_voxels
+from ....volume.memory import new_voxels
 from ..packing import scaled_type
 from ..watched import watched
 from .pixels import open_pages, values_of
