@@ -154,9 +154,9 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     parser = subparsers.add_parser(
         "export",
         parents=[bake_options()],
-        help="write a bake as a web page, or for ParaView, amira, glTF, USD or PLY",
+        help="write a bake as a web page, or for Blender, ParaView, amira, glTF, USD or PLY",
     )
-    text = "file to write; all isosurfaces: .html (browser), .vti, .am; one: .vtp, .ply; one or "
+    text = "file to write; all isosurfaces: .html, .blend, .vti, .am; one: .vtp, .ply; one or "
     value(parser, "--out", "X.EXT", text + "a sequence: .glb, .usda, .usdc, .usd", required=True)
     isovalue_option(parser, "C ...")
     side_options(parser)

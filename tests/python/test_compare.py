@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight.measure.cycles import _lay_out, _mesh, _pack
+from leaflight.measure.cycles import _lay_out, _pack, wall
 from leaflight.measure.flip import flip
 from leaflight.measure.truth import Truth, parts_of
 from leaflight.scene.on_mesh import interpolated, positions, random_places, random_points
@@ -252,7 +252,7 @@ def test_squares_of_pixels_do_not_overlap(sides):
 
 @pytest.mark.parametrize("count", [1, 3, 400])
 def test_probes_lie_where_cycles_bakes_their_pixels(count):
-    mesh = _mesh(Mesh("sheet", VERTICES, TRIANGLES, (0.5, 0.5, 0.5)))
+    mesh = wall(Mesh("sheet", VERTICES, TRIANGLES, (0.5, 0.5, 0.5)))
     probes, pixels, (width, height), uv = _lay_out(mesh, count, seed=3)
     assert len(set(pixels)) == len(pixels) >= count
     # Each texture coordinate must be the center of the probe's pixel.

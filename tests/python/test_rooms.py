@@ -27,10 +27,10 @@ PACKAGE = (
     "bake",
     "cluster",
     "stills",
+    "measure",
     "export",
     "flatland",
     "thesis",
-    "measure",
     "cli",
 )
 ADDON = (

@@ -51,6 +51,10 @@ def small_disk(tmp_path):
     subprocess.run(["umount", str(folder)], check=True)
 
 
+# mesh.ply is a .ply. Blender writes a .blend, under another name first.
+WRITTEN_HERE = [suffix for suffix in SUFFIXES if suffix not in (".ply", ".blend")]
+
+
 def writers(bake):
     surface = bake.surface(47.0)
     pixels = (255 * NOISE).astype(np.uint8)
@@ -59,7 +63,7 @@ def writers(bake):
         "x.exr": lambda path: _core.write_exr(path, NOISE),
         "x.png": lambda path: write_png(path, pixels),
         "mesh.ply": lambda path: write_ply(path, surface, 1.0),
-        **{f"x{suffix}": exporter(bake, suffix) for suffix in SUFFIXES if suffix != ".ply"},
+        **{f"x{suffix}": exporter(bake, suffix) for suffix in WRITTEN_HERE},
     }
 
 
@@ -69,7 +73,7 @@ def exporter(bake, suffix):
 
 
 KINDS = ["x.vdb", "x.exr", "x.png", "mesh.ply"]
-KINDS += [f"x{suffix}" for suffix in SUFFIXES if suffix != ".ply"]
+KINDS += [f"x{suffix}" for suffix in WRITTEN_HERE]
 
 
 @pytest.mark.parametrize("name", KINDS)

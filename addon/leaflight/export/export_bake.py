@@ -28,6 +28,10 @@ _FORMATS = (
     (".vti", "ParaView Volume (.vti)", "Values with the radiance of all isosurfaces"),
     (".am", "Amira Colors (.am)", "Colors of all isosurfaces, four bytes per texel"),
 )
+if bpy.app.version >= (5, 0, 0):
+    _FORMATS += (
+        (".blend", "Blender (.blend)", "All isosurfaces with a slider, for Blender alone"),
+    )
 
 # Cache: (id of a bake, coarser) -> the _SizeJob for a page with its BackgroundWork.
 _sizes = session.cache()

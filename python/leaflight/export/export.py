@@ -24,7 +24,11 @@ if TYPE_CHECKING:
 # Suffix -> (module, function), for a web page, the whole volume, one isosurface, and one or a
 # sequence.
 PAGE = ".html"
-OF_VOLUME = {".vti": ("vti", "write_vti"), ".am": ("amira", "write_amira")}
+OF_VOLUME = {
+    ".vti": ("vti", "write_vti"),
+    ".am": ("amira", "write_amira"),
+    ".blend": ("blend", "write_blend"),
+}
 OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("..io.ply", "write_ply")}
 OF_SEQUENCE = {
     ".glb": ("gltf", "write_glb"),
@@ -61,9 +65,9 @@ def export(
 ) -> dict[float, Surface]:
     """Writes a Bake in another program's format (docs/export.md); leaves no incomplete file.
 
-    path: File whose suffix chooses the format. A .vti or .am holds the volume with the light of all
-        isosurfaces. A .vtp or .ply holds one lit isosurface. A .glb, .usda, .usdc or .usd holds one
-        or a sequence. An .html shows all isosurfaces of all volumes.
+    path: File whose suffix chooses the format. A .vti, .am or .blend holds the volume with the
+        light of all isosurfaces. A .vtp or .ply holds one lit isosurface. A .glb, .usda, .usdc or
+        .usd holds one or a sequence. An .html shows all isosurfaces of all volumes.
     isovalues: Common isovalues of the isosurfaces, in their order. None is the default one. An
         .html shows the given one first.
     volume: Number of the volume, if there are several.

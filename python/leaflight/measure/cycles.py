@@ -89,7 +89,7 @@ def measure(
     # 0.36 % is noise. It differs by 1.2 to 1.8 % from cells cut in 2, 4 or 8. Glass refracts at
     # facets and needs the finer mesh.
     isosurfaces = [_isosurface(description, field, k, c, detail) for k, field in enumerate(fields)]
-    meshes = [_mesh(mesh) for mesh in description.meshes]
+    meshes = [wall(mesh) for mesh in description.meshes]
     surface = isosurfaces[target.volume] if target.mesh is None else meshes[target.mesh]
     if len(surface.corners["triangles"]) == 0:
         raise LeaflightError(
@@ -146,9 +146,9 @@ def bake_vertices(
     )
     vertices, normals, triangles = mesh
     arrays = {"vertices": vertices, "normals": normals}
-    target = _Object(_material(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
+    target = SceneObject(_material(isosurfaces, albedo, emission), arrays, {"triangles": triangles})
     target.color_by(isosurfaces.texture)
-    objects = [target, *(_mesh(mesh) for mesh in description.meshes)]
+    objects = [target, *(wall(mesh) for mesh in description.meshes)]
     settings, arrays = _scene(description, objects, target, threads)
     settings["image_size"] = None
     settings["passes"] = passes
@@ -157,17 +157,26 @@ def bake_vertices(
 
 
 def _scene(
-    description: SceneDescription, objects: Sequence["_Object"], target: "_Object", threads: int
+    description: SceneDescription,
+    objects: Sequence["SceneObject"],
+    target: "SceneObject",
+    threads: int,
 ) -> tuple[dict[str, Any], dict[str, Array]]:
     """Returns the settings and arrays for cycles_scene.py, except those of the target."""
+    settings, arrays = scene_data(description, objects)
+    return settings | {"target": objects.index(target), "threads": threads}, arrays
+
+
+def scene_data(
+    description: SceneDescription, objects: Sequence["SceneObject"]
+) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Returns the settings and arrays from which cycles_scene.py builds objects and lights."""
     environment = description.environment
     settings: dict[str, Any] = {
         "objects": [one.material for one in objects],
         "lights": [{"type": type(light).__name__, **asdict(light)} for light in description.lights],
         "environment": environment
         and {"radiance": environment.radiance, "world_to_image": environment.world_to_image},
-        "target": objects.index(target),
-        "threads": threads,
     }
     arrays: dict[str, Array] = {}
     for i, one in enumerate(objects):
@@ -178,7 +187,7 @@ def _scene(
 
 
 @dataclass(eq=False)
-class _Object:
+class SceneObject:
     """A mesh for Blender: its material as JSON data, and arrays by vertex and by corner."""
 
     material: dict[str, Any]
@@ -202,7 +211,7 @@ class _Object:
 
 def _isosurface(
     description: SceneDescription, field: Field, volume: int, c: float, detail: int
-) -> _Object:
+) -> SceneObject:
     isosurfaces = description.isosurfaces[volume]
     isovalue = isovalue_at(description, volume, c)
     # The mesh of a cut is flat there, but between the nodes its isosurface is not.
@@ -215,7 +224,9 @@ def _isosurface(
         ramp_at(ramp, isovalue) for ramp in (isosurfaces.albedo, isosurfaces.emission)
     )
     material = _material(isosurfaces, albedo, emission)
-    target = _Object(material, {"vertices": vertices, "normals": normals}, {"triangles": triangles})
+    target = SceneObject(
+        material, {"vertices": vertices, "normals": normals}, {"triangles": triangles}
+    )
     target.color_by(isosurfaces.texture)
     return target
 
@@ -235,10 +246,11 @@ def _finer(field: Field, detail: int) -> Field:
     return _core.Field(np.ascontiguousarray(values), index_to_world)
 
 
-def _mesh(mesh: Mesh) -> _Object:
+def wall(mesh: Mesh) -> SceneObject:
+    """Returns a mesh of the walls for Blender."""
     material = _material(mesh, mesh.albedo, mesh.emission)
     corners = {"triangles": mesh.triangles.astype(np.int32)}
-    one = _Object(material, {"vertices": mesh.vertices}, corners)
+    one = SceneObject(material, {"vertices": mesh.vertices}, corners)
     if mesh.texture is not None:
         assert mesh.uv is not None
         one.vertices["texture"] = mesh.texture
@@ -254,7 +266,7 @@ def _material(
 
 
 def _lay_out(
-    target: _Object, points: int, seed: int
+    target: SceneObject, points: int, seed: int
 ) -> tuple[Probes, Array, tuple[int, int], Array]:
     """Returns Probes on a mesh, and the pixels into which Cycles bakes them.
 
@@ -318,27 +330,37 @@ def _run(
     settings: dict[str, Any], arrays: Mapping[str, Array], progress: Progress | None
 ) -> tuple[Array, Array]:
     """Returns the radiance and the costs that cycles_scene.py writes."""
-    blender = find_blender()
-    with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
-        np.savez(Path(folder) / "scene.npz", settings=json.dumps(settings), **arrays)
-        command = [blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1"]
-        with open(Path(folder) / "log", "w+b") as log:
-            process = subprocess.Popen(
-                [*command, "--python", SCRIPT, "--", folder],
-                stdin=subprocess.DEVNULL,
-                stdout=log,
-                stderr=log,
-            )
-            try:
-                while process.poll() is None:
-                    if progress is not None and progress.cancelled:
-                        raise Cancelled("Cycles was cancelled.")
-                    time.sleep(POLL_SECONDS)
-            finally:
-                process.kill()
-                process.wait()
-        result = Path(folder) / "radiance.npy"
-        if process.returncode != 0 or not result.exists():
-            lines = (Path(folder) / "log").read_text(errors="replace").strip().splitlines()
-            raise LeaflightError(f"Blender failed: {' / '.join(lines[-3:])}")
-        return np.load(result), np.load(Path(folder) / "costs.npy")
+    with tempfile.TemporaryDirectory(prefix="leaflight-") as name:
+        folder = Path(name)
+        np.savez(folder / "scene.npz", settings=json.dumps(settings), **arrays)
+        run_script(in_background(find_blender()), SCRIPT, folder, folder / "radiance.npy", progress)
+        return np.load(folder / "radiance.npy"), np.load(folder / "costs.npy")
+
+
+def in_background(blender: str) -> list[str]:
+    """Returns the command of a background Blender with factory settings that runs a script."""
+    return [blender, "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "--python"]
+
+
+def run_script(
+    command: Sequence[str], script: Path, folder: Path, result: Path, progress: Progress | None
+) -> None:
+    """Runs a script of Blender with a folder as its last argument, until it has written a result.
+
+    Raises LeaflightError, Cancelled.
+    """
+    with open(folder / "log", "w+b") as log:
+        process = subprocess.Popen(
+            [*command, script, "--", folder], stdin=subprocess.DEVNULL, stdout=log, stderr=log
+        )
+        try:
+            while process.poll() is None:
+                if progress is not None and progress.cancelled:
+                    raise Cancelled("Blender's work was cancelled.")
+                time.sleep(POLL_SECONDS)
+        finally:
+            process.kill()
+            process.wait()
+    if process.returncode != 0 or not result.exists():
+        lines = (folder / "log").read_text(errors="replace").strip().splitlines()
+        raise LeaflightError(f"Blender failed: {' / '.join(lines[-3:])}")

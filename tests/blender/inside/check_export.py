@@ -172,6 +172,18 @@ def check_the_name_follows_the_format():
     assert {item[0] for item in export_bake._FORMATS} <= set(SUFFIXES)
 
 
+def check_a_blend_is_written_by_the_blenders_that_can_read_it(baked, tmp_path):
+    formats = {item[0] for item in export_bake._FORMATS}
+    assert (".blend" in formats) == (bpy.app.version >= (5, 0, 0))
+    path = tmp_path / "box.blend"
+    if ".blend" not in formats:
+        assert "needs Blender 5.0 or later" in error_of(export, path=path)
+        return
+    assert export(path) == {"FINISHED"}
+    with bpy.data.libraries.load(str(path)) as (inside, _):
+        assert len(inside.volumes) == 1 and "Camera" in inside.objects
+
+
 def check_it_is_cancelled(baked, tmp_path, monkeypatch):
     """Cancels it during the third of 200 isosurfaces."""
     surface, made = leaflight.Bake.surface, []
