@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on as an extension for Blender 4.2 and later, and as a legacy zip for 3.4 to 4.1."""
 
+import json
 import os
 import re
 import shutil
 import zipfile
 
-from . import wheels
+from . import licenses, wheels
 from .readers import PLATFORM, reader_wheels
 from .tools import OUT, ROOT, VENV, PackageError, run, version
 
 ADDON = ROOT / "addon" / "leaflight"
 # The oldest Blender with extensions; its own program builds the extension.
 BPY = "4.2.23"
+# The first copyright of the manifest; those of the wheels follow.
+OURS = "2026 The Leaflight authors"
 # Compress quickly. Most of the zip is one library of 120 MB, and scripts/demo waits for it.
 LEGACY_LEVEL = 1
 
@@ -32,7 +35,16 @@ def extension(built, *platforms):
     manifest = folder / "blender_manifest.toml"
     listed = "".join(f'    "./wheels/{path.name}",\n' for path in shipped)
     named = ", ".join(f'"{name}"' for name in platforms)
-    manifest.write_text(f"{manifest.read_text()}\nplatforms = [{named}]\nwheels = [\n{listed}]\n")
+    texts = licenses.license_texts(shipped)
+    for name, content in texts.items():
+        path = folder / "licenses" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    holders = "".join(f"    {json.dumps(line)},\n" for line in (OURS, *licenses.copyrights(texts)))
+    manifest.write_text(
+        f"{manifest.read_text()}copyright = [\n{holders}]\n"
+        f"platforms = [{named}]\nwheels = [\n{listed}]\n"
+    )
     # Name zips as Blender's own program does for several platforms. A zip for Linux alone has no
     # suffix.
     split = len(platforms) > 1

@@ -88,6 +88,37 @@ def test_the_wheel_holds_the_package_and_its_libraries(made, root):
         assert any(f"/licenses/{package}" in name for name in licences)
 
 
+def test_the_long_description_leads_out_of_pypi(made, root):
+    with zipfile.ZipFile(made["wheel"]) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        metadata = message_from_bytes(archive.read(name))
+    text = metadata.get_payload()
+    site = tomllib.loads((root / "pyproject.toml").read_text())["project"]["urls"]["Homepage"]
+    targets = re.findall(r"\]\(([^)]+)\)", text)
+    assert len(targets) > 15 and all(target.startswith("https://") for target in targets)
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text)
+    assert pictures and all(target.startswith(f"{site}/raw/main/docs/") for target in pictures)
+    for target in targets:
+        path = re.sub(rf"{re.escape(site)}/(raw|blob)/main/", "", target).partition("#")[0]
+        assert (root / path).exists(), target
+
+
+def test_the_extension_names_what_it_bundles(made, extension, root):
+    manifest, wheels = extension
+    site = tomllib.loads((root / "pyproject.toml").read_text())["project"]["urls"]["Homepage"]
+    assert manifest["website"] == site
+    texts = {name for name in names(made["extension"]) if name.startswith("licenses/")}
+    bundled = {name.rpartition("/")[2] for data in wheels.values() for name, _ in parts(data)}
+    for info in bundled:
+        project = info.removesuffix(".dist-info").rpartition("-")[0]
+        if project in ("leaflight_readers", "leaflight_codecs"):
+            continue  # folders for the packages of others
+        assert any(name.startswith(f"licenses/{project}/") for name in texts), info
+    listed = "\n".join(manifest["copyright"])
+    for holder in ("Leaflight", "Intel", "DreamWorks", "Industrial Light", "Gohlke", "Brett"):
+        assert holder in listed
+
+
 @pytest.mark.parametrize("kind", ["wheel", "extension", "legacy"])
 def test_no_bytecode_and_no_tests_of_ours(made, kind):
     found = names(made[kind])
