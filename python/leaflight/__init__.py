@@ -19,6 +19,7 @@ from .bake.estimate import Estimate, estimate
 from .bake.load_bake import load_bake
 from .bake.moved_scene import moved
 from .bake.refine import refine
+from .export.datasets import to_xarray
 from .export.export import export, export_page
 from .export.mesh_objects import to_pyvista, to_trimesh, to_vtk
 from .export.notebook import picture, show
@@ -81,6 +82,7 @@ setattr(Surface, "to_pyvista", to_pyvista)
 setattr(Surface, "to_trimesh", to_trimesh)
 setattr(Surface, "to_vtk", to_vtk)
 setattr(Bake, "moved", moved)
+setattr(Bake, "to_xarray", to_xarray)
 setattr(Bake, "export_page", export_page)
 setattr(Bake, "show", show)
 setattr(Bake, "still", picture)

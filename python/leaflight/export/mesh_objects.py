@@ -14,13 +14,13 @@ from ..io.images import display_colors
 
 def to_vtk(surface: Surface, exposure: float = 1.0) -> Any:
     """Returns a vtkPolyData with point data (vtp.py). Raises LeaflightError without VTK."""
-    _needed("vtkmodules", "vtk")
+    needed("vtkmodules", "vtk")
     return import_module(".vtp", __package__).polygons(surface, exposure)
 
 
 def to_pyvista(surface: Surface, exposure: float = 1.0) -> Any:
     """Returns to_vtk() as a pyvista.PolyData. Raises LeaflightError without PyVista."""
-    return _needed("pyvista").wrap(to_vtk(surface, exposure))
+    return needed("pyvista").wrap(to_vtk(surface, exposure))
 
 
 def to_trimesh(surface: Surface, exposure: float = 1.0) -> Any:
@@ -29,7 +29,7 @@ def to_trimesh(surface: Surface, exposure: float = 1.0) -> Any:
     Its vertex_attributes have the radiance, and the values of volumes that color it.
     Raises LeaflightError without trimesh.
     """
-    return _needed("trimesh").Trimesh(
+    return needed("trimesh").Trimesh(
         surface.vertices,
         surface.triangles,
         vertex_normals=surface.normals,
@@ -39,11 +39,12 @@ def to_trimesh(surface: Surface, exposure: float = 1.0) -> Any:
     )
 
 
-def _needed(module: str, package: str = "") -> Any:
+def needed(module: str, package: str = "") -> Any:
+    """Returns a module of another package. Raises LeaflightError without it."""
     try:
         return import_module(module)
     except ImportError:
         package = package or module
         raise LeaflightError(
-            f"This mesh needs the Python package {package}: install it with pip install {package}."
+            f"This object needs the Python package {package}: install it with pip install {package}."
         ) from None
