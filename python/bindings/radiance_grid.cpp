@@ -5,6 +5,7 @@
 
 #include "arrays.h"
 #include "bake/output/atlas.h"
+#include "bake/output/estimated_grid.h"
 #include "bake/output/lit_contour.h"
 #include "bindings.h"
 #include "grid_object.h"
@@ -162,6 +163,26 @@ py::tuple atlas(const GridObject<3>& grid, bool back) {
                         columns, rows);
 }
 
+GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const Field<3>& now,
+                        const Index<3>& resolution, const Tuple<2>& isovalues) {
+  RadianceGrid<3> shown;
+  const RadianceGrid<3>* texels = grid.baked.get();
+  if (grid.field || grid.texture) {
+    // Texels hold the light as baked, not as shown.
+    shown.lattice = texels->lattice;
+    shown.radiance = texels_of(grid, false, false);
+    shown.radiance_indirect = texels_of(grid, false, true);
+    if (texels->has_back()) {
+      shown.radiance_back = texels_of(grid, true, false);
+      shown.radiance_back_indirect = texels_of(grid, true, true);
+    }
+    texels = &shown;
+  }
+  const py::gil_scoped_release unlocked;
+  return GridObject<3>(
+      estimated_grid(*texels, before, now, resolution, {isovalues[0], isovalues[1]}));
+}
+
 template <int D>
 void bind_grid(py::module_& module, const std::string& suffix) {
   using Grid = GridObject<D>;
@@ -250,6 +271,12 @@ void bind_grid(py::module_& module, const std::string& suffix) {
         "Returns the grid with the direct light of another scene. Other light, except\n"
         "emission, is scaled by (r, g, b). field: the volume at its current position. Shares\n"
         "the texels.");
+    grid.def("estimated", &estimated, py::arg("before"), py::arg("now"), py::arg("resolution"),
+             py::arg("isovalues"),
+             "Returns a grid without direct light for changed values of the volume. Near changes\n"
+             "it has the mean light of the isosurfaces that lights reach, by their normals.\n"
+             "before, now: the baked and the changed field, at one place. resolution: that of the\n"
+             "result. isovalues: the baked range, in values of the field.");
     grid.def("lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
              py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
              py::arg("largest_step") = LitContourSettings{}.largest_step,

@@ -531,6 +531,13 @@ class RadianceGrid:
         radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
         Inactive texels are zero.
         """
+    def estimated(self, before: Field, now: Field, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], isovalues: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]) -> RadianceGrid:
+        """
+        Returns a grid without direct light for changed values of the volume. Near changes
+        it has the mean light of the isosurfaces that lights reach, by their normals.
+        before, now: the baked and the changed field, at one place. resolution: that of the
+        result. isovalues: the baked range, in values of the field.
+        """
     def lit_contour(self, field: Field, isovalue: typing.SupportsFloat | typing.SupportsIndex, normals: bool = False, front: bool = True, back: bool = False, largest_step: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:
         """
         Returns (vertices, normals, triangles, radiance, radiance of the back, number of

@@ -84,6 +84,7 @@ class BakeJob(jobs.Job):
         self._pointers = [volume.as_pointer() for volume in volumes]
         self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
         self.frames = [volume.leaflight.frame for volume in volumes]
+        self.changes = [source_files.changes_of(volume.leaflight) for volume in volumes]
         self.file_states = [source_files.file_state(volume.leaflight) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
@@ -142,7 +143,7 @@ class BakeJob(jobs.Job):
             return
         for index, (obj, matrix) in enumerate(zip(volumes, self.matrices)):
             if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
-                preview.put(obj, bake, index, matrix)
+                preview.put(obj, bake, index, matrix, self.changes[index])
                 surface_object.update_all(obj, self.is_rough, as_coarse=True)
         if bpy.data.scenes.get(self.scene_name) is not None:
             walls.show_pass(bpy.data.scenes[self.scene_name])
@@ -193,7 +194,11 @@ class BakeJob(jobs.Job):
             # Show the baked frame. A volume that follows the scene switches back by itself.
             frame_bakes.switch(obj, self.frames[index])
             state = lighting.StateAtBake(
-                self.matrices[index], self.fingerprint, self.seconds, self.file_states[index]
+                self.matrices[index],
+                self.fingerprint,
+                self.seconds,
+                self.file_states[index],
+                self.changes[index],
             )
             lighting.light(obj, self.bake, index, self.path, self.columns[index], state)
             obj.leaflight.bake_outcome = end

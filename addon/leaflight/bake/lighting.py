@@ -8,7 +8,7 @@ import bpy
 from leaflight.bake.statistics import is_limited_by_texels, outcome
 
 from ..show import display, isovalues, lamps, surface_object, walls
-from ..store import bake_files, cache, source_files
+from ..store import bake_files, cache
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,14 @@ class StateAtBake:
     fingerprint: Fingerprint of the scene.
     seconds: Duration of the bake.
     file_state: State of the volume's file.
+    changes: Changes of the volume's values since the import.
     """
 
     matrix: Sequence[float]
     fingerprint: str
     seconds: float
     file_state: str
+    changes: str
 
 
 def light(obj, bake, index, path, columns, state):
@@ -42,7 +44,7 @@ def light(obj, bake, index, path, columns, state):
     settings.bake_walls = bake.walls is not None
     settings.bake_fingerprint = state.fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
-    settings.bake_changes = source_files.changes_of(settings)
+    settings.bake_changes = state.changes
     settings.bake_seconds = state.seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_target = bake.provenance.error or 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: light that follows lamps, walls and volumes that move, once there is a bake.
+"""Live: light that follows lamps, walls, volumes and cuts that move, once there is a bake.
 
 Direct light of the new position comes first, over the indirect light of the bake. The passes of a
 new bake follow, until the light is final. A newer position cancels the passes of an older one, but
@@ -18,7 +18,7 @@ from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
 from ..props import BoolProperty
-from ..show import isovalues, preview, surface_object, walls, whole_detail
+from ..show import changed_data, isovalues, preview, surface_object, walls, whole_detail
 from ..stage import staleness
 from ..store import cache
 from ..store.reading import StillReading
@@ -42,8 +42,8 @@ _job = _work = None
 _looked_at, _picture = 0.0, 0.0
 # True if the scene may have changed since the last poll.
 _has_changed = False
-# Fingerprint of the scene whose light was stopped or failed, and a sentence about it.
-_left, _why = "", ""
+# LiveJob.state whose light was stopped or failed, and a sentence about it.
+_left, _why = None, ""
 
 
 class LiveJob(bake.BakeJob):
@@ -58,12 +58,15 @@ class LiveJob(bake.BakeJob):
         if any(other.leaflight.bake_id != obj.leaflight.bake_id for other in volumes):
             raise LeaflightError("Volumes were added or removed since the bake: bake again.")
         self._lit, self._whole = cache.light_of(obj), cache.whole_of(obj)
+        self._with_present_values = changed_data.with_present_values(volumes)
         # Write no checkpoint, because each move starts a new bake.
         path = self.checkpoint.path.with_suffix(".live")
         self.checkpoint = replace(self.checkpoint, path=path, seconds=math.inf)
         self.is_outdated = self._can_be_cancelled = False
         self._has_direct = threading.Event()
         self.is_rough = self._map_work() > _QUICK_MAPS
+        # Equal for equal scenes and data.
+        self.state = self.fingerprint, self.changes
 
     def run(self, progress):
         try:
@@ -75,15 +78,16 @@ class LiveJob(bake.BakeJob):
         # The amount of work is unknown before the passes.
         progress.expect(math.inf)
         self._lit = self._whole(progress)
+        lit = self._with_present_values(self._lit)
         known = {name: self._arguments[name] for name in ("volumes", "scene", "isovalues")}
         blurs_maps, blurs_walls = self.is_rough, self._wall_work() > _QUICK_WALLS
-        self.latest = moved(self._lit, **known, quick=blurs_maps, walls=False, progress=progress)
+        self.latest = moved(lit, **known, quick=blurs_maps, walls=False, progress=progress)
         self._has_direct.set()
         self.latest = lit_walls(self.latest, QUICK if blurs_walls else WHOLE, progress)
         self._can_be_cancelled = True
         self._check()
         if blurs_maps:
-            sharp = moved(self._lit, **known, walls=False, progress=progress)
+            sharp = moved(lit, **known, walls=False, progress=progress)
             self.is_rough = False
             self.latest = replace(sharp, walls=self.latest.walls)
         if blurs_walls:
@@ -172,7 +176,7 @@ def forget():
     """Stops the work and resets the state, before another file is opened."""
     global _job, _work, _has_changed, _left, _why
     stop()
-    _job, _work, _has_changed, _left, _why = None, None, False, "", ""
+    _job, _work, _has_changed, _left, _why = None, None, False, None, ""
     whole_detail.hold(False)
 
 
@@ -228,10 +232,10 @@ def _look():
         wanted = None
         _give_up(error)
     if _job is not None:
-        if wanted is None or wanted.fingerprint != _job.fingerprint:
+        if wanted is None or wanted.state != _job.state:
             _job.outdate(_work)
-    elif wanted is not None and wanted.fingerprint != _left:
-        _left, _why = "", ""
+    elif wanted is not None and wanted.state != _left:
+        _left, _why = None, ""
         _begin(wanted)
 
 
@@ -243,9 +247,9 @@ def _wanted(context):
     if obj is None or not scene.leaflight_live:
         return None
     change = staleness.change_since_bake(context, obj)
-    if change in staleness.OF_THE_SCENE:
+    if change in (*staleness.OF_THE_SCENE, staleness.CUT):
         return LiveJob(context, obj)
-    _left = _why = ""
+    _left, _why = None, ""
     if not change and _job is None and preview.of(obj) is not None:
         # Everything is back in the position of the bake, so show the bake.
         surface_object.forget_passes()
@@ -289,13 +293,13 @@ def _go_on():
         work.show()
         if not job.is_outdated:
             _left, _why = (
-                job.fingerprint,
+                job.state,
                 iface_(
                     "Stopped: direct light is current, indirect light is of an earlier position"
                 ),
             )
     except Exception as error:
-        _left, _why = job.fingerprint, failures.sentence_of(error)
+        _left, _why = job.state, failures.sentence_of(error)
     if job.is_outdated:
         _has_changed = True
         _look()
@@ -313,7 +317,7 @@ class LEAFLIGHT_OT_stop_live(checks.LeaflightOperator, bpy.types.Operator):
 
 def _switched(scene, _context):
     global _left
-    _left = ""
+    _left = None
     if scene.leaflight_live:
         staleness.forget()
         changed(scene)
@@ -331,7 +335,7 @@ PROPERTIES = (
         "leaflight_live",
         BoolProperty(
             "Live",
-            "Update the light while lamps, walls and volumes move: direct light at "
+            "Update the light while lamps, walls, volumes and clip boxes move: direct light at "
             "once, indirect light by the passes of a new bake. The last pass is saved "
             "to a new file",
             update=_switched,

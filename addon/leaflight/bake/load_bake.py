@@ -52,7 +52,9 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
                 file_state = source_files.file_state(obj.leaflight)
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             obj.leaflight.smooth_normals = bake.volumes[index].smooth_normals
-            state = lighting.StateAtBake(matrix, staleness.OTHER_SCENE, seconds, file_state)
+            changes = source_files.changes_of(obj.leaflight)
+            scene = staleness.OTHER_SCENE
+            state = lighting.StateAtBake(matrix, scene, seconds, file_state, changes)
             lighting.light(obj, bake, index, path, columns[index], state)
             obj.leaflight.low, obj.leaflight.high = lighting.isovalue_range(bake, index)
         if created and self.walls:

@@ -25,6 +25,7 @@ from leaflight.volume.setting_error import check_is_baked
 from .. import versions
 from ..show import display, fill, isosurface, isovalues, surface_material, surface_object
 from ..stage import scene_export
+from ..store import source_files
 from . import render
 
 # Largest error of the mean in percent. Bakes of the tests, with 32 texels per axis, reach 1.4.
@@ -217,6 +218,10 @@ def check_lit(volume, isovalue):
                 f'"{volume.name}" is a mirror or glass, which shows only the walls: bake with '
                 "Light the Walls, or select a diffuse volume."
             )
+    elif source_files.values_changed(settings):
+        raise LeaflightError(
+            f'The data of "{volume.name}" have changed since the bake: bake again.'
+        )
     elif not isosurface.is_lit(volume, isovalue):
         raise LeaflightError(
             f'Capped of "{volume.name}" has changed since the bake, so it is not lit: bake again.'

@@ -3,9 +3,11 @@
 
 import bpy
 
+from ..bake import live
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
 from ..show import display, isovalues
+from ..stage import staleness
 from ..store import cache, source_files
 
 has_file = checks.needs(
@@ -42,4 +44,6 @@ class ReadAgainJob(jobs.Job):
         for surface in display.surfaces_of(obj):
             isovalues.limit(surface)
         cache.forget_unused()
+        staleness.forget()
+        live.changed(bpy.context.scene)
         return self._done(obj)

@@ -3,7 +3,7 @@
 
 Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
 keys "on" and, for cuts and masks, "object", the name of the clip box or the label map. A box
-without it is a crop. Their positions are in the coordinates of the file, so they stay where they
+without it is a crop. A cut has the key "place", too (box_cuts.py). Their positions are in the coordinates of the file, so they stay where they
 are in the volume when the object moves.
 """
 
@@ -18,11 +18,11 @@ from leaflight.volume.regions import Box, record_of
 from ..operators import background, checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, IntProperty, StringProperty
-from ..show import data_faces, look
+from ..show import look
 from ..stage import camera
 from ..store import cache, source_files
 from ..translations import iface_
-from . import read_again
+from . import box_cuts, read_again
 
 # Names of kinds of regions in panels.
 _TITLES = {
@@ -50,14 +50,10 @@ def crop(low, high, index_to_file):
     return {**record_of(box), "on": True}
 
 
-def _job(obj, regions, text, then=lambda _obj: None):
-    """Returns the job that reads a volume again with regions.
-
-    text: The report. then: Function of the object for the end.
-    """
+def _job(obj, regions, text):
+    """Returns the job that reads a volume again with regions. text: The report."""
 
     def done(obj):
-        then(obj)
         return f"{obj.name}: {iface_(text)}"
 
     value = json.dumps(regions) if regions else ""
@@ -70,16 +66,11 @@ def _with_region_of(obj, other, region):
     return [*kept, {**region, "object": other.name, "on": True}]
 
 
-def _show_cut(obj):
-    """Shows the cut data in place of a slice on the faces of the clip box."""
-    obj.leaflight_look.cut_colors = data_faces.OPEN
-
-
 class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Cut Data"
     bl_description = (
-        "Cut the data itself by the clip box, so that a bake lights the cut. Press it again after "
-        "the box has moved"
+        "Cut the data itself by the clip box, so that a bake lights the cut. The cut follows the "
+        "box"
     )
     conditions = (
         *read_again.CONDITIONS,
@@ -99,13 +90,9 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     def start(self, context):
         obj = active_volume(context)
         box = look.box_of(obj)
-        to_file = np.linalg.inv(source_files.place_of_file(obj))
-        place = to_file @ np.array(box.matrix_world, np.float64)
-        low, high = np.array(look.bounds_of(box))
-        keep = obj.leaflight_look.keep.lower()
-        cut = Box.between(low, high, keep, self.cut).moved(place)
-        regions = _with_region_of(obj, box, record_of(cut))
-        return _job(obj, regions, "cut; bake to light the cut", _show_cut)
+        region = box_cuts.region_by(obj, box, obj.leaflight_look.keep, self.cut)
+        regions = _with_region_of(obj, box, region)
+        return _job(obj, regions, "cut; bake to light the cut")
 
 
 def label_maps(scene):

@@ -9,7 +9,7 @@ from leaflight import LeaflightError
 
 from ..store import cache, source_files
 from ..store.reading import StillReading
-from . import display, lamps, preview, texture
+from . import changed_data, display, preview, texture
 
 # Color attributes: radiance that leaves the front of the surface, and the back if it is baked.
 RADIANCE = "radiance"
@@ -178,8 +178,10 @@ def is_lit(obj, isovalue):
     # The radiance of a mirror or glass depends on the view, so no bake holds it.
     if baked.scattering != "diffuse" or baked.capped != settings.capped:
         return False
-    if source_files.values_changed(settings):
-        return False
+    # A bake in progress has the present values, and changed_data.py estimates light on cuts.
+    if preview.of(display.volume_object(obj)) is None and source_files.values_changed(settings):
+        if not source_files.regions_alone_changed(settings):
+            return False
     low, high = (bake.isovalue_of(index, c) for c in bake.isovalues)
     rounding = 1e-6 * (high - low)
     return low - rounding <= isovalue <= high + rounding
@@ -201,4 +203,4 @@ def lit_by(obj):
     shown = preview.of(obj)
     if shown is not None:
         return shown.bake, shown.index
-    return lamps.light_of(obj), obj.leaflight.bake_index
+    return changed_data.light_of(obj), obj.leaflight.bake_index

@@ -10,7 +10,10 @@ volume gets copies of them here. Each volume with added isosurfaces has a unique
 volumes with the same mark are duplicates.
 """
 
+from contextlib import suppress
+
 import bpy
+from leaflight import LeaflightError
 
 from .. import versions
 from ..store import cache, frame_bakes
@@ -60,6 +63,13 @@ def limit(obj):
     obj.leaflight.limit_isovalue(
         data_range, isovalue_range(volume.leaflight), obj.leaflight.isovalue
     )
+
+
+def limit_all(volume):
+    """Calls limit() for the isosurfaces of a volume object, unless its data are still read."""
+    with suppress(LeaflightError):
+        for surface in display.surfaces_of(volume):
+            limit(surface)
 
 
 def orphans():

@@ -42,7 +42,7 @@ def _is_translucent(obj):
 
 
 def box_of(obj):
-    """Returns the object whose box cuts an isosurface, or None."""
+    """Returns the clip box of an isosurface, or None."""
     box = display.volume_object(obj).leaflight_look.box
     # A deleted object is in no scene, but lives on while a property refers to it.
     return box if obj.leaflight_look.is_cut and box is not None and box.users_scene else None
@@ -72,9 +72,25 @@ def recoloring(obj, isovalue):
     return tuple(factor), tuple((1.0 - factor) * emission)
 
 
+def is_in_data(volume, box):
+    """True if the data of a volume object are cut by a box, so that the picture need not be.
+
+    The data do not follow an animated box.
+    """
+    return not _is_animated(box) and any(
+        item["on"] and source_files.is_box_cut(item) and item["object"] == box.name
+        for item in source_files.regions_of(volume.leaflight)
+    )
+
+
+def _is_animated(box):
+    data = box.animation_data
+    return data is not None and bool(data.action or data.drivers)
+
+
 def _cut_of(obj):
     box = box_of(obj)
-    if box is None:
+    if box is None or is_in_data(display.volume_object(obj), box):
         return None
     keeps = display.volume_object(obj).leaflight_look.keep == "INSIDE"
     low, high = bounds_of(box)
@@ -108,7 +124,7 @@ def note_on_backs(volume):
             "The visible back of this isosurface is not baked: turn on Both Sides and bake again"
         )
     capped = [
-        region["object"]
+        region.get("object")
         for region in source_files.regions_of(volume.leaflight)
         if region["on"] and region.get("cut") == "capped"
     ]

@@ -11,7 +11,7 @@ import numpy as np
 from leaflight import LeaflightError
 
 from .. import session
-from ..store import cache
+from ..store import cache, source_files
 
 # Full name of an object -> its Preview.
 _shown = session.cache()
@@ -25,6 +25,7 @@ class Preview:
     index: Number of the object's volume in the bake.
     volume: That volume in the object's coordinates.
     frame: Frame of the file that the volume is.
+    changes: Changes of its values since the import (source_files.changes_of()).
     walls: The last Bake among the passes with lit walls, or None.
     walls_key: Key of the light of walls.
     """
@@ -33,14 +34,16 @@ class Preview:
     index: int
     volume: object
     frame: int
+    changes: str
     walls: object
     walls_key: str
 
 
-def put(obj, bake, index, matrix):
+def put(obj, bake, index, matrix, changes=None):
     """Lights an object with a volume of a bake from its next update on.
 
-    matrix: the object's transform at the bake, 16 numbers row by row.
+    matrix: the object's transform at the bake, 16 numbers row by row. changes: of the values at the
+        bake, by default as now.
     """
     last = _shown.get(obj.name_full)
     baked = bake.volumes[index]
@@ -53,7 +56,9 @@ def put(obj, bake, index, matrix):
         walls = bake, uuid.uuid4().hex
     else:
         walls = (None, "") if last is None else (last.walls, last.walls_key)
-    _shown[obj.name_full] = Preview(bake, index, volume, obj.leaflight.frame, *walls)
+    if changes is None:
+        changes = source_files.changes_of(obj.leaflight)
+    _shown[obj.name_full] = Preview(bake, index, volume, obj.leaflight.frame, changes, *walls)
 
 
 def _own_volume(obj):
@@ -74,10 +79,12 @@ def _is_same(volume, baked, index_to_world):
 def of(obj):
     """Returns the Preview that lights an object.
 
-    Returns None without one, or if the object shows another frame.
+    Returns None without one, or if the object shows another frame or changed values.
     """
-    shown = _shown.get(obj.name_full)
-    return shown if shown is not None and shown.frame == obj.leaflight.frame else None
+    shown, settings = _shown.get(obj.name_full), obj.leaflight
+    if shown is None or shown.frame != settings.frame:
+        return None
+    return shown if shown.changes == source_files.changes_of(settings) else None
 
 
 def forget():

@@ -12,7 +12,7 @@ equal nodes only once. Triangles without area therefore have the materials befor
 import bpy
 
 from .. import versions
-from ..store import atlases, bake_files, cache
+from ..store import atlases, bake_files, cache, source_files
 from . import display, isosurfaces, lamps, look, preview, shader, shader_graph, texture
 from .isosurface import RADIANCE, RADIANCE_BACK
 
@@ -123,6 +123,8 @@ def shading_in_use(settings):
         return settings.shading, ""
     if settings.frames > 1:
         return "ATTRIBUTE", "Vertex attribute: a volume texture would hold only one frame"
+    if source_files.values_changed(settings):
+        return "ATTRIBUTE", "Vertex attribute: a volume texture holds the data as they were baked"
     if lamps.factors_of(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
     if texture.is_colored(settings.id_data):

@@ -22,6 +22,7 @@ from . import lights, scene_export
 
 _OTHER = "The bake was made for another scene: bake again to light this one"
 _CHANGED = "The scene has changed since the bake: bake again"
+CUT = "Cuts, parts or masks have changed since the bake: bake again"
 # Results of change_since_bake() if the volumes are those of the bake, but the scene is not.
 OF_THE_SCENE = (_OTHER, _CHANGED)
 
@@ -110,10 +111,13 @@ def _change(context, obj):
         bake_files.locate(obj)
     except LeaflightError as error:
         return str(error)
+    if source_files.regions_alone_changed(obj.leaflight):
+        return CUT
     if source_files.values_changed(obj.leaflight):
-        return "Smooth, cuts, parts or hidden labels have changed since the bake: bake again"
+        return "Smooth or hidden labels have changed since the bake: bake again"
     if source_files.changed_since_bake(obj):
-        return f"{obj.leaflight.source} has changed since the bake: bake again"
+        files = " or ".join(source_files.files_of(obj.leaflight))
+        return f"The values in {files} have changed since the bake: bake again"
     try:
         description, volumes, _ = scene_export.export_scene(context, obj)
         now = scene_export.fingerprint(volumes, description)

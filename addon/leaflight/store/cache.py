@@ -252,7 +252,7 @@ def values_sha256(bake, index):
 def forget_unused():
     """Frees volumes and bakes that no object of the file refers to."""
     settings = [obj.leaflight for obj in bpy.data.objects if obj.leaflight.is_volume]
-    keys = (source_files.key_of, _key_in_bake, _key_of_slices)
+    keys = (source_files.key_of, _key_in_bake, _key_of_slices, _key_of_uncut)
     volumes = {key_of(s) for key_of in keys for s in settings}
     bakes = {s.bake_id for s in settings}
     for cache, kept in ((_volumes, volumes), (_bakes, bakes)):
@@ -283,6 +283,14 @@ def _key_of_slices(settings):
     return ("slices", *source_files.key_of(settings))
 
 
+def _key_of_uncut(settings):
+    """Returns a key of the volume before its cuts by clip boxes."""
+    before, _ = source_files.before_box(settings.regions)
+    choices = {**source_files.choices_of(settings), "regions": before}
+    path, state = source_files.path_of(settings), source_files.file_state(settings)
+    return ("uncut", path, *choices.values(), state)
+
+
 def _steps_of_volume(settings, slices):
     """Returns the steps of a Reading of the volume in a file, in the object's coordinates.
 
@@ -290,11 +298,25 @@ def _steps_of_volume(settings, slices):
     """
     path, choices = source_files.path_of(settings), source_files.choices_of(settings)
     from_file, is_capped = source_files.from_file(settings), settings.capped
+    before, cuts = source_files.before_box(settings.regions)
+    uncut = _key_of_uncut(settings)
+
+    def cut(progress):
+        """Cuts a volume that stays in memory, because its box may move on."""
+        if uncut not in _volumes:
+            _volumes[uncut] = source_files.read_volume(
+                path, progress, **{**choices, "regions": before}
+            )
+        return source_files.changed(_volumes[uncut], cuts, progress)
 
     def steps(progress):
         progress.begin("Reading the volume")
-        read = source_files.read_slices if slices else source_files.read_volume
-        volume = read(path, progress, **choices)
+        if slices:
+            volume = source_files.read_slices(path, progress, **choices)
+        elif cuts:
+            volume = cut(progress)
+        else:
+            volume = source_files.read_volume(path, progress, **choices)
         yield _moved(volume.capped() if is_capped and not slices else volume, from_file)
 
     return steps

@@ -14,6 +14,7 @@ import numpy as np
 from leaflight import LeaflightError
 from leaflight.bake.provenance import values_sha256
 from leaflight.io import readers
+from leaflight.io.readers.reading import with_label_maps
 from leaflight.volume import regions, smoothing
 
 from .. import session
@@ -109,7 +110,8 @@ def reading_of(path, choices, uncut=False):
 
 def changed(volume, items, progress):
     """Returns a volume that regions have changed (importing/regions.py). Raises LeaflightError."""
-    return regions.changed(volume, regions.as_regions(_records(json.dumps(items))), progress)
+    found = regions.as_regions(_records(json.dumps(items)))
+    return regions.changed(volume, with_label_maps(found, progress), progress)
 
 
 def _records(text):
@@ -117,7 +119,8 @@ def _records(text):
     records = []
     for item in json.loads(text or "[]"):
         if item.pop("on"):
-            item.pop("object", None)
+            for name in ("object", "place"):
+                item.pop(name, None)
             if "label_map" in item:
                 item["label_map"] = bpy.path.abspath(item["label_map"])
             records.append(item)
@@ -127,6 +130,23 @@ def _records(text):
 def regions_of(settings):
     """Returns the regions of a volume, on or off (importing/regions.py)."""
     return json.loads(settings.regions or "[]")
+
+
+def before_box(text):
+    """Splits the regions of a volume before the first cut by a clip box.
+
+    Returns (text of the regions before it, list of the others). The list is empty without such a
+    cut.
+    """
+    items = json.loads(text or "[]")
+    cuts = (number for number, item in enumerate(items) if item["on"] and is_box_cut(item))
+    first = next(cuts, len(items))
+    return json.dumps(items[:first]) if first else "", items[first:]
+
+
+def is_box_cut(item):
+    """True if a region is a cut by the object of a clip box."""
+    return item["kind"] == "box" and "object" in item
 
 
 def has_capped_cut(settings):
@@ -225,18 +245,28 @@ def key_of(settings):
 
 
 def file_state(settings):
-    """Returns a hash of the names, sizes and times of the volume's file or slices.
+    """Returns a hash of the names, sizes and times of the volume's file or slices, and of those of
+    the label maps that mask it.
 
     Returns an empty text if they cannot be read.
     """
-    path = Path(path_of(settings))
+    paths = map(Path, files_of(settings))
     try:
-        files = sorted(path.iterdir()) if path.is_dir() else [path]
-        states = [(file.name, os.stat(file)) for file in files]
+        states = [(file.name, os.stat(file)) for path in paths for file in _files_at(path)]
     except OSError:
         return ""
     text = repr([(name, state.st_size, state.st_mtime_ns) for name, state in states])
     return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def files_of(settings):
+    """Returns the paths of the volume's file, or folder of slices, and of its label maps."""
+    masks = (item["label_map"] for item in _records(settings.regions) if "label_map" in item)
+    return [path_of(settings), *masks]
+
+
+def _files_at(path):
+    return sorted(path.iterdir()) if path.is_dir() else [path]
 
 
 def source_of(settings):
@@ -252,15 +282,24 @@ def changes_of(settings):
     return json.dumps([_plain(getattr(settings, name)) for name in CHANGES])
 
 
+def regions_alone_changed(settings):
+    """True if the user has changed the regions since the bake, and no other values."""
+    if not settings.bake_id or not values_changed(settings):
+        return False
+    before, now = (json.loads(text) for text in (settings.bake_changes, changes_of(settings)))
+    number = CHANGES.index("regions")
+    return all(a == b for i, (a, b) in enumerate(zip(before, now)) if i != number)
+
+
 def values_changed(settings):
     """True if the user has changed values or normals since the bake."""
     return changes_of(settings) != settings.bake_changes
 
 
 def changed_since_bake(obj):
-    """True if the volume's file holds other values than were baked.
+    """True if the files of a volume and its label maps hold other values than were baked.
 
-    False if the file is gone.
+    False if one of them is gone.
     """
     settings = obj.leaflight
     now = file_state(settings) if settings.source else ""

@@ -10,6 +10,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..bake import live, stopped
+from ..importing import box_cuts
 from ..operators import checks, failures, jobs
 from ..show import (
     data_faces,
@@ -78,6 +79,8 @@ def _after_change(scene, depsgraph):
     elif {change.what for change in changes} & _clip_boxes(scene):
         for volume in isovalues.volumes(scene):
             data_faces.update_cut(volume, depsgraph)
+    if shown_anew or {change.what for change in changes} & box_cuts.boxes(scene):
+        box_cuts.follow(scene)
     if shown_anew or relit or moved:
         # Blender redraws only the region in which the isovalue was moved, but two regions show it.
         jobs.redraw_panels()
@@ -187,6 +190,7 @@ def _after_undo(scene, _depsgraph):
         # Undo keeps older meshes, but not the materials that a bake in progress has given them.
         if obj.library is None and obj.data.materials and obj.data.materials[0] is None:
             surface_object.shade(obj)
+    box_cuts.follow(scene)
     live.changed(scene)
 
 
@@ -212,7 +216,11 @@ def _show_what_was_read():
         for obj in isovalues.isosurfaces(scene):
             if obj.library is None:
                 surface_object.shade(obj)
+            if obj.leaflight.is_volume:
+                isovalues.limit_all(obj)
         walls.complete(scene)
+    for window in bpy.context.window_manager.windows:
+        box_cuts.follow(window.scene)
     staleness.forget()
     live.changed(bpy.context.scene)
 
@@ -266,6 +274,7 @@ def _after_load(*_):
     staleness.follow_lamps(scene, depsgraph)
     # Update all surfaces, because files of bakes may have appeared or disappeared.
     _follow(scene, depsgraph, whole_detail.may_follow())
+    box_cuts.follow(scene)
     live.changed(scene)
 
 

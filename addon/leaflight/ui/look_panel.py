@@ -4,6 +4,7 @@
 import bpy
 from leaflight import LeaflightError
 
+from ..bake import bake
 from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..importing import regions
@@ -113,15 +114,29 @@ class LEAFLIGHT_PT_clip(ClosedPanel, bpy.types.Panel):
         clip_outline.panel_is_open(context)
         row = layout.row(align=True)
         row.prop(shown, "keep", expand=True)
-        layout.prop(shown, "cut_colors")
+        in_data = look.is_in_data(volume, shown.box)
         column = layout.column(align=True)
+        column.active = not in_data
+        column.prop(shown, "cut_colors")
         for obj in display.surfaces_of(volume):
             text = iface_("Cut %s") % f"{obj.leaflight.isovalue:g}"
             column.prop(obj.leaflight_look, "is_cut", text=text)
         layout.operator_menu_enum(regions.LEAFLIGHT_OT_cut_data.bl_idname, "cut", text="Cut Data")
+        if in_data and not context.scene.leaflight_live:
+            _draw_bake(layout, volume, context)
         if shown.box.type != "EMPTY" and not shown.box.hide_render:
             text = iface_('"%s" is rendered and baked: hide it in renders') % shown.box.name
             sentence(context, layout, text, icon="ERROR")
+
+
+def _draw_bake(layout, volume, context):
+    """Draws a button that lights a cut of the data, unless a bake has lit it."""
+    settings = volume.leaflight
+    if settings.bake_id and not source_files.regions_alone_changed(settings):
+        return
+    if settings.bake_id:
+        sentence(context, layout, "Light near the cut is an estimate", icon="INFO")
+    layout.operator(bake.LEAFLIGHT_OT_bake.bl_idname, text="Bake the Cut", icon="LIGHT_AREA")
 
 
 _AXES = ("X", "Y", "Z")

@@ -22,6 +22,7 @@ from ..volume.regions import frozen
 from ..volume.volume import Volume
 from .bake import placed
 from .baked import Bake
+from .changed_values import resolution_on
 from .relit import can_be_relit
 from .provenance import Provenance, values_sha256
 
@@ -58,7 +59,7 @@ def moved(
 ) -> Bake:
     """Returns the Bake in another scene: computes direct light and scales indirect light.
 
-    bake: A Bake in passes.
+    bake: A Bake in passes, or with_values() of one.
     volumes, scene: As for bake(). The values must be those of the bake; their positions may differ.
     isovalues: As for bake(). None is the range of the bake.
     quick: True makes the texels of visibility maps twice as wide and traces fewer shadow rays. It
@@ -78,14 +79,15 @@ def moved(
             "bake again."
         )
     volumes, description, isovalue_range = placed(volumes, scene, isovalues)
-    _check(original, volumes, description, isovalue_range)
-    volumes = [_as_before(*pair) for pair in zip(volumes, original.volumes)]
+    texels = bake if _has_other_values(bake, original) else original
+    _check(texels, volumes, description, isovalue_range)
+    volumes = [_as_before(*pair) for pair in zip(volumes, texels.volumes)]
     result = replace(
         original,
         volumes=volumes,
         scene=description,
         walls=None,
-        provenance=_provenance(original, volumes, description),
+        provenance=_provenance(texels, volumes, description),
         original=original,
     )
     now = result.core_scene()
@@ -94,8 +96,8 @@ def moved(
     factor = _growth(result)
     lights_alone = _lights_alone_moved(result)
     grids = [
-        _grid(result, now, number, detail, factor, lights_alone, progress)
-        for number in range(len(volumes))
+        _grid(result, now, number, grid, detail, factor, lights_alone, progress)
+        for number, grid in enumerate(texels.grids)
     ]
     known = result.provenance
     known = known.after(grids, known.passes, known.blocks, known.continued)
@@ -125,7 +127,7 @@ def _check(
     isovalue_range: tuple[float, float],
 ) -> None:
     before, now = bake.scene.isosurfaces, description.isosurfaces
-    if not can_be_relit(bake, diffuse_alone=True):
+    if not can_be_relit(bake.original or bake, diffuse_alone=True):
         raise LeaflightError(
             "This bake has no exact direct light, so objects cannot move in it: bake to a target "
             "error, and several volumes only on fronts, or bake again after each move."
@@ -142,6 +144,12 @@ def _check(
             raise LeaflightError(
                 f"{volume.name}: its values have changed since the bake: bake again."
             )
+
+
+def _has_other_values(bake: Bake, original: Bake) -> bool:
+    """Returns True for a bake of with_values()."""
+    records = zip(bake.provenance.volumes, original.provenance.volumes)
+    return any(one.values_sha256 != other.values_sha256 for one, other in records)
 
 
 def _as_before(volume: Volume, baked: Volume) -> Volume:
@@ -170,25 +178,30 @@ def _grid(
     bake: Bake,
     scene: _core.Scene,
     number: int,
+    grid: _core.RadianceGrid,
     detail: Detail,
     factor: Sequence[float],
     lights_alone: bool,
     progress: _core.Progress,
 ) -> _core.RadianceGrid:
     assert bake.original is not None
-    grid, volume = bake.original.grids[number], bake.volumes[number]
+    volume, baked = bake.volumes[number], bake.original.volumes[number]
     grid = grid.with_texture(bake.scene.isosurfaces[number].texture_on(volume.field()))
-    if not grid.map_resolution:
+    earlier = bake.original.grids[number]
+    if not earlier.map_resolution:
         # Mirrors and glass store no light.
         return grid
     direct = _core.DirectLight(
         scene,
         number,
-        [max(2, (n - 1) // detail.wider + 1) for n in grid.map_resolution],
+        [
+            max(2, (n - 1) // detail.wider + 1)
+            for n in resolution_on(volume, baked, earlier.map_resolution)
+        ],
         grid.has_back,
         progress,
         detail.spacing,
-        grid.direct if lights_alone else None,
+        earlier.direct if lights_alone else None,
     )
     return grid.moved(volume.field(), direct, factor)
 

@@ -23,6 +23,8 @@ _DEPTH = 2.0
 # Distance outside an open cut at which values end. The diagonal of a voxel is shorter, so every
 # cell at the cut has its values.
 _MARGIN = 1.75
+# Distance from a box at which nothing depends on the distance, in voxels.
+_FAR = 5.0
 # Smallest angle between a box and the axes of the voxels, and smallest part of a voxel, that count.
 _PARALLEL = 1e-6
 # Least number of integer steps in a ramp, so that rounding bends its planes by less than 1/400 of a
@@ -57,15 +59,27 @@ class Box:
         return Box(_rows(matrix @ self.matrix), self.keep, self.cut)
 
     def distances(self, k: int, shape: Sequence[int]) -> Array:
-        """Returns the distances into what is kept, in voxels, of the nodes (ny, nx) of plane k."""
+        """Returns the distances into what is kept, in voxels, of the nodes (ny, nx) of plane k.
+
+        They are +-_FAR in some places that are farther than that.
+        """
         matrix = np.asarray(self.matrix)
         normals = np.linalg.inv(matrix[:3, :3])
-        ends = [
-            HalfSpace(tuple(matrix[:3, 3] + end * matrix[:3, axis]), tuple(end * normals[axis]))
-            for axis in range(3)
-            for end in (-1.0, 1.0)
-        ]
-        inside: Array = np.min([end.distances(k, shape) for end in ends], axis=0)
+        lengths = np.linalg.norm(normals, axis=1)
+        normals, half = normals / lengths[:, None], 1.0 / lengths
+        inside = np.full(shape[1:], -_FAR)
+        z, y, x = _nodes_around(matrix, 1.0 + _FAR / half, shape)
+        if k in z and y and x:
+            middle = matrix[:3, 3]
+            at = [np.subtract(nodes, origin) for nodes, origin in zip((x, y), middle)]
+            found: Array = np.min(
+                [
+                    reach - abs(n[0] * at[0] + (n[1] * at[1] + n[2] * (k - middle[2]))[:, None])
+                    for n, reach in zip(normals, half)
+                ],
+                axis=0,
+            )
+            inside[y.start : y.stop, x.start : x.stop] = found
         return inside if self.keep == "inside" else -inside
 
 
@@ -137,6 +151,14 @@ class Cuts:
         """Returns the least distances of the cuts, as Box.distances()."""
         found: Array = np.min([cut.distances(k, shape) for cut in self.cuts], axis=0)
         return found
+
+
+def _nodes_around(matrix: Array, scale: Array, shape: Sequence[int]) -> list[range]:
+    """Returns the nodes [z, y, x] around the box of a matrix, whose axes are scaled."""
+    reach = abs(matrix[:3, :3]) @ scale
+    first = np.clip(np.floor(matrix[:3, 3] - reach), 0, shape[::-1]).astype(int)
+    last = np.clip(np.ceil(matrix[:3, 3] + reach) + 1, 0, shape[::-1]).astype(int)
+    return [range(a, b) for a, b in zip(first[::-1], last[::-1])]
 
 
 def crop_of(cut: Cut) -> tuple[slice, ...] | None:

@@ -7,11 +7,13 @@ import time
 
 import bpy
 import leaflight
+import mathutils
 import numpy as np
 import pytest
 from blends import reopened
 from leaflight_addon.bake import live
 from leaflight_addon.show import display, preview
+from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache
 from leaflight_addon.ui import bake_panel
 from passes import drawn
@@ -209,6 +211,34 @@ def check_walls_and_the_volume_move(lit, held):
     assert_shows_moved(lit, fresh)
     finish(held)
     assert cache.bake_of(lit).id == fresh.id and change(lit) == ""
+
+
+def check_a_cut_follows_its_box(lit, held):
+    bpy.ops.leaflight.add_clip_box()
+    box, bake_id = lit.leaflight_look.box, lit.leaflight.bake_id
+    bpy.ops.leaflight.cut_data(cut="capped")
+    whole = vertices_of(lit)
+    assert change(lit) == staleness.CUT
+    estimated = colors_of(lit)[:, :3].mean(axis=1)
+    assert estimated.min() > 0.02 * estimated.mean()
+    finish(held)
+    first = cache.bake_of(lit).id
+    assert first != bake_id and change(lit) == ""
+    # Direct light of the moved cut is exact, and passes follow.
+    box.location -= mathutils.Vector((0.1, 0.1, 0.1))
+    bpy.context.view_layer.update()
+    assert len(vertices_of(lit)) != len(whole) and preview.of(lit) is None
+    fresh = baked_anew(lit)
+    to_passes()
+    assert_shows_moved(lit, fresh)
+    # The newest place wins.
+    box.location += mathutils.Vector((0.05, 0.0, 0.0))
+    bpy.context.view_layer.update()
+    assert preview.of(lit) is None
+    fresh = baked_anew(lit)
+    finish(held)
+    assert cache.bake_of(lit).id == fresh.id != first and change(lit) == ""
+    assert_shows(lit, 50.0)
 
 
 def check_stop_leaves_it_until_something_moves(lit, held):

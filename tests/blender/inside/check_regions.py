@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Checks cuts, removed parts and masks by labels: shown, baked, switched, saved and refused."""
 
+import os
+
 import bpy
 import leaflight
 import mathutils
@@ -13,6 +15,8 @@ from leaflight_addon.importing.cropping import Crop
 from leaflight_addon.show import data_faces, display, look, texture
 from leaflight_addon.stage import staleness
 from leaflight_addon.store import cache, source_files
+from leaflight_addon.ui import look_panel
+from passes import drawn
 from tools import close, colors_of, look_down, render_exr, vertices_of
 
 N = 24
@@ -51,7 +55,6 @@ def check_a_cut_by_the_clip_box_is_flat_and_can_be_switched(boxed_with_clip_box)
     assert reach < before[:, 0].max() - 0.2
     # Many vertices lie on the plane of the cut.
     assert np.sum(np.abs(cut[:, 0] - reach) < 1e-4) > 40
-    assert obj.leaflight_look.cut_colors == data_faces.OPEN
     assert look.note_on_backs(obj) == ""
     bpy.ops.leaflight.switch_region(index=0)
     close(vertices_of(obj), before, 0)
@@ -63,16 +66,61 @@ def check_a_cut_by_the_clip_box_is_flat_and_can_be_switched(boxed_with_clip_box)
     np.testing.assert_array_equal(cache.volume_of(obj).values, values)
 
 
-def check_the_cut_follows_the_box_when_pressed_again(boxed_with_clip_box):
+def _cuts_picture(obj):
+    """Returns True if the clip box cuts the picture: the surface and its faces."""
+    bpy.context.view_layer.update()
+    faces = data_faces.cut_faces_of(obj)
+    cuts = look.view_of(obj).cut is not None
+    assert bool(len(faces.data.polygons)) == cuts
+    nodes = obj.data.materials[0].node_tree.nodes
+    boxes = [node.object for node in nodes if node.type == "TEX_COORD" and node.object]
+    assert boxes == ([obj.leaflight_look.box] if cuts else [])
+    return cuts
+
+
+def check_the_box_cuts_either_the_picture_or_the_data(boxed_with_clip_box):
+    obj, box = boxed_with_clip_box
+    assert _cuts_picture(obj)
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert not _cuts_picture(obj)
+    bpy.ops.leaflight.switch_region(index=0)
+    assert _cuts_picture(obj)
+    bpy.ops.leaflight.switch_region(index=0)
+    assert not _cuts_picture(obj)
+    # The data do not follow an animated box.
+    box.keyframe_insert("location")
+    obj.update_tag()
+    assert _cuts_picture(obj)
+    box.animation_data_clear()
+    bpy.ops.leaflight.switch_region(index=0, action="REMOVE")
+    assert _cuts_picture(obj)
+
+
+def check_the_cut_follows_the_box(boxed_with_clip_box):
     obj, box = boxed_with_clip_box
     bpy.ops.leaflight.cut_data(cut="capped")
-    first = vertices_of(obj)[:, 0].max()
+    first, whole = vertices_of(obj)[:, 0].max(), cache.volume_of(obj).values.size
     box.location[0] -= 0.1
     bpy.context.view_layer.update()
-    bpy.ops.leaflight.cut_data(cut="capped")
     assert len(_records(obj)) == 1
     moved = vertices_of(obj)[:, 0].max()
     assert abs(first - moved - 0.1 / obj.matrix_world.median_scale) < 0.01
+    # What follows equals what is read from the file with this cut.
+    again = source_files.read(obj.leaflight)
+    np.testing.assert_array_equal(again.values, cache.volume_of(obj).values)
+    assert again.values.size < whole
+    obj.leaflight_look.keep = "INSIDE"
+    bpy.context.view_layer.update()
+    assert _records(obj)[0]["keep"] == "inside" and vertices_of(obj)[:, 0].min() > 0
+    # The cut stays with a volume that moves, and a switched-off cut stays as it is.
+    records = _records(obj)
+    obj.location[1] += 1.0
+    bpy.context.view_layer.update()
+    assert _records(obj) == records
+    bpy.ops.leaflight.switch_region(index=0)
+    box.location[0] += 0.2
+    bpy.context.view_layer.update()
+    assert _records(obj)[0]["place"] == records[0]["place"]
 
 
 def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
@@ -89,7 +137,39 @@ def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
     obj.leaflight.isovalue *= 1.001
     assert staleness.change_since_bake(bpy.context, obj) == ""
     bpy.ops.leaflight.switch_region(index=0)
-    assert "cuts, parts" in staleness.change_since_bake(bpy.context, obj)
+    assert staleness.change_since_bake(bpy.context, obj) == staleness.CUT
+
+
+def check_a_cut_that_moves_is_lit_by_an_estimate(boxed_with_clip_box, tmp_path):
+    obj, box = boxed_with_clip_box
+    obj.leaflight.shading = "ATTRIBUTE"
+    bpy.ops.leaflight.cut_data(cut="capped")
+    assert "leaflight.bake" in drawn(look_panel.LEAFLIGHT_PT_clip)
+    bpy.ops.leaflight.bake()
+    assert "leaflight.bake" not in drawn(look_panel.LEAFLIGHT_PT_clip)
+    baked, before = colors_of(obj, "radiance")[:, :3], vertices_of(obj)
+    box.location[0] -= 0.2
+    bpy.context.view_layer.update()
+    assert staleness.change_since_bake(bpy.context, obj) == staleness.CUT
+    texts = drawn(look_panel.LEAFLIGHT_PT_clip)
+    assert "leaflight.bake" in texts and "Light near the cut is an estimate" in texts
+    vertices, light = vertices_of(obj), colors_of(obj, "radiance")[:, :3]
+    reach = vertices[:, 0].max()
+    on_cut = vertices[:, 0] > reach - 1e-4
+    far = vertices[:, 0] < reach - 0.2 / obj.matrix_world.median_scale
+    assert on_cut.sum() > 40 and far.sum() > 40
+    # The cut is lit, and what is far from it keeps its light.
+    assert light[on_cut].mean(axis=1).min() > 0.1 * baked.mean()
+    near = np.linalg.norm(before[:, None] - vertices[far][None, ::7], axis=2).argmin(axis=0)
+    assert np.abs(baked[near] - light[far][::7]).mean() < 0.1 * baked.mean()
+    # A reopened file shows the same estimate.
+    obj = reopened(tmp_path / "scene.blend")
+    close(vertices_of(obj), vertices, 0)
+    close(colors_of(obj, "radiance")[:, :3], light, 1e-5)
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    fresh = colors_of(obj, "radiance")[vertices_of(obj)[:, 0] > reach - 1e-4, :3]
+    assert 0.5 < light[on_cut].mean() / fresh.mean() < 2
 
 
 def check_a_cut_shows_a_slice(boxed_with_clip_box, tmp_path):
@@ -292,6 +372,36 @@ def check_a_volume_is_masked_by_the_shown_labels(masks, tmp_path):
     assert [region["labels"] for region in _records(obj)] == [[3, 5]]
     bpy.ops.leaflight.switch_region(index=0)
     close(vertices_of(obj), whole, 0)
+
+
+def check_a_label_map_that_changes_is_noticed(masks, tmp_path):
+    obj, label_map = masks
+    path = tmp_path / "labels.nii"
+    bpy.ops.object.light_add(type="SUN")
+    display.select(bpy.context, [obj], obj)
+    obj.leaflight.error = 20.0
+    bpy.ops.leaflight.mask_data(label_map=label_map.name)
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    image = nibabel.load(path)
+    numbers = np.asarray(image.dataobj).copy()
+    touched = path.stat().st_mtime_ns + 10**9
+
+    def write(values):
+        nibabel.save(nibabel.Nifti1Image(values, image.affine), path)
+        os.utime(path, ns=(touched, touched))
+        staleness.forget()
+        return staleness.change_since_bake(bpy.context, obj)
+
+    # The same labels, written again, are no change.
+    assert write(numbers) == ""
+    touched += 10**9
+    numbers[10:] = 0
+    assert "have changed since the bake" in write(numbers)
+    vertices = vertices_of(obj)
+    bpy.ops.leaflight.bake()
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    assert vertices_of(obj)[:, 0].max() < vertices[:, 0].max() - 0.1
 
 
 def check_masks_that_cannot_be_are_refused(masks, tmp_path):

@@ -151,6 +151,9 @@ class Layout:
     def operator(self, name, **_):
         self._drawn.append(name)
 
+    def operator_menu_enum(self, name, _property, **_):
+        self._drawn.append(name)
+
     def label(self, text, **_):
         self._drawn.append(text)
 

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The light of a bake on data that regions have changed since, such as the cut of a moved box.
+
+It is an estimate (leaflight.bake.changed_values), until Live or a bake follows.
+"""
+
+import numpy as np
+from leaflight.bake.changed_values import with_values
+
+from .. import session
+from ..store import cache, source_files
+from . import lamps
+
+# Full name of an object -> (bake, values of its volume, the bake with an estimate for them).
+_estimates = session.cache()
+
+
+def light_of(obj):
+    """Returns lamps.light_of(), with an estimate near changes. Raises as cache.light_of()."""
+    bake, settings = lamps.light_of(obj), obj.leaflight
+    if bake is None or not source_files.regions_alone_changed(settings):
+        _estimates.pop(obj.name_full, None)
+        return bake
+    values = cache.volume_of(obj).values
+    known = _estimates.get(obj.name_full)
+    if known is None or known[0] is not bake or known[1] is not values:
+        volumes = list(bake.volumes)
+        volumes[settings.bake_index] = volume_in_bake(obj)
+        known = _estimates[obj.name_full] = bake, values, with_values(bake, volumes)
+    return known[2]
+
+
+def volume_in_bake(obj):
+    """Returns the volume of an object where it was when it was baked. Raises as light_of()."""
+    volume, settings = cache.volume_of(obj), obj.leaflight
+    to_world = np.array(settings.bake_matrix, np.float64).reshape(4, 4)
+    return cache.placed(volume, to_world @ volume.index_to_world)
+
+
+def with_present_values(objects):
+    """Returns a function of a bake that lights objects to one with their present values.
+
+    The function works in any thread. Raises as light_of().
+    """
+    changed = {
+        obj.leaflight.bake_index: volume_in_bake(obj)
+        for obj in objects
+        if source_files.regions_alone_changed(obj.leaflight)
+    }
+
+    def changed_bake(bake):
+        volumes = [changed.get(number, volume) for number, volume in enumerate(bake.volumes)]
+        return with_values(bake, volumes) if changed else bake
+
+    return changed_bake

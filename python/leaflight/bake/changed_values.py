@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake shown on other values of its volumes, such as those of a new cut, before they are baked.
+
+Light away from the changes is that of the bake. Near them, what the bake has lit is no longer
+there. Isosurfaces there get an estimate: the mean light of those that the lamps reach, by normals.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import leaflight._core as _core
+
+from .._core import LeaflightError
+from ..volume.regions import cuts_to_record, frozen
+from ..volume.volume import Volume
+from .baked import Bake
+from .provenance import values_sha256
+
+
+def with_values(bake: Bake, volumes: Sequence[Volume]) -> Bake:
+    """Returns a Bake with other values of its volumes and an estimate of their light.
+
+    volumes: As those of the bake and in their places, though with other voxels: cropped or cut.
+    moved() then computes its direct light. Raises LeaflightError for another number of volumes.
+    """
+    if len(volumes) != len(bake.volumes):
+        raise LeaflightError(
+            f"The bake has {len(bake.volumes)} volumes, but {len(volumes)} are given: bake again."
+        )
+    grids = [
+        _grid(bake, number, volume) if volume.values is not baked.values else bake.grids[number]
+        for number, (volume, baked) in enumerate(zip(volumes, bake.volumes))
+    ]
+    records = tuple(
+        replace(
+            record,
+            source=volume.source,
+            values_sha256=values_sha256(volume),
+            index_to_world=frozen(volume.index_to_world.tolist()),
+            cuts=cuts_to_record(volume.cuts),
+        )
+        for record, volume in zip(bake.provenance.volumes, volumes)
+    )
+    known = replace(bake.provenance, volumes=records, continued=bake.id)
+    known = known.after(grids, known.passes, known.blocks, known.continued)
+    return replace(
+        bake,
+        volumes=list(volumes),
+        grids=grids,
+        provenance=known,
+        original=bake.original or bake,
+    )
+
+
+def _grid(bake: Bake, number: int, volume: Volume) -> _core.RadianceGrid:
+    low, high = (bake.isovalue_of(number, c) for c in bake.isovalues)
+    before, grid = bake.volumes[number], bake.grids[number]
+    resolution = resolution_on(volume, before, grid.resolution)
+    now = grid.estimated(before.field(), volume.field(), resolution, (low, high))
+    return now.with_texture(bake.scene.isosurfaces[number].texture_on(volume.field()))
+
+
+def resolution_on(volume: Volume, before: Volume, resolution: Sequence[int]) -> list[int]:
+    """Returns the resolution of texels as wide as those of a resolution on another volume."""
+    dims = zip(volume.values.shape[::-1], before.values.shape[::-1], resolution)
+    return [max(2, round((now - 1) * (n - 1) / (then - 1)) + 1) for now, then, n in dims]
