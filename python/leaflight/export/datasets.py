@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..scene.texture_values import identifiers
+from ..scene.volume_texture import identifiers
 from .mesh_objects import needed
 from .point_grid import point_grid
 
