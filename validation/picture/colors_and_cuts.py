@@ -21,7 +21,7 @@ from leaflight_addon.show import display
 from PIL import Image
 
 BRAINS = Path("/usr/share/mricron/templates")
-SIZE, SAMPLES, QUALITY = (1280, 800), 24, 85
+SAMPLES, QUALITY = 24, 85
 ERROR, SECONDS = 2.0, 50.0
 # Stops of exposure above that of the stage.
 EXPOSURE = 0.6
@@ -37,6 +37,7 @@ class Figure:
     rise: Degrees by which the camera looks down more.
     resolution: Texels along the longest side; 0 is the default.
     is_cut: True cuts the data by a new clip box, at the corner nearest to the camera.
+    look: A preset of the isosurface. size: Width and height in pixels.
     """
 
     make: Callable
@@ -48,6 +49,8 @@ class Figure:
     resolution: int = 0
     is_cut: bool = False
     has_bar: bool = False
+    look: str = ""
+    size: tuple = (1280, 800)
 
 
 def main():
@@ -56,7 +59,7 @@ def main():
     figure = FIGURES[name]
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.resolution_x, scene.render.resolution_y = figure.size
     obj = figure.make(data, work)
     turn = mathutils.Euler([math.radians(angle) for angle in figure.turn]).to_matrix().to_4x4()
     for each in bpy.context.scene.objects:
@@ -68,6 +71,8 @@ def main():
         bpy.ops.leaflight.cut_data(cut="capped")
         # The box would still cut the shown isosurface, along the same faces.
         obj.leaflight_look.box = None
+    if figure.look:
+        bpy.ops.leaflight.isosurface_preset(preset=figure.look)
     frame(obj, figure)
     limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
     if figure.resolution:
@@ -201,6 +206,10 @@ def head(_, work):
     return obj
 
 
+def brain(_, work):
+    return blender.import_volume(BRAINS / "ch2bet.nii.gz", smooth=0.8)
+
+
 def engine(data, _):
     return blender.import_volume(data / "engine.vti", smooth=0.7)
 
@@ -216,6 +225,9 @@ FIGURES = {
         tooth_by_gradient, 700.0, (600.0, 800.0), (0, 0, 0), 8, 1.25, has_bar=True
     ),
     "head_cut": Figure(head, 60.0, (52.0, 68.0), (0, 0, 60), 14, 1.2, 112, is_cut=True),
+    "first": Figure(
+        brain, 70.0, (60.0, 80.0), (0, 0, -35), 14, 1.3, look="SKIN", size=(1920, 1080)
+    ),
     "engine_cut": Figure(engine, 60.0, (45.0, 80.0), (0, 0, 0), 12, 1.1, 112, is_cut=True),
 }
 

@@ -49,7 +49,7 @@ SCANS = (
 # Names of the pictures of colors_and_cuts.py.
 FIGURES = (
     *("density_by_potential", "orbital", "brain_regions", "microscopy", "tooth_by_gradient"),
-    *("head_cut", "engine_cut"),
+    *("head_cut", "engine_cut", "first"),
 )
 
 

@@ -19,7 +19,7 @@ from ..show import isovalues, lamps, texture
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
 
-_FORMATS = (
+_FORMATS: tuple[tuple[str, str, str], ...] = (
     (".glb", "glTF (.glb)", "Lit isosurfaces for browsers and slides, with unlit vertex colors"),
     (".usdc", "USD (.usdc)", "Lit isosurfaces, several as frames"),
     (".usda", "USD as Text (.usda)", "Lit isosurfaces, several as frames"),
