@@ -14,7 +14,7 @@ from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.units import unit_of
 from ...volume.volume import Volume
-from .checks import check_matrix, check_shape, choose_named, undecided
+from .checks import check_matrix, check_shape, choose_named
 from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
@@ -63,9 +63,6 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     matrix = _matrix(path, header, dims)
     arrays = _arrays(path, header, order, end, dims)
     name = choose_named(path, tuple(arrays), dataset)
-    if name is None:
-        load = undecided(path, tuple(arrays))
-        return StoredVolume(None, np.dtype(np.float32), load, datasets=tuple(arrays))
     lattice = arrays[name]
     count = lattice.components
     shape = (*dims[::-1], count) if count > 1 else dims[::-1]

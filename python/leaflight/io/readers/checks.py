@@ -5,15 +5,15 @@ values.
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from math import log10, prod
 from pathlib import Path
-from typing import NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..._core import LeaflightError, Progress
+from ..._core import LeaflightError
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 
@@ -96,37 +96,41 @@ def choose_level(path: Path, level: int, count: int) -> int:
     return level
 
 
-def choose_named(path: Path, names: Sequence[str], chosen: str | None) -> str | None:
-    """Returns the name of the dataset to read, None if several need a choice.
+class Undecided(SettingError):
+    """A file holds several datasets, and none is chosen.
+
+    facts: Fields of the StoredVolume that probe() returns.
+    """
+
+    def __init__(self, path: Path, names: Sequence[str], facts: dict[str, Any]) -> None:
+        super().__init__(
+            f"{path}: the file holds {len(names)} volumes; choose one of {listed(names)}.",
+            "dataset",
+        )
+        self.facts = {**facts, "datasets": tuple(names)}
+
+
+def choose_named(path: Path, names: Sequence[str], chosen: str | None, **facts: Any) -> str:
+    """Returns the name of the dataset to read. Raises LeaflightError.
 
     names: Names of all datasets in the file.
-    Raises LeaflightError.
+    facts: Fields of the StoredVolume of a file without a choice.
     """
     if not names:
         raise LeaflightError(
             f"{path}: the file holds no three-dimensional volume of real numbers; choose another "
             "file."
         )
+    if chosen is None and len(names) > 1:
+        raise Undecided(path, names, facts)
     if chosen is None:
-        return names[0] if len(names) == 1 else None
+        return names[0]
     if chosen not in names:
         raise SettingError(
             f"{path}: the file holds no volume {chosen!r}; choose one of {listed(names)}.",
             "dataset",
         )
     return chosen
-
-
-def undecided(path: Path, names: Sequence[str]) -> Callable[[int, int, Progress], NoReturn]:
-    """Returns a load() for a file of several volumes without a choice. It raises SettingError."""
-
-    def load(_frame: int, _channel: int, _progress: Progress) -> NoReturn:
-        raise SettingError(
-            f"{path}: the file holds {len(names)} volumes; choose one of {listed(names)}.",
-            "dataset",
-        )
-
-    return load
 
 
 def unlike(names: Iterable[str]) -> list[str]:

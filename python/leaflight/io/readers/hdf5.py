@@ -14,7 +14,7 @@ from ..._core import LeaflightError, Progress
 from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from ..reader_process import ReaderProcess, has_package
-from .checks import check_matrix, choose_level, choose_named, index_to_world, undecided
+from .checks import check_matrix, choose_level, choose_named, index_to_world
 from .hdf5_image import image_of_json
 from .missing_package import MissingPackage
 from .stored import StoredVolume, lengths
@@ -58,13 +58,10 @@ def open_volume(
         listed = process.answer()
     images = {name: image_of_json(facts) for name, facts in listed["images"].items()}
     names, notes = tuple(sorted(listed["names"])), []
-    name = dataset if dataset in images else choose_named(path, names, dataset)
-    if name is None and listed["default"] is not None:
-        name = listed["default"]
-        notes.append(f"This is {name}, the default of the {len(names)} volumes in the file.")
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
-    image = images[name]
+    if dataset is None and len(names) > 1 and listed["default"] is not None:
+        dataset = str(listed["default"])
+        notes.append(f"This is {dataset}, the default of the {len(names)} volumes in the file.")
+    image = images.get(dataset or "") or images[choose_named(path, names, dataset)]
     chosen = image.levels[choose_level(path, level, len(image.levels))]
     matrix, dtype = np.array(chosen.matrix), image.packing.dtype(np.dtype(image.dtype))
     matrix = matrix if spacing is None else index_to_world(path, spacing)

@@ -10,20 +10,9 @@ from pathlib import Path
 
 from ..._core import LeaflightError
 
-# Import name -> package of Debian 12, if it has one.
-_DEBIAN = {
-    "crc32c": "python3-crc32c",
-    "gdcm": "python3-gdcm",
-    "gemmi": "python3-gemmi",
-    "h5py": "python3-h5py",
-    "lz4": "python3-lz4",
-    "mrcfile": "python3-mrcfile",
-    "nibabel": "python3-nibabel",
-    "numcodecs": "python3-numcodecs",
-    "PIL": "python3-pil",
-    "pydicom": "python3-pydicom",
-    "tifffile": "python3-tifffile",
-}
+# Import names of packages that Debian 12 has, as python3-NAME.
+_OF_DEBIAN = {"crc32c", "gdcm", "gemmi", "h5py", "lz4", "mrcfile", "nibabel", "numcodecs", "PIL"}
+_OF_DEBIAN |= {"pydicom", "tifffile"}
 # Import name -> name for pip, if they differ.
 _OF_PIP = {"PIL": "pillow"}
 # Dependencies that reading needs in addition to NumPy. Metadata of some packages list more, even
@@ -43,7 +32,7 @@ class MissingPackage(LeaflightError):
     def __init__(self, path: Path, kind: str, package: str) -> None:
         self.path, self.kind = path, kind
         self.package = _OF_PIP.get(package, package)
-        self.of_debian = _DEBIAN.get(package)
+        self.of_debian = f"python3-{package.lower()}" if package in _OF_DEBIAN else None
         self.wanted = " ".join([self.package, *_NEEDS.get(package, "").split()])
         super().__init__(
             f"{path}: reading this {kind} needs the Python package {self.package}, which is not "

@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from ..reader_process import ReaderProcess
-from .checks import cell_axes, choose_named, listed, matrix_at, undecided
+from .checks import cell_axes, choose_named, listed, matrix_at
 from .stored import StoredVolume, lengths
 from .watched import STAGE, begin
 
@@ -43,12 +43,9 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
             "program, with columns such as FWT and PHWT."
         )
     amplitudes = {name.partition("/")[0]: name for name in reversed(names)}
-    name = choose_named(path, names, amplitudes.get(dataset or "", dataset))
+    best = next((amplitudes[best] for best in _BEST if best in amplitudes), None)
+    name = choose_named(path, names, amplitudes.get(dataset, dataset) if dataset else best)
     notes: tuple[str, ...] = ()
-    if name is None:
-        name = next((amplitudes[best] for best in _BEST if best in amplitudes), None)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     if dataset is None and len(names) > 1:
         others = listed([other for other in names if other != name])
         notes = (f"The map of {name} is computed; other datasets are {others}.",)

@@ -18,7 +18,7 @@ from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from . import hdf5
 from .axes import CF, Axis, Grid, axis_at, grid_of
-from .checks import check_matrix, choose_named, index_to_world, undecided
+from .checks import check_matrix, choose_named, index_to_world
 from .packing import NAMES, Packing, packing_of, text_of
 from .stored import StoredVolume, lengths
 from .watched import watched
@@ -44,8 +44,6 @@ def open_volume(
     volumes = {name: variable for name, variable in found.items() if variable is not None}
     names = tuple(sorted(volumes))
     name = choose_named(path, names, dataset)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     grid, shape, stored, packing = volumes[name]
     sizes = dict(zip(grid.letters, shape))
     matrix = grid.matrix if spacing is None else index_to_world(path, spacing)

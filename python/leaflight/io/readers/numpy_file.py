@@ -19,7 +19,6 @@ from .checks import (
     check_size,
     choose_named,
     index_to_world,
-    undecided,
 )
 from .stored import StoredVolume, lengths
 
@@ -55,8 +54,6 @@ def open_volume(
                 arrays[entry.filename.removesuffix(".npy")] = entry, shape, dtype
     names = tuple(arrays)
     name = choose_named(path, names, dataset)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     entry, shape, dtype = arrays[name]
     check_size(path, shape, dtype.itemsize, entry.compress_size, DEFLATE_MOST)
 

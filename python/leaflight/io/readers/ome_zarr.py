@@ -17,7 +17,7 @@ from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from .axes import Axis, Grid, grid_of
 from .channels import Channel, bytes_of_hex, channel_of
-from .checks import check_matrix, choose_level, choose_named, text, undecided
+from .checks import check_matrix, choose_level, choose_named, text
 from .packing import packing_of
 from .stored import StoredVolume, lengths
 from .zarr_folder import ZarrArray, ZarrGroup, open_zarr
@@ -42,8 +42,6 @@ def open_volume(path: Path, dataset: str | None = None, level: int = 0) -> Store
         images = _images(path, node)
         names = tuple(images)
         name = choose_named(path, names, dataset)
-        if name is None:
-            return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
         levels, notes = _levels(path, images[name])
         channels = _channel_list(images[name], notes)
     array, axes = levels[choose_level(path, level, len(levels))]

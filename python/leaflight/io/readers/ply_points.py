@@ -14,7 +14,7 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...volume.scattered_points import interpolated
 from ...volume.volume import Volume
-from .checks import check_size, choose_named, truncated, undecided
+from .checks import check_size, choose_named, truncated
 from .encodings import NUMBERS
 from .stored import StoredVolume
 
@@ -42,8 +42,6 @@ def open_volume(
             "y, z and a value of any other name; add them."
         )
     name = "value" if dataset is None and "value" in names else choose_named(path, names, dataset)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     stored = path.stat().st_size - offset
     # A number in text takes at least two characters.
     itemsize = dtype.itemsize if _MARKS[form] else 2 * len(fields)

@@ -6,9 +6,10 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, NoReturn, TypedDict
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from ...volume.smoothing import checked, smoothed, source_of
 from ...volume.volume import Volume
 from ..reader_process import kept_processes
 from .channels import Chosen, chosen_channels
-from .checks import choose, text, truncated
+from .checks import Undecided, choose, text, truncated
 from .formats import RAW, Format, format_of, left_out
 from .label_files import labels_for
 from .missing_package import MissingPackage
@@ -296,9 +297,16 @@ def _opened(path: Path, kind: Format, stored: StoredOptions) -> StoredVolume:
                 name,
             )
     reader = import_module(f".{kind.module}", __package__)
-    opened: StoredVolume = reader.open_volume(path, **options)
+    try:
+        opened: StoredVolume = reader.open_volume(path, **options)
+    except Undecided as error:
+        opened = StoredVolume(None, np.dtype(np.float32), partial(_refused, error), **error.facts)
     notes = left_out(path, kind) if path.is_dir() else ()
     return replace(opened, notes=(*opened.notes, *notes)) if notes else opened
+
+
+def _refused(error: Undecided, *_: object) -> NoReturn:
+    raise error
 
 
 @contextmanager

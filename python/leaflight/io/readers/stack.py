@@ -19,7 +19,7 @@ from ...arrays import Array
 from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from .channels import RGB, Channel
-from .checks import choose_named, index_to_world, text, undecided
+from .checks import choose_named, index_to_world, text
 from .stored import StoredVolume, lengths
 from .voxel_size import VoxelSize
 from .watched import watched
@@ -60,8 +60,6 @@ def stored(
     """
     names = unique([name for name, _ in volumes])
     name = choose_named(path, names, dataset)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     stack = volumes[names.index(name)][1]()
     notes, voxel = stack.notes, stack.voxel
     if spacing is not None:

@@ -13,7 +13,7 @@ from ..._core import Progress
 from ...arrays import Array
 from ...volume.volume import Volume
 from .channels import Channel
-from .checks import check_matrix, check_shape, choose_named, listed, undecided
+from .checks import check_matrix, check_shape, choose_named, listed
 from .stored import StoredVolume, lengths
 
 # VTK marks voxels by them that belong to another piece, too.
@@ -58,14 +58,11 @@ def open_image(image: Image, dataset: str | None) -> StoredVolume:
     found = _named(image.arrays)
     names, notes = tuple(found), image.notes
     of_points = [name for name, array in found.items() if not array.of_cells]
-    name = choose_named(path, names, dataset)
-    if name is None and len(of_points) == 1:
-        name = of_points[0]
-        others = listed([other for other in names if other != name])
-        notes += (f"The array {name} (points) is read; other datasets are {others}.",)
-    if name is None:
-        unread = np.dtype(np.float32)
-        return StoredVolume(None, unread, undecided(path, names), datasets=names, notes=notes)
+    if dataset is None and len(of_points) == 1 < len(names):
+        dataset = of_points[0]
+        others = listed([other for other in names if other != dataset])
+        notes += (f"The array {dataset} (points) is read; other datasets are {others}.",)
+    name = choose_named(path, names, dataset, notes=notes)
     array, dims, matrix = found[name], image.points, image.matrix.copy()
     if array.of_cells:
         # A flat image has one layer of cells. Values of cells lie in their middle.

@@ -13,7 +13,7 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
-from .checks import check_matrix, choose_named, text, undecided
+from .checks import check_matrix, choose_named, text
 from .stored import StoredVolume, lengths
 from .text_numbers import check_count, numbers_at, numbers_of
 from .watched import open_watched
@@ -41,8 +41,6 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
             f"{path}: the file holds no three-dimensional grid (DATAGRID_3D); choose another file."
         )
     name = choose_named(path, names, dataset)
-    if name is None:
-        return StoredVolume(None, np.dtype(np.float32), undecided(path, names), datasets=names)
     grid = found[name]
     if min(grid.dims) < 2:
         raise LeaflightError(

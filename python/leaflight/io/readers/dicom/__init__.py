@@ -4,12 +4,11 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 
 from ...._core import LeaflightError, Progress
 from ....volume.label_table import Label
 from ....volume.volume import Volume
-from ..checks import choose_named, undecided
+from ..checks import choose_named
 from ..sniffing import DIRECTORY
 from ..stored import StoredVolume, lengths
 from .parts import Part, choices_of, meant
@@ -33,14 +32,10 @@ def open_volume(path: Path, dataset: str | None = None) -> StoredVolume:
     found, notes = find_series(path)
     choices, left_out = choices_of(path, found)
     names = tuple(choices)
-    name = choose_named(path, names, meant(choices, dataset))
     notes = (*notes, *left_out)
-    if name is not None:
-        return _opened(path, choices[name].part(path), names, notes)
-    load = undecided(path, names)
-    return StoredVolume(
-        None, np.dtype(np.int16), load, unit="mm", datasets=names, patient=True, notes=notes
-    )
+    facts = {"unit": "mm", "patient": True, "notes": notes}
+    name = choose_named(path, names, meant(choices, dataset), **facts)
+    return _opened(path, choices[name].part(path), names, notes)
 
 
 def _opened(path: Path, part: Part, names: tuple[str, ...], notes: tuple[str, ...]) -> StoredVolume:

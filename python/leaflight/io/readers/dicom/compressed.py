@@ -27,20 +27,11 @@ _DEFLATED_PAGES = "1.2.840.10008.1.2.8.1"
 # Functions of imagecodecs, by the last digits of the transfer syntaxes that they decode.
 _JPEG = "1.2.840.10008.1.2.4."
 _OF_IMAGECODECS = {
-    "50": "jpeg8_decode",
-    "51": "jpeg8_decode",
-    "57": "jpeg8_decode",
-    "70": "jpeg8_decode",
-    "80": "jpegls_decode",
-    "81": "jpegls_decode",
-    "90": "jpeg2k_decode",
-    "91": "jpeg2k_decode",
-    "110": "jpegxl_decode",
-    "111": "jpegxl_decode",
-    "112": "jpegxl_decode",
-    "201": "htj2k_decode",
-    "202": "htj2k_decode",
-    "203": "htj2k_decode",
+    **dict.fromkeys(("50", "51", "57", "70"), "jpeg8_decode"),
+    **dict.fromkeys(("80", "81"), "jpegls_decode"),
+    **dict.fromkeys(("90", "91"), "jpeg2k_decode"),
+    **dict.fromkeys(("110", "111", "112"), "jpegxl_decode"),
+    **dict.fromkeys(("201", "202", "203"), "htj2k_decode"),
 }
 # First bytes of JPEG 2000, and markers of other JPEGs that precede the size of the picture.
 _JPEG_2000 = b"\xff\x4f\xff\x51"
