@@ -51,18 +51,23 @@ def _smooth(obj):
     return read_again.ReadAgainJob(obj, "Smooth", "smooth", 1.0, lambda obj: obj.name)
 
 
+def _options(operator, **chosen):
+    """Returns the properties of an operator with their defaults, and the chosen values."""
+    found = {}
+    for one in operator.get_rna_type().properties:
+        is_array = getattr(one, "is_array", False)
+        found[one.identifier] = one.default_array if is_array else getattr(one, "default", None)
+    return SimpleNamespace(**{**found, **chosen})
+
+
 def _import(obj):
-    operator = SimpleNamespace(
-        filepath=obj.leaflight.source,
-        **{name: getattr(obj.leaflight, name) for name in import_volume.source_files.CHOICES},
-        **{"resolution": "FULL", "size": 2.0, "size_from": "AUTO", "up": "FILE", "front": "FILE"},
-        **{"animate": False, "partner": "", "unit": "UNKNOWN"},
-    )
-    return import_volume.ImportJob(bpy.context, operator)
+    choices = {name: getattr(obj.leaflight, name) for name in import_volume.source_files.CHOICES}
+    options = _options(bpy.ops.leaflight.import_volume, filepath=obj.leaflight.source, **choices)
+    return import_volume.ImportJob(bpy.context, options)
 
 
 def _photons(obj):
-    options = SimpleNamespace(count=1000, seed=0, kind="ALL", radius=0.01, band=1.0)
+    options = _options(bpy.ops.leaflight.photon_cloud, count=1000)
     return photon_cloud.PhotonJob(bpy.context, obj, options)
 
 
