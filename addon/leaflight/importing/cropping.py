@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.volume.cuts import Box, crop_of
 
 from . import regions
 
@@ -25,9 +26,11 @@ class Crop:
 
     def dims(self, dims):
         """Returns the voxels (nx, ny, nz) of the part, 0 for an empty one."""
-        first, last = self._ends(dims)
-        counts = np.ceil(last - 1e-6) - np.floor(first + 1e-6) + 1
-        return tuple(int(n) if a < b else 0 for n, a, b in zip(counts, self.low, self.high))
+        planes = crop_of(Box.between(*self._ends(dims), cut="open"))[::-1]
+        return tuple(
+            kept.stop - kept.start if a < b else 0
+            for kept, a, b in zip(planes, self.low, self.high)
+        )
 
     def region_of(self, volume):
         """Returns the region of the part. Raises LeaflightError for an empty one."""

@@ -123,11 +123,7 @@ def note_on_backs(volume):
         return iface_(
             "The visible back of this isosurface is not baked: turn on Both Sides and bake again"
         )
-    capped = [
-        region.get("object")
-        for region in source_files.regions_of(volume.leaflight)
-        if region["on"] and region.get("cut") == "capped"
-    ]
+    capped = [region.get("object") for region in source_files.capped_cuts(volume.leaflight)]
     boxes = [box for box in map(box_of, surfaces) if box is not None]
     if any(box.name not in capped for box in boxes):
         return iface_(

@@ -58,7 +58,7 @@ def is_colored(obj):
     """True if the isosurfaces of a volume object have a texture."""
     settings = obj.leaflight
     if settings.texture_kind == "SLICES":
-        return source_files.has_capped_cut(settings)
+        return bool(source_files.capped_cuts(settings))
     return settings.texture_kind in OWN or bool(volumes_that_color(obj))
 
 

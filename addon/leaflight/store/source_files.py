@@ -149,9 +149,9 @@ def is_box_cut(item):
     return item["kind"] == "box" and "object" in item
 
 
-def has_capped_cut(settings):
-    """True if a region that is on is a capped cut."""
-    return any(item["on"] and item.get("cut") == "capped" for item in regions_of(settings))
+def capped_cuts(settings):
+    """Returns the regions of a volume that are on and cut it, with a cap."""
+    return [item for item in regions_of(settings) if item["on"] and item.get("cut") == "capped"]
 
 
 def probe(path, **choices):

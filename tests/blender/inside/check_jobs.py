@@ -14,7 +14,7 @@ import pytest
 from leaflight_addon.bake import bake, continue_bake, estimate_bake, live, photon_cloud, stopped
 from leaflight_addon.compare import render_comparison
 from leaflight_addon.export import export_bake
-from leaflight_addon.importing import import_volume, read_again
+from leaflight_addon.importing import import_job, read_again
 from leaflight_addon.operators import failures, jobs
 from leaflight_addon.show import preview, surface_material, surface_object, whole_detail
 from passes import Window
@@ -61,9 +61,9 @@ def _options(operator, **chosen):
 
 
 def _import(obj):
-    choices = {name: getattr(obj.leaflight, name) for name in import_volume.source_files.CHOICES}
+    choices = {name: getattr(obj.leaflight, name) for name in import_job.source_files.CHOICES}
     options = _options(bpy.ops.leaflight.import_volume, filepath=obj.leaflight.source, **choices)
-    return import_volume.ImportJob(bpy.context, options)
+    return import_job.ImportJob(bpy.context, options)
 
 
 def _photons(obj):
@@ -90,7 +90,7 @@ MAKERS = {
     stopped.KeepJob: _keep,
     estimate_bake.EstimateJob: lambda obj: estimate_bake.EstimateJob(bpy.context, obj),
     read_again.ReadAgainJob: _smooth,
-    import_volume.ImportJob: _import,
+    import_job.ImportJob: _import,
     photon_cloud.PhotonJob: _photons,
     export_bake.ExportJob: _export,
     render_comparison.ComparisonJob: _compare,
