@@ -75,6 +75,16 @@ def test_direct_light_of_the_cut_is_exact_when_it_moves(bake, truth):
     assert abs(found.mean() / surface.radiance.mean() - 1) < 0.05
 
 
+@pytest.mark.parametrize("isovalue", [22.1, 47.1, 61.1])
+def test_light_on_the_edges_of_a_cut_does_not_depend_on_rounding(truth, isovalue):
+    points = truth.surface(isovalue).vertices.astype(np.float64)
+    light = truth.radiance(points)
+    for step in (-1e-7, 1e-7):
+        differs = (abs(truth.radiance(points + step) - light) > 1e-3).any(axis=1)
+        # A few points lie where the code of a visibility map changes.
+        assert differs.mean() < 0.002
+
+
 def test_a_smaller_volume_has_texels_of_the_same_width(bake):
     inside = cut(keep="inside")
     assert inside.values.size < 0.5 * WHOLE.values.size

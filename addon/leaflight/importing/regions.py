@@ -3,8 +3,8 @@
 
 Object.leaflight.regions holds the regions as JSON: records of leaflight.volume.regions with the
 keys "on" and, for cuts and masks, "object", the name of the clip box or the label map. A box
-without it is a crop. A cut has the key "place", too (box_cuts.py). Their positions are in the coordinates of the file, so they stay where they
-are in the volume when the object moves.
+without it is a crop. A cut has the key "place", too (box_cuts.py). Positions are in the coordinates
+of the file, so they stay where they are in the volume when the object moves.
 """
 
 import json

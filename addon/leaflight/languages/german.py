@@ -66,6 +66,8 @@ MESSAGES = {
     "Color By": "Farbe nach",
     "Color Map": "Farbskala",
     "Cut Data": "Daten schneiden",
+    "Bake the Cut": "Schnitt beleuchten",
+    "Light near the cut is an estimate": "Das Licht am Schnitt ist geschätzt",
     "Clean Data": "Daten säubern",
     "Mask Data": "Daten maskieren",
     "Within Labels": "Innerhalb von Labels",
@@ -114,11 +116,11 @@ MESSAGES = {
         "Angehalten: geschätzter Fehler %s %% (Ziel %s %%)"
     ),
     "Live": "Mitgehend",
-    "Update the light while lamps, walls and volumes move: direct light at once, indirect "
-    "light by the passes of a new bake. The last pass is saved to a new file": (
-        "Das Licht anpassen, während sich Lampen, Wände und Volumen bewegen: direktes Licht "
-        "sofort, indirektes durch die Durchgänge einer neuen Berechnung. Der letzte wird in "
-        "einer neuen Datei gespeichert"
+    "Update the light while lamps, walls, volumes and clip boxes move: direct light at once, "
+    "indirect light by the passes of a new bake. The last pass is saved to a new file": (
+        "Das Licht anpassen, während sich Lampen, Wände, Volumen und Schnittquader bewegen: "
+        "direktes Licht sofort, indirektes durch die Durchgänge einer neuen Berechnung. Der "
+        "letzte wird in einer neuen Datei gespeichert"
     ),
     "Stopped: direct light is current, indirect light is of an earlier position": (
         "Angehalten: direktes Licht ist aktuell, indirektes Licht von einer früheren Lage"

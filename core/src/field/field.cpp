@@ -108,16 +108,21 @@ void check_placement(const Index<D>& dims, const Affine<D>& index_to_world) {
   }
 }
 
+// Least weight of a voxel that decides if a point lies on a cut. Vertices of meshes lie on edges of
+// the grid, where two weights are positive. Rounding of their positions makes others positive.
+constexpr double least_weight = 1e-3;
+
 // The voxels around a point that no cut has lowered and that the interpolation weighs.
 template <int D>
 struct Uncut {
   Vec<D> gradient{0.0};  // sum with the weights of the voxels
   double least = std::numeric_limits<double>::infinity();
-  double weight = 0;  // sum of the weights; below 1 next to lowered voxels
+  double weight = 0;  // sum of the weights
+  bool has_lowered = false;
 
   // True if a point of the isosurface of this value lies on a cut: some voxels around it are
   // lowered, and all others are inside the isosurface.
-  bool is_on_cut(double isovalue) const { return weight < 1 && least >= isovalue; }
+  bool is_on_cut(double isovalue) const { return has_lowered && least >= isovalue; }
 };
 
 template <int D, class Value>
@@ -132,10 +137,16 @@ Uncut<D> interpolate_uncut(const Field<D>& field, const Value* shading_values,
       weight *= bit ? point.local[a] : 1 - point.local[a];
       voxel[a] = point.cell[a] + bit;
     }
-    // On an edge of the grid, where meshes have vertices, two of eight weights are positive.
-    if (weight == 0 || is_lowered(field, field.offset(voxel))) continue;
+    if (weight == 0) continue;
+    const bool decides = weight >= least_weight;
+    if (is_lowered(field, field.offset(voxel))) {
+      sum.has_lowered |= decides;
+      continue;
+    }
     sum.gradient += voxel_gradient(field, shading_values, voxel) * weight;
-    if (field.ramp != nullptr) sum.least = std::min<double>(sum.least, field.value(voxel));
+    if (field.ramp != nullptr && decides) {
+      sum.least = std::min<double>(sum.least, field.value(voxel));
+    }
     sum.weight += weight;
   }
   return sum;
@@ -269,6 +280,30 @@ CellCorners<D> ramp_corners(const Field<D>& field, const Index<D>& cell) {
   return corners;
 }
 
+// Returns the gradient of the ramp, on faces of cells the mean of the cells there. Gradients of
+// cells differ where two faces of a cut meet.
+template <int D>
+Vec<D> ramp_gradient(const Field<D>& field, const CellPoint<D>& point) {
+  Vec<D> sum(0.0);
+  int count = 0;
+  for (int neighbor = 0; neighbor < (1 << D); ++neighbor) {
+    CellPoint<D> at = point;
+    bool touches = true;
+    for (int a = 0; a < D; ++a) {
+      if (!((neighbor >> a) & 1)) continue;
+      const bool is_first = point.local[a] < least_weight;
+      touches = touches && (is_first || point.local[a] > 1 - least_weight);
+      at.cell[a] += is_first ? -1 : 1;
+      at.local[a] = is_first ? 1 : 0;
+      touches = touches && at.cell[a] >= 0 && at.cell[a] < field.dims[a] - 1;
+    }
+    if (!touches) continue;
+    sum += geometric_gradient(ramp_corners(field, at.cell), at.local);
+    ++count;
+  }
+  return sum / count;
+}
+
 }  // namespace
 
 template <int D>
@@ -276,12 +311,12 @@ Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   const Uncut<D> uncut =
       std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
                  field.shading_values);
-  if (field.ramp == nullptr) return uncut.gradient;
-  const Vec<D> on_cut = geometric_gradient(ramp_corners(field, point.cell), point.local);
+  if (!uncut.has_lowered) return uncut.gradient;
+  const Vec<D> on_cut = ramp_gradient(field, point);
   const double steepness = on_cut.length(), own = uncut.gradient.length();
   const double value = interpolate(load_corners(field, point.cell), point.local);
   if (own == 0 || uncut.is_on_cut(value)) return on_cut;
-  if (uncut.weight == 1 || steepness == 0) return uncut.gradient;
+  if (steepness == 0) return uncut.gradient;
   // The edge of a cut is a voxel wide, so its normals turn from one side to the other.
   return uncut.gradient + on_cut * ((1 - uncut.weight) / uncut.weight * own / steepness);
 }

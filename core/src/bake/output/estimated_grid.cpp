@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/output/estimated_grid.h"
 
+#include <Imath/ImathMatrix.h>
 #include <tbb/parallel_for.h>
 
-#include <Imath/ImathMatrix.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -98,8 +98,8 @@ class FittedLight {
     }
   }
   Vec<3, float> at(const Vec3& normal) const {
-    const Vec3 light = weights_[0] + weights_[1] * normal.x + weights_[2] * normal.y +
-                      weights_[3] * normal.z;
+    const Vec3 light =
+        weights_[0] + weights_[1] * normal.x + weights_[2] * normal.y + weights_[3] * normal.z;
     Vec<3, float> found;
     for (int i = 0; i < 3; ++i) {
       found[i] = static_cast<float>(std::max(light[i], least_share * mean_[i]));
