@@ -51,6 +51,26 @@ def test_it_is_final_again_without_a_click(live):
 
 
 @pytest.fixture(scope="module")
+def cut(blender, ball, tmp_path_factory):
+    return blender.in_window("drag_cut_box.py", ball, tmp_path_factory.mktemp("cut"))
+
+
+def test_a_cut_follows_its_box_with_an_estimate_of_the_light(cut):
+    assert cut["without live"]["length"] > 0.1 and cut["without live"]["cuts"] >= 2
+    assert cut["without live"]["moved"] == 0 and cut["change"]
+    assert cut["darkest"] > 0.02 * cut["mean"]
+
+
+def test_undo_takes_the_cut_along(cut):
+    assert cut["undone"]
+
+
+def test_live_follows_a_dragged_cut(cut):
+    assert cut["with live"]["cuts"] >= 1 and cut["final"]
+    assert cut["seconds"]["cut"] <= cut["seconds"]["direct"] < cut["seconds"]["final"]
+
+
+@pytest.fixture(scope="module")
 def picked(blender, ball):
     return blender.in_window("pick_isovalue.py", ball)
 

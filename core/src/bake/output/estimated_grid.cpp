@@ -16,28 +16,27 @@ namespace {
 
 using Colors = std::vector<Vec<3, float>>;
 
-// Distance from changed values at which the light of the bake counts, in voxels.
-constexpr double reach_of_changes = 1.5;
-// Difference of values that rounding of positions causes, relative to the isovalue range.
-constexpr double rounding = 1e-4;
+// Distance from changed voxels up to which light is estimated, in voxels.
+constexpr int reach_of_changes = 2;
+// Largest distance of two voxels at the same place, in voxels.
+constexpr double rounding = 1e-3;
 // Number of texels that a fit reads at most.
 constexpr std::size_t most_fitted = 50'000;
 // Least share of the mean light that a fit gives.
 constexpr double least_share = 0.25;
 
-// Spreads the marks (1) of texels to those within `reach` texels along each axis.
-void spread_marks(std::vector<std::uint8_t>& marks, const Index<3>& resolution,
-                  const Index<3>& reach) {
+// Spreads the marks (1) of voxels to those within reach_of_changes along each axis.
+void spread_marks(std::vector<std::uint8_t>& marks, const Index<3>& dims) {
   std::size_t stride = 1;
   for (int a = 0; a < 3; ++a) {
-    const auto count = static_cast<std::size_t>(resolution[a]);
+    const auto count = static_cast<std::size_t>(dims[a]);
     tbb::parallel_for(std::size_t{0}, marks.size() / count, [&](std::size_t line) {
       std::uint8_t* first = &marks[line / stride * stride * count + line % stride];
       // A spread mark is 2 until the end of the line, and spreads no further.
       const auto pass = [&](std::size_t i, int& left) {
         std::uint8_t& mark = first[i * stride];
         if (mark == 1) {
-          left = reach[a];
+          left = reach_of_changes;
         } else if (left > 0) {
           mark = 2;
           --left;
@@ -55,23 +54,26 @@ void spread_marks(std::vector<std::uint8_t>& marks, const Index<3>& resolution,
   }
 }
 
-// Returns, for each texel of a lattice of `now`, 1 if values near it are not those of `before`.
-std::vector<std::uint8_t> near_changes(const TexelLattice<3>& lattice, const Affine<3>& to_before,
-                                       const Field<3>& before, const Field<3>& now,
-                                       double tolerance) {
-  std::vector<std::uint8_t> marks(lattice.texels());
-  tbb::parallel_for(std::size_t{0}, marks.size(), [&](std::size_t texel) {
-    const Vec3 center = lattice.center(static_cast<std::uint32_t>(texel));
-    const Vec3 position = to_before.point(center);
-    const double a = value_at(before, position), b = value_at(now, center);
-    const bool same = std::isnan(a) == std::isnan(b) && !(std::abs(a - b) > tolerance);
-    marks[texel] = !same || !inside(before, position);
+// Returns, for each voxel of `now`, 1 if values near it are not those of `before`.
+std::vector<std::uint8_t> near_changes(const Affine<3>& to_before, const Field<3>& before,
+                                       const Field<3>& now) {
+  std::vector<std::uint8_t> marks(now.voxels());
+  tbb::parallel_for(std::size_t{0}, marks.size(), [&](std::size_t number) {
+    const Vec3 position = to_before.point(to_vector<3>(index_of<3>(number, now.dims)));
+    Index<3> voxel;
+    bool same = true;
+    for (int a = 0; a < 3; ++a) {
+      voxel[a] = static_cast<int>(std::lround(position[a]));
+      same = same && std::abs(position[a] - voxel[a]) < rounding && voxel[a] >= 0 &&
+             voxel[a] < before.dims[a];
+    }
+    if (same) {
+      const float a = before.value(voxel), b = value_at(now.values, number);
+      same = a == b || (std::isnan(a) && std::isnan(b));
+    }
+    marks[number] = !same;
   });
-  Index<3> reach;
-  for (int a = 0; a < 3; ++a) {
-    reach[a] = static_cast<int>(std::ceil(reach_of_changes / lattice.voxels_per_texel[a]));
-  }
-  spread_marks(marks, lattice.resolution, reach);
+  spread_marks(marks, now.dims);
   return marks;
 }
 
@@ -132,6 +134,20 @@ FittedLight fitted(const TexelLattice<3>& lattice, const Field<3>& field, const 
   return found;
 }
 
+Index<3> nearest_voxel(const Field<3>& field, const Vec3& position) {
+  Index<3> voxel;
+  for (int a = 0; a < 3; ++a) {
+    voxel[a] = std::clamp(static_cast<int>(std::lround(position[a])), 0, field.dims[a] - 1);
+  }
+  return voxel;
+}
+
+Vec<3, float> mean(const TexelWeights<3>& near, const Colors& values) {
+  Vec<3, float> sum(0);
+  for (int i = 0; i < near.count; ++i) sum += values[near.slot[i]] * near.weight[i];
+  return sum;
+}
+
 }  // namespace
 
 RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& before,
@@ -145,29 +161,35 @@ RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& bef
     to_before.column[a] = before.world_to_index.vector(now.index_to_world.column[a]);
   }
   to_before.origin = before.world_to_index.point(now.index_to_world.origin);
-  const std::vector<std::uint8_t> changed =
-      near_changes(lattice, to_before, before, now, rounding * isovalue_range.height());
+  const std::vector<std::uint8_t> changed = near_changes(to_before, before, now);
 
-  const auto estimate = [&](const Colors& light, const Colors& all, const Colors& indirect) {
-    const FittedLight fit = fitted(baked.lattice, before, light, all, indirect);
-    Colors found(lattice.active.size());
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t s) {
-      const std::uint32_t texel = lattice.active[s];
-      const Vec3 center = lattice.center(texel);
-      found[s] = changed[texel] ? fit.at(shading_normal(now, center))
-                                : lookup(baked.lattice, light, to_before.point(center));
+  // Estimate the light of each side, and its indirect part.
+  const std::size_t count = lattice.active.size();
+  const auto estimate = [&](const Colors& all, const Colors& indirect, Colors& found_all,
+                            Colors& found_indirect) {
+    const FittedLight of_all = fitted(baked.lattice, before, all, all, indirect);
+    const FittedLight of_indirect = fitted(baked.lattice, before, indirect, all, indirect);
+    found_all.resize(count);
+    found_indirect.resize(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) {
+      const Vec3 center = lattice.center(lattice.active[s]);
+      if (changed[now.offset(nearest_voxel(now, center))]) {
+        const Vec3 normal = shading_normal(now, center);
+        found_all[s] = of_all.at(normal);
+        found_indirect[s] = of_indirect.at(normal);
+        return;
+      }
+      const TexelWeights<3> near = linear_weights(baked.lattice, to_before.point(center));
+      found_all[s] = mean(near, all);
+      found_indirect[s] = mean(near, indirect);
     });
-    return found;
   };
-  grid.radiance = estimate(baked.radiance, baked.radiance, baked.radiance_indirect);
-  grid.radiance_indirect =
-      estimate(baked.radiance_indirect, baked.radiance, baked.radiance_indirect);
+  estimate(baked.radiance, baked.radiance_indirect, grid.radiance, grid.radiance_indirect);
   if (baked.has_back()) {
-    const Colors &all = baked.radiance_back, &indirect = baked.radiance_back_indirect;
-    grid.radiance_back = estimate(all, all, indirect);
-    grid.radiance_back_indirect = estimate(indirect, all, indirect);
+    estimate(baked.radiance_back, baked.radiance_back_indirect, grid.radiance_back,
+             grid.radiance_back_indirect);
   }
-  grid.radiance_error.assign(lattice.active.size(), std::numeric_limits<float>::quiet_NaN());
+  grid.radiance_error.assign(count, std::numeric_limits<float>::quiet_NaN());
   return grid;
 }
 
