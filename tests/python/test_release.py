@@ -3,14 +3,18 @@
 
 import importlib.machinery
 import importlib.util
+import json
 import re
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 from leaflight.version import __version__
 
-PROGRAM = Path(__file__).resolve().parents[2] / "scripts" / "release"
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "scripts" / "release"
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +49,36 @@ def test_one_option_sets_the_address_everywhere(release, tmp_path, monkeypatch):
     assert not any(old in text for text in texts)
     assert all("https://code.example.net/leaflight" in text for text in texts)
     assert "https://code.example.net/leaflight/raw/main/" in texts[0]
+
+
+def test_places_of_publication_agree():
+    """Compares what Zenodo, conda and the paper say with pyproject.toml and CITATION.cff."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    zenodo = json.loads((ROOT / ".zenodo.json").read_text())
+    for key in ("title", "version", "license", "keywords"):
+        assert zenodo[key] == citation[key], key
+    recipe = yaml.safe_load((ROOT / "packaging/conda/recipe.yaml").read_text())
+    needs = recipe["requirements"]
+    built_with = [text.replace(">=", " >=") for text in project["build-system"]["requires"]]
+    assert set(built_with) <= set(needs["host"])
+    used = [text.replace(">=", " >=") for text in project["project"]["dependencies"]]
+    assert {"python", *used} == set(needs["run"])
+    assert recipe["about"]["license"] == project["project"]["license"] == citation["license"]
+    assert recipe["about"]["homepage"] == project["project"]["urls"]["Homepage"]
+
+
+def test_the_paper_has_what_its_journal_asks_for():
+    text = (ROOT / "paper/paper.md").read_text()
+    _, head, body = text.split("---\n", 2)
+    assert {"title", "tags", "authors", "affiliations", "date", "bibliography"} <= set(
+        yaml.safe_load(head)
+    )
+    for heading in ("Summary", "Statement of need", "Limits", "References"):
+        assert f"\n# {heading}\n" in body
+    known = re.findall(r"@\w+\{(\w+),", (ROOT / "paper/paper.bib").read_text())
+    assert set(re.findall(r"@(\w+)", body)) == set(known)
+    assert 250 < len(body.split()) < 1000
 
 
 @pytest.mark.parametrize("version", ["1.0", __version__])

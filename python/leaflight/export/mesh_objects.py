@@ -46,5 +46,5 @@ def needed(module: str, package: str = "") -> Any:
     except ImportError:
         package = package or module
         raise LeaflightError(
-            f"This object needs the Python package {package}: install it with pip install {package}."
+            f"This needs the Python package {package}: install it with pip install {package}."
         ) from None
