@@ -30,6 +30,7 @@ from .scene.scene import fit_scene
 from .scene.volume_texture import VolumeTexture, label_texture, texture_of
 from .stills.still import still
 from .version import __version__
+from .volume import examples
 from .volume.derived import gradient_of, height_of, slices_of
 from .volume.memory import limit_memory
 from .volume.other_arrays import as_volume
@@ -56,6 +57,7 @@ __all__ = [
     "default_isovalue",
     "default_isovalue_range",
     "estimate",
+    "examples",
     "export",
     "export_page",
     "fit_scene",

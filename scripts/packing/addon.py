@@ -115,7 +115,7 @@ def legacy(built):
 def _addon_files():
     """Returns the add-on's files, without those that only extensions have."""
     files = (path for path in ADDON.rglob("*") if path.is_file())
-    return sorted(path for path in files if path.suffix == ".py")
+    return sorted(path for path in files if path.suffix in (".py", ".png"))
 
 
 def _copy_addon(folder):

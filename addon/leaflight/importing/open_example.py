@@ -1,45 +1,54 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Open Example: a volume for a first try of Leaflight."""
+"""Open Example: a computed volume for a first try of Leaflight."""
 
 from pathlib import Path
 
 import bpy
+import bpy.utils.previews
 from leaflight import LeaflightError
+from leaflight.volume.examples import EXAMPLES, load
 
 from ..operators import checks, jobs
+from ..props import EnumProperty
 from ..store import bake_files
 
-# Files of the Colin27 brain and head in the Debian package mricron-data.
-_SCANS = [Path("/usr/share/mricron/templates") / name for name in ("ch2bet.nii.gz", "ch2.nii.gz")]
+# Pictures of the examples by name.
+_FOLDER = Path(__file__).with_name("pictures")
+_pictures = None
+# Entries of the property. Blender needs a reference to their texts.
+_entries = []
 
-# Nodes along an axis of the volume that is computed if there is no scan.
-_NODES = 96
+
+def _examples(_operator, _context):
+    if not _entries:
+        for number, (name, example) in enumerate(EXAMPLES.items()):
+            picture = _pictures.load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
+            _entries.append((name, example.label, example.text, picture.icon_id, number))
+    return _entries
 
 
 class LEAFLIGHT_OT_open_example(checks.LeaflightOperator, bpy.types.Operator):
     bl_label = "Open Example"
-    bl_description = (
-        "Import an example: a brain scan if this computer has one (Debian's "
-        "mricron-data), else a computed hydrogen atom"
-    )
+    bl_description = "Compute an example volume and import it"
     conditions = (jobs.is_free, checks.in_object_mode)
 
+    example: EnumProperty("Example", "Volume to compute", _examples)
+
     def run(self, _context):
-        path = next((scan for scan in _SCANS if scan.exists()), None) or _computed()
+        path = _computed(self.example)
         try:
             bpy.ops.leaflight.import_volume(filepath=str(path))
         except RuntimeError as error:
             raise LeaflightError(str(error).strip().removeprefix("Error: ")) from None
 
 
-def _computed():
-    """Returns the file of a computed volume. Computes it only once. Raises LeaflightError."""
-    path = bake_files.user_folder() / "examples" / "hydrogen.nii.gz"
+def _computed(name):
+    """Returns the file of an example. Computes it only once. Raises LeaflightError."""
+    path = bake_files.user_folder() / "examples" / f"{name}.nii.gz"
     if not path.exists():
         import nibabel
-        from leaflight.volume.particles import hydrogen
 
-        volume = hydrogen(_NODES)
+        volume = load(name)
         bake_files.make_folder(path.parent)
         part = path.with_name("part.nii.gz")
         nibabel.save(nibabel.Nifti1Image(volume.values.T, volume.index_to_world), part)
@@ -48,7 +57,21 @@ def _computed():
 
 
 def _draw_menu(menu, _context):
-    menu.layout.operator(LEAFLIGHT_OT_open_example.bl_idname, text="Example for Leaflight")
+    menu.layout.operator_menu_enum(
+        LEAFLIGHT_OT_open_example.bl_idname, "example", text="Example for Leaflight"
+    )
+
+
+def register():
+    global _pictures
+    _pictures = bpy.utils.previews.new()
+
+
+def unregister():
+    global _pictures
+    bpy.utils.previews.remove(_pictures)
+    _pictures = None
+    _entries.clear()
 
 
 CLASSES = (LEAFLIGHT_OT_open_example,)
