@@ -25,7 +25,9 @@ class Example:
 
 
 EXAMPLES = {
-    "hydrogen": Example("Hydrogen Atom", "The electron in the state 3d: two lobes and a ring", hydrogen),
+    "hydrogen": Example(
+        "Hydrogen Atom", "The electron in the state 3d: two lobes and a ring", hydrogen
+    ),
     "neuron": Example("Neuron", "A cell with branching dendrites", neuron),
     "protons": Example(
         "Nuclei", "Protons in the crust of a neutron star", lambda n: nucleons(n)[0]
