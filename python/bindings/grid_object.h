@@ -11,7 +11,8 @@ namespace leaflight::python {
 template <int D>
 struct GridObject {
   std::shared_ptr<RadianceGrid<D>> baked;
-  std::shared_ptr<const Field<D>> field;         // the lit field; null: lights as baked
+  std::shared_ptr<const Field<D>> lit;           // the lit field of a grid from a file
+  std::shared_ptr<const Field<D>> field;         // field in changed light; null: as baked
   std::shared_ptr<const DirectLight<D>> direct;  // null without a field
   Vec<3, float> indirect{1, 1, 1};
   std::shared_ptr<const VolumeTexture<D>> texture;  // null: none

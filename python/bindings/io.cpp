@@ -42,9 +42,9 @@ void bind_io(py::module_& module) {
         const py::gil_scoped_release unlocked;
         std::vector<const Field<3>*> field_pointers;
         for (const auto& field : fields) field_pointers.push_back(field.get());
-        Baked<3> baked;
-        for (const auto& grid : grids) baked.grids.push_back(*grid->baked);
-        if (walls) baked.walls = *walls;
+        BakeParts baked;
+        for (const auto& grid : grids) baked.grids.push_back(grid->baked.get());
+        baked.walls = walls.get();
         write_bake(path, field_pointers, baked, metadata, progress);
       },
       py::arg("path"), py::arg("fields"), py::arg("grids"), py::arg("walls").none(true),
@@ -53,11 +53,11 @@ void bind_io(py::module_& module) {
       "and Cancelled with an unchanged file.");
   module.def(
       "read_bake",
-      [](const fs::path& path) {
+      [](const fs::path& path, Progress* progress) {
         StoredBake bake;
         {
           const py::gil_scoped_release unlocked;
-          bake = read_bake(path);
+          bake = read_bake(path, progress);
         }
         py::list fields, grids;
         for (DenseVolume& field : bake.fields) {
@@ -73,9 +73,10 @@ void bind_io(py::module_& module) {
         }
         return py::make_tuple(fields, grids, walls, bake.metadata);
       },
-      py::arg("path"),
+      py::arg("path"), py::arg("progress") = nullptr,
       "Reads a bake: ([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...],\n"
-      "WallRadiance or None, metadata). The walls need attach_walls() before use.");
+      "WallRadiance or None, metadata). Grids with visibility maps need add_direct() before use,\n"
+      "and walls attach_walls(). Raises LeaflightError, Cancelled.");
   module.def("has_seal", &has_seal, py::arg("path"),
              "True if a file ends with a checksum, which read_bake() checks. Raises\n"
              "LeaflightError.");

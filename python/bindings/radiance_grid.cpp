@@ -24,23 +24,40 @@ py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Valu
 }
 
 template <int D>
-const std::vector<Vec<3, float>>& side_of(const RadianceGrid<D>& grid, bool back) {
+void check_side(const RadianceGrid<D>& grid, bool back) {
   if (back && !grid.has_back()) {
     throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
   }
-  return back ? grid.radiance_back : grid.radiance;
+  if (!grid.has_light(back)) {
+    throw Error("The direct light of this bake is missing; load the bake again.");
+  }
+}
+
+// Returns all light of one side's texels, as baked.
+template <int D>
+std::vector<Vec<3, float>> all_light(const GridObject<D>& grid, bool back) {
+  const RadianceGrid<D>& from = *grid.baked;
+  const std::vector<Vec<3, float>>& stored = back ? from.radiance_back : from.radiance;
+  if (stored.size() == from.texels()) return stored;
+  std::vector<Vec<3, float>> texels(from.texels());
+  const py::gil_scoped_release unlocked;
+  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
+    texels[s] = radiance_of_texel(from, *grid.lit, s, back);
+  });
+  return texels;
 }
 
 // Returns the radiance of one side's texels, or its indirect part.
 template <int D>
 std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
-  const std::vector<Vec<3, float>>& all = side_of(from, back);
+  check_side(from, back);
   const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
-  if (!grid.field && !grid.texture) return indirect_alone ? indirect : all;
+  std::vector<Vec<3, float>> texels =
+      indirect_alone || grid.field ? indirect : all_light(grid, back);
+  if (!grid.field && !grid.texture) return texels;
   const ShownGrid<D> shown = grid.shown();
-  std::vector<Vec<3, float>> texels = indirect_alone ? indirect : all;
   const py::gil_scoped_release unlocked;
   tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
     const Vec<D> center = from.lattice.center(from.lattice.active[s]);
@@ -95,7 +112,7 @@ template <int D, class Array>
 py::array_t<float> lookup_of(const GridObject<D>& grid, const Field<D>& field, const Array& points,
                              bool back, bool indirect) {
   const py::ssize_t n = rows(points, D, "points");
-  static_cast<void>(side_of<D>(*grid.baked, back));
+  check_side(*grid.baked, back);
   const ShownGrid<D> shown = grid.shown();
   std::vector<Vec<3, float>> radiance(n);
   {
@@ -239,14 +256,22 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "Returns the standard error (n,) of the front's radiance at world points (n, D),\n"
            "averaged over the channels, for independent errors of texels.");
   if constexpr (D == 3) {
-    grid.def_property(
+    grid.def_property_readonly(
         "direct",
         [](const Grid& g) {
           return std::const_pointer_cast<DirectLight<D>>(g.field ? g.direct : g.baked->direct);
         },
-        [](Grid& g, const std::shared_ptr<DirectLight<D>>& direct) { g.baked->direct = direct; },
         "DirectLight that lookups add; None: texels contain all light. A bake in passes has\n"
-        "it. A grid from a file gets it by assignment.");
+        "it.");
+    grid.def(
+        "add_direct",
+        [](Grid& g, const std::shared_ptr<Field<D>>& field,
+           const std::shared_ptr<DirectLight<D>>& direct) {
+          g.baked->direct = direct;
+          g.lit = field;
+        },
+        py::arg("field"), py::arg("direct"),
+        "Gives a grid from a file the DirectLight that its bake had, and the lit field.");
     grid.def(
         "with_texture",
         [](const Grid& g, const std::optional<std::shared_ptr<VolumeTexture<D>>>& texture) {

@@ -445,6 +445,12 @@ class DirectLight:
     of a lattice and each light point they hold the greatest value between the two, as a
     byte.
     """
+    @staticmethod
+    def stored(scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, grid: RadianceGrid) -> DirectLight:
+        """
+        Takes the maps of the scene's volume from a grid of read_bake(). Raises
+        LeaflightError.
+        """
     def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0, earlier: DirectLight = None) -> None:
         """
         Computes the maps of a scene's volume. resolution: texels of the maps along x, y, z;
@@ -519,6 +525,10 @@ class RadianceGrid:
     """
     The radiance [W/(m^2 sr)] of every isosurface of one volume within an isovalue range.
     """
+    def add_direct(self, field: Field, direct: DirectLight) -> None:
+        """
+        Gives a grid from a file the DirectLight that its bake had, and the lit field.
+        """
     def atlas(self, back: bool = False) -> tuple:
         """
         Returns (pixels float32 [row, column, RGBA] bottom row first, columns, rows). Slice
@@ -587,11 +597,8 @@ class RadianceGrid:
     def direct(self) -> DirectLight:
         """
         DirectLight that lookups add; None: texels contain all light. A bake in passes has
-        it. A grid from a file gets it by assignment.
+        it.
         """
-    @direct.setter
-    def direct(self, arg1: DirectLight) -> None:
-        ...
     @property
     def has_back(self) -> bool:
         """
@@ -1446,10 +1453,11 @@ def project_to_isosurface(field: Field, points: typing.Annotated[numpy.typing.Ar
     Moves world points (n, 3) to the nearest point of the isosurface along the gradient,
     within two voxels. Points without such a point are unchanged.
     """
-def read_bake(path: os.PathLike | str | bytes) -> tuple[list, list, WallRadiance, dict[str, str]]:
+def read_bake(path: os.PathLike | str | bytes, progress: Progress = None) -> tuple[list, list, WallRadiance, dict[str, str]]:
     """
     Reads a bake: ([(values [z, y, x], index_to_world), ...], [RadianceGrid, ...],
-    WallRadiance or None, metadata). The walls need attach_walls() before use.
+    WallRadiance or None, metadata). Grids with visibility maps need add_direct() before use,
+    and walls attach_walls(). Raises LeaflightError, Cancelled.
     """
 def read_bake_header(path: os.PathLike | str | bytes) -> dict[str, str]:
     """

@@ -99,14 +99,44 @@ TEST_F(Files, BakeComesBack) {
             1e-9);
   EXPECT_EQ(again.lattice.active, grid.lattice.active);
   EXPECT_EQ(again.lattice.resolution, grid.lattice.resolution);
+  // A bake has the precision of its file, so the light is equal, not only close.
+  EXPECT_EQ(again.radiance_indirect, grid.radiance_indirect);
+  EXPECT_EQ(again.radiance_error, grid.radiance_error);
+  EXPECT_EQ(again.unfiltered.texels, grid.unfiltered.texels);
+  EXPECT_EQ(again.unfiltered.resolution, grid.unfiltered.resolution);
+  EXPECT_EQ(again.unfiltered.sides[0].blocks(), grid.unfiltered.sides[0].blocks());
+  // All light is derived from the direct light.
+  EXPECT_TRUE(again.radiance.empty());
+  EXPECT_FALSE(again.has_light(false));
+  RadianceGrid<3> lit = again;
+  lit.direct = grid.direct;
   for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
-    for (int k = 0; k < 3; ++k) {
-      // The file stores half precision.
-      ASSERT_NEAR(again.radiance[s][k], grid.radiance[s][k], grid.radiance[s][k] / 2000 + 1e-7);
-    }
+    ASSERT_EQ(radiance_of_texel(lit, test::field_of(scene), s, false), grid.radiance[s]);
   }
-  EXPECT_NEAR(lookup(again.lattice, again.radiance, {8, 8, 12.5}).y,
-              lookup(grid.lattice, grid.radiance, {8, 8, 12.5}).y, 2e-3);
+}
+
+TEST_F(Files, LightWithoutMapsComesBack) {
+  const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  Baked<3> baked = small_bake(scene);
+  baked.grids[0].direct = nullptr;
+  for (Vec<3, float>& light : baked.grids[0].radiance) light = light_precision.rounded(light);
+  write_bake(path("a.vdb"), {&test::field_of(scene)}, baked, {});
+  EXPECT_EQ(read_bake(path("a.vdb")).baked.grids[0].radiance, baked.grids[0].radiance);
+}
+
+TEST_F(Files, AnotherVersionIsRefused) {
+  const Scene<3> scene = test::cornell(test::ball<3>(17), {0.6, 0.9});
+  write_bake(path("a.vdb"), {&test::field_of(scene)}, small_bake(scene), {});
+  std::string text = content("a.vdb");
+  const std::string key =
+      std::string("leaflight_version") + std::string("\6\0\0\0string\1\0\0\0", 14);
+  const std::size_t place = text.find(key);
+  ASSERT_NE(place, std::string::npos);
+  text[place + key.size()] = '1';
+  text.resize(length_without_seal(path("a.vdb"), true));
+  write("b.vdb", text);
+  EXPECT_NE(message_of([&] { read_bake(path("b.vdb")); }).find("another version"),
+            std::string::npos);
 }
 
 TEST_F(Files, VdbVolumeComesBack) {

@@ -18,7 +18,7 @@ from leaflight import Cancelled, Progress, _core, load_bake
 from leaflight.bake.provenance import provenance_from_json, read_bake_id, values_sha256
 from leaflight.bake.settings import UnusedSetting
 from outcomes import refused, written
-from same_bytes import assert_same_bake
+from same_bytes import assert_same_bake, saved_alike
 from waiting import HANG, wait_for
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
@@ -146,6 +146,27 @@ def test_metadata_that_are_no_text_are_refused(box_file, tmp_path):
     data = box_file.read_bytes()
     path.write_bytes(data[:-24].replace(b"texels", b"te\xffels"))
     refused("damaged.vdb: .*damaged", load_bake, path)
+
+
+@pytest.mark.parametrize("name, isovalue", [("box", 47.0), ("lapr", 0.5)])
+def test_a_loaded_bake_has_the_light_of_the_saved_one(name, isovalue, request, tmp_path):
+    """Checks each bit of the light that is stored, and of the light that is derived."""
+    bake = request.getfixturevalue(f"{name}_bake")
+    path = request.getfixturevalue(f"{name}_file")
+    loaded = load_bake(path)
+    for volume, (mine, theirs) in enumerate(zip(bake.grids, loaded.grids, strict=True)):
+        for side in ("radiance", "radiance_back") if mine.has_back else ("radiance",):
+            for one in (side, f"{side}_indirect", "radiance_error"):
+                np.testing.assert_array_equal(mine.dense(one), theirs.dense(one), err_msg=one)
+        for point in range(len(mine.direct.lights) if mine.direct else 0):
+            codes = [grid.direct.codes(point) for grid in (mine, theirs)]
+            np.testing.assert_array_equal(*codes)
+        surfaces = [one.surface(isovalue, volume, mine.has_back) for one in (bake, loaded)]
+        np.testing.assert_array_equal(*(surface.radiance for surface in surfaces))
+    for mesh in range(bake.walls.count if bake.walls else 0):
+        lit = [one.walls.radiance(mesh, isovalue, False) for one in (bake, loaded)]
+        np.testing.assert_array_equal(*lit)
+    assert saved_alike(loaded, tmp_path / "again.vdb") == saved_alike(bake, tmp_path / "once.vdb")
 
 
 def test_a_bake_without_id_is_distinguished_from_other_files(box_bake, tmp_path):

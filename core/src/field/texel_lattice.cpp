@@ -84,7 +84,7 @@ TexelLattice<D> bare_lattice(const Index<D>& dims, const Index<D>& resolution) {
 template <int D>
 TexelLattice<D> inactive_lattice(const Index<D>& dims, const Index<D>& resolution) {
   TexelLattice<D> lattice = bare_lattice<D>(dims, resolution);
-  lattice.slot = RankedSet(cell_count<D>(resolution), {});
+  lattice.slot = RankedSet(cell_count<D>(resolution), std::vector<std::uint32_t>());
   return lattice;
 }
 

@@ -25,6 +25,10 @@ struct TexelLattice {
   std::size_t texels() const { return slot.bound(); }
   // Activates texels by their numbers, which must be ascending.
   void activate(std::vector<std::uint32_t> numbers);
+  void activate(RankedSet numbers) {
+    slot = std::move(numbers);
+    active = slot.numbers();
+  }
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::size_t linear) const { return index_of<D>(linear, resolution); }
   // Returns the index position of a texel.

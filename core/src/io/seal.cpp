@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/seal.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <fstream>
 #include <vector>
 
@@ -29,14 +32,29 @@ Bytes seal_of(std::uint64_t length, std::uint32_t checksum) {
   return bytes;
 }
 
-std::uint32_t checksum(std::istream& stream, std::uint64_t length) {
-  std::vector<char> block(std::min<std::uint64_t>(length, 1 << 20));
+// Returns the checksum of the first bytes of a file. Parts are read in parallel.
+std::uint32_t checksum(const std::filesystem::path& path, std::uint64_t length) {
+  constexpr std::uint64_t part = 4 << 20;
+  std::vector<std::uint32_t> sums((length + part - 1) / part);
+  const auto size_of = [&](std::size_t p) { return std::min(part, length - p * part); };
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, sums.size(), 8),
+      [&](const auto& range) {
+        std::ifstream stream;
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        stream.open(path, std::ios::binary);
+        stream.seekg(static_cast<std::streamoff>(range.begin() * part));
+        std::vector<char> bytes(size_of(range.begin()));
+        for (std::size_t p = range.begin(); p < range.end(); ++p) {
+          stream.read(bytes.data(), static_cast<std::streamsize>(size_of(p)));
+          sums[p] = static_cast<std::uint32_t>(crc32(
+              0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(size_of(p))));
+        }
+      },
+      tbb::simple_partitioner{});
   uLong sum = crc32(0, nullptr, 0);
-  while (length > 0) {
-    const std::uint64_t part = std::min<std::uint64_t>(length, block.size());
-    stream.read(block.data(), static_cast<std::streamsize>(part));
-    sum = crc32(sum, reinterpret_cast<const Bytef*>(block.data()), static_cast<uInt>(part));
-    length -= part;
+  for (std::size_t p = 0; p < sums.size(); ++p) {
+    sum = crc32_combine(sum, sums[p], static_cast<z_off_t>(size_of(p)));
   }
   return static_cast<std::uint32_t>(sum);
 }
@@ -45,11 +63,11 @@ std::uint32_t checksum(std::istream& stream, std::uint64_t length) {
 
 void seal(const std::filesystem::path& path) {
   try {
+    const std::uint64_t length = std::filesystem::file_size(path);
+    const Bytes bytes = seal_of(length, checksum(path, length));
     std::fstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     stream.open(path, std::ios::binary | std::ios::in | std::ios::out);
-    const std::uint64_t length = std::filesystem::file_size(path);
-    const Bytes bytes = seal_of(length, checksum(stream, length));
     stream.seekp(0, std::ios::end);
     stream.write(bytes.data(), bytes.size());
     stream.close();
@@ -68,14 +86,19 @@ bool has_seal(const std::filesystem::path& path) {
   return std::equal(mark.begin(), mark.end(), found.begin());
 }
 
+std::uint64_t length_without_seal(const std::filesystem::path& path, bool sealed) {
+  return std::filesystem::file_size(path) - (sealed ? size : 0);
+}
+
 Seal check_seal(const std::filesystem::path& path) {
   if (!has_seal(path)) return Seal::none;
-  const std::uintmax_t length = std::filesystem::file_size(path) - size;
+  const std::uint64_t length = length_without_seal(path, true);
   try {
+    const Bytes right = seal_of(length, checksum(path, length));
     std::ifstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     stream.open(path, std::ios::binary);
-    const Bytes right = seal_of(length, checksum(stream, length));
+    stream.seekg(static_cast<std::streamoff>(length));
     Bytes found;
     stream.read(found.data(), size);
     return found == right ? Seal::whole : Seal::broken;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 namespace leaflight {
@@ -15,6 +16,9 @@ void seal(const std::filesystem::path& path);
 
 // True if there is a seal, valid or not. Throws Error.
 bool has_seal(const std::filesystem::path& path);
+
+// Returns the length of a file without its seal.
+std::uint64_t length_without_seal(const std::filesystem::path& path, bool sealed);
 
 // Reads the whole file and checks its seal. Throws Error.
 Seal check_seal(const std::filesystem::path& path);

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <stdexcept>
 
 #include "base/error.h"
+#include "base/progress.h"
 #include "io/files.h"
 
 namespace leaflight {
@@ -70,25 +72,121 @@ class SeekableArchive : openvdb::io::Archive {
 
 }  // namespace
 
-// Reads a file and converts OpenVDB's exceptions to one sentence. OpenVDB does not notice that a
-// file ends early, and would use sizes that it never read. Our stream throws instead.
-VdbFile read_vdb(const std::filesystem::path& path) {
-  require_file(path);
-  initialize();
+void check_vdb(const std::filesystem::path& path, const std::function<void()>& read) {
   const auto damaged = [&](const std::string& why) {
     return Error("'" + text_of(path) + "' is not a readable OpenVDB file (" + why +
                  "); check that it is complete.");
   };
   try {
-    std::ifstream stream(path, std::ios::binary);
-    stream.exceptions(std::ios::failbit | std::ios::badbit);
-    openvdb::io::Stream file(stream, false);
-    return {*file.getGrids(), file.getMetadata()};
+    read();
+  } catch (const Error&) {
+    throw;
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::ios::failure&) {
     throw damaged("it ends early");
   } catch (const std::exception& problem) {
     throw damaged(brief(problem.what()));
   }
+}
+
+// OpenVDB does not notice that a file ends early, and would use sizes that it never read. Our
+// stream throws instead.
+VdbFile read_vdb(const std::filesystem::path& path) {
+  require_file(path);
+  initialize();
+  VdbFile found;
+  check_vdb(path, [&] {
+    std::ifstream stream(path, std::ios::binary);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    openvdb::io::Stream file(stream, false);
+    found = {*file.getGrids(), file.getMetadata()};
+  });
+  return found;
+}
+
+namespace {
+
+// Reads grids in any order, which Archive offers only to derived classes. File can do it too, but
+// opens no path with characters of other languages on Windows.
+class GridReader : openvdb::io::Archive {
+ public:
+  // Reads to the first grid.
+  GridReader(std::ifstream& stream, openvdb::MetaMap& metadata) : stream_(stream) {
+    readHeader(stream);
+    setFormatVersion(stream);
+    setLibraryVersion(stream);
+    setDataCompression(stream);
+    metadata.readMeta(stream);
+  }
+  std::map<std::string, openvdb::io::GridDescriptor> places() {
+    constexpr int most_grids = 1000;
+    std::map<std::string, openvdb::io::GridDescriptor> places;
+    const int count = readGridCount(stream_);
+    if (!inputHasGridOffsets() || count < 0 || count > most_grids) {
+      throw std::runtime_error("its grids cannot be read one by one");
+    }
+    for (int i = 0; i < count; ++i) {
+      openvdb::io::GridDescriptor place;
+      place.read(stream_);
+      place.seekToEnd(stream_);
+      places.emplace(openvdb::io::GridDescriptor::stripSuffix(place.uniqueName()), place);
+    }
+    return places;
+  }
+  openvdb::GridBase::Ptr topology(const openvdb::io::GridDescriptor& place) {
+    const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(place.gridType());
+    grid->setSaveFloatAsHalf(place.saveFloatAsHalf());
+    place.seekToGrid(stream_);
+    readGridCompression(stream_);
+    grid->readMeta(stream_);
+    grid->readTransform(stream_);
+    grid->readTopology(stream_);
+    place.seekToBlocks(stream_);
+    return grid;
+  }
+
+ private:
+  std::ifstream& stream_;
+};
+
+}  // namespace
+
+VdbGrids::VdbGrids(std::filesystem::path path)
+    : path_(std::move(path)), length_(require_file(path_)) {
+  initialize();
+  std::ifstream in_file = stream();
+  places_ = GridReader(in_file, metadata_).places();
+}
+
+openvdb::GridBase::Ptr VdbGrids::read(const std::string& name) const {
+  std::ifstream in_file = stream();
+  const openvdb::GridBase::Ptr grid = topology(name, in_file);
+  if (grid) grid->readBuffers(in_file);
+  return grid;
+}
+
+openvdb::GridBase::Ptr VdbGrids::topology(const std::string& name, std::ifstream& stream) const {
+  const auto place = places_.find(name);
+  if (place == places_.end()) return nullptr;
+  openvdb::MetaMap metadata;
+  return GridReader(stream, metadata).topology(place->second);
+}
+
+std::ifstream VdbGrids::stream() const {
+  std::ifstream stream;
+  stream.exceptions(std::ios::failbit | std::ios::badbit);
+  stream.open(path_, std::ios::binary);
+  return stream;
+}
+
+std::string VdbGrids::bytes(std::uint64_t begin, std::uint64_t end) const {
+  if (begin > end || end > length_) throw std::runtime_error("a part of it is elsewhere");
+  std::ifstream in_file = stream();
+  std::string bytes(end - begin, '\0');
+  in_file.seekg(static_cast<std::streamoff>(begin));
+  in_file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return bytes;
 }
 
 void write_vdb(std::ostream& stream, const openvdb::GridPtrVec& grids,

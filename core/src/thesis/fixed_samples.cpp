@@ -134,7 +134,7 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   Baked<D> baked;
   for (std::size_t v = 0; v < direct.size(); ++v) {
     baked.grids.push_back(
-        make_grid<D>(std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
+        make_grid<D>({}, std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
   }
   // Light the walls.
   if (plan.walls) {

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transport/indirect_shares.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <vector>
+
 #include "base/error.h"
 #include "transport/environment_sampler.h"
 #include "transport/isosurface_emitter.h"
@@ -24,6 +29,22 @@ bool reaches_isosurface(const SceneTracer<D>& tracer, const SurfacePoint<D>& fro
   return tracer.intersect(from, direction).kind == HitKind::isosurface;
 }
 
+// Returns the mean of flux_of(random numbers) over all paths, which are traced in parallel. The
+// order of the sum is fixed.
+template <class Flux>
+Imath::V3d mean_of_paths(Flux flux_of) {
+  std::vector<Imath::V3d> fluxes(paths);
+  tbb::parallel_for(tbb::blocked_range<int>(0, paths, 256), [&](const auto& range) {
+    for (int i = range.begin(); i < range.end(); ++i) {
+      Random random = random_for(0, Purpose::photon, i);
+      fluxes[i] = flux_of(random);
+    }
+  });
+  Imath::V3d sum(0);
+  for (const Imath::V3d& flux : fluxes) sum += flux / paths;
+  return sum;
+}
+
 template <int D>
 class Paths {
  public:
@@ -34,16 +55,13 @@ class Paths {
   // before their first reflection.
   template <class Emit>
   Imath::V3d mean_flux(Emit emit, bool unreflected) const {
-    Imath::V3d sum(0);
-    for (int i = 0; i < paths; ++i) {
-      Random random = random_for(0, Purpose::photon, i);
+    return mean_of_paths([&](Random& random) {
       const IsovalueRange& isovalue_range = tracer_.scene().isovalue_range;
       const double c = isovalue_range.min + random.uniform() * isovalue_range.height();
       const EmittedPhoton<D> photon = emit(random);
-      if (!(largest(photon.flux) > 0)) continue;
-      sum += reaching(photon, c, unreflected, random) / paths;
-    }
-    return sum;
+      if (!(largest(photon.flux) > 0)) return Imath::V3d(0);
+      return reaching(photon, c, unreflected, random);
+    });
   }
 
  private:
@@ -65,15 +83,12 @@ class Paths {
 template <int D>
 Imath::V3d flux_from_isosurfaces(const SceneTracer<D>& tracer,
                                  const IsosurfaceEmitter<D>& isosurfaces) {
-  Imath::V3d sum(0);
-  for (int i = 0; i < paths; ++i) {
-    Random random = random_for(0, Purpose::photon, i);
+  return mean_of_paths([&](Random& random) {
     const auto sample = isosurfaces.sample(random.uniform(), random);
-    if (sample.point.kind() == HitKind::none) continue;
-    if (reaches_isosurface(tracer, sample.point, random))
-      sum += Imath::V3d(sample.flux_height) / paths;
-  }
-  return sum;
+    const bool reaches =
+        sample.point.kind() != HitKind::none && reaches_isosurface(tracer, sample.point, random);
+    return reaches ? Imath::V3d(sample.flux_height) : Imath::V3d(0);
+  });
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ def open_bake(path: AnyPath, progress: _core.Progress) -> tuple[Bake, _core.Wall
             except ValueError:
                 raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
     try:
-        fields, grids, walls, metadata = _core.read_bake(path)
+        fields, grids, walls, metadata = _core.read_bake(path, progress)
         if "provenance" not in metadata:
             raise LeaflightError(f"{path}: {EARLIER}.")
         provenance = provenance_from_json(metadata["provenance"])
@@ -89,17 +89,17 @@ def open_bake(path: AnyPath, progress: _core.Progress) -> tuple[Bake, _core.Wall
         raise LeaflightError(
             f"{path}: its metadata were edited after the bake; bake the volume again."
         )
-    _add_direct_light(bake, progress)
+    _add_direct_light(bake)
     return bake, walls
 
 
-def _add_direct_light(bake: Bake, progress: _core.Progress) -> None:
-    """Computes the visibility maps of a bake, which its file lacks. Raises Cancelled."""
+def _add_direct_light(bake: Bake) -> None:
+    """Gives the grids of a file their direct light."""
     core = bake.core_scene()
     for number, (grid, record) in enumerate(zip(bake.grids, bake.provenance.volumes)):
         if record.map_resolution:
-            is_back = grid.has_back and len(bake.grids) == 1
-            grid.direct = _core.DirectLight(core, number, record.map_resolution, is_back, progress)
+            direct = _core.DirectLight.stored(core, number, grid)
+            grid.add_direct(bake.volumes[number].field(), direct)
 
 
 def can_be_read(path: str) -> tuple[None, tuple[()]]:

@@ -23,7 +23,10 @@ from ..volume.volume import Volume
 _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
 _Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
-# Message about a file that lacks a part of its provenance.
+# Version of the file, as in core/src/io/bake_file.cpp.
+_VERSION = "2"
+
+# Message about a file of another version.
 EARLIER = "this bake was made by an earlier version of Leaflight; bake the volume again"
 
 
@@ -202,7 +205,7 @@ def read_bake_id(path: AnyPath) -> str:
         raise LeaflightError(f"{path}: cannot read it: {error.strerror}.") from None
     except UnicodeDecodeError:
         raise LeaflightError(f"{path}: this bake is damaged; fetch it again.") from None
-    if "id" not in header:
+    if "id" not in header or header.get("version") != _VERSION:
         what = EARLIER if "statistics" in header else "this is not a bake; bake the volume again"
         raise LeaflightError(f"{path}: {what}.")
     return header["id"]

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A bake of which OpenVDB makes no complaint: any grids, texels and metadata under the names that
-// ours have, all read, and drawn where they are a bake.
-#include <openvdb/io/Stream.h>
+// A bake of which OpenVDB makes no complaint: any grids and metadata under the names that ours
+// have, and any texels behind them, all read, and drawn where they are a bake.
 #include <openvdb/openvdb.h>
 
 #include "bake/output/lit_contour.h"
 #include "bytes.h"
 #include "input_file.h"
 #include "io/bake_file.h"
+#include "io/bake_texels.h"
+#include "io/vdb_file.h"
 #include "io/vdb_volume.h"
 #include "one_thread.h"
 #include "said.h"
@@ -16,18 +17,8 @@ namespace {
 
 using namespace leaflight;
 
-constexpr std::array<const char*, 12> names{"field",
-                                            "radiance",
-                                            "radiance_indirect",
-                                            "radiance_error",
-                                            "radiance_back",
-                                            "radiance_indirect_2",
-                                            "radiance_back_indirect",
-                                            "walls_indirect",
-                                            "unfiltered",
-                                            "unfiltered_back",
-                                            "field_2",
-                                            "radiance_2"};
+constexpr std::array<const char*, 6> names{"field",          "radiance", "radiance_back",
+                                           "walls_indirect", "field_2",  "radiance_2"};
 
 // Small numbers mostly, so that grids fit each other.
 int number(fuzz::Bytes& bytes) {
@@ -66,9 +57,7 @@ openvdb::GridBase::Ptr grid_of(fuzz::Bytes& bytes, const Take& take) {
 
 openvdb::GridBase::Ptr next_grid(fuzz::Bytes& bytes) {
   const char* name = names[bytes.choice(names.size())];
-  const bool numbers =
-      (std::string(name).find("field") == 0 ||
-       std::string(name).find("error") != std::string::npos) != (bytes.choice(16) == 0);
+  const bool numbers = (std::string(name).find("field") == 0) != (bytes.choice(16) == 0);
   const auto scalar = [&] { return bytes.take<float>(); };
   const auto color = [&] { return openvdb::Vec3f{scalar(), scalar(), scalar()}; };
   const auto grid = numbers ? grid_of<openvdb::FloatGrid>(bytes, scalar)
@@ -85,11 +74,54 @@ openvdb::GridBase::Ptr next_grid(fuzz::Bytes& bytes) {
   return grid;
 }
 
+// Writes texels whose sizes fit each other, or any bytes.
+void write_behind(std::ostream& stream, fuzz::Bytes& bytes) {
+  if (bytes.choice(2) == 0) {
+    const auto begin = static_cast<std::uint64_t>(stream.tellp());
+    while (!bytes.empty()) stream.put(bytes.take<char>());
+    end_texels(stream, begin);
+    return;
+  }
+  RadianceGrid<3> grid;
+  Index<3> resolution;
+  for (int& n : resolution) n = 2 + bytes.choice(4);
+  grid.lattice = inactive_lattice<3>({2, 2, 2}, resolution);
+  std::vector<std::uint32_t> active;
+  for (std::uint32_t t = 0; t < cell_count<3>(resolution); ++t) {
+    if (bytes.choice(2) == 0) active.push_back(t);
+  }
+  grid.lattice.activate(active);
+  const auto light = [&] {
+    std::vector<Vec<3, float>> light(active.size());
+    for (auto& color : light) color = Vec<3, float>(bytes.take<float>());
+    return light;
+  };
+  grid.radiance = light();
+  grid.radiance_indirect = light();
+  if (bytes.choice(2) == 0) {
+    grid.radiance_back = light();
+    grid.radiance_back_indirect = light();
+  }
+  grid.radiance_error.resize(active.size());
+  std::vector<std::uint64_t> runs;
+  for (int count = bytes.choice(4); count > 0; --count) runs.push_back(number(bytes));
+  write_texels(stream, {&grid}, {runs});
+}
+
 void write(const std::filesystem::path& path, fuzz::Bytes& bytes) {
   openvdb::GridPtrVec grids;
-  while (!bytes.empty() && grids.size() < names.size()) grids.push_back(next_grid(bytes));
+  for (int count = bytes.choice(names.size() + 1); count > 0; --count) {
+    const auto grid = next_grid(bytes);
+    const bool is_new = std::none_of(grids.begin(), grids.end(), [&](const auto& other) {
+      return other->getName() == grid->getName();
+    });
+    if (is_new) grids.push_back(grid);
+  }
+  openvdb::MetaMap metadata;
+  metadata.insertMeta("leaflight_version", openvdb::StringMetadata("2"));
   std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-  openvdb::io::Stream(stream).write(grids);
+  write_vdb(stream, grids, metadata);
+  write_behind(stream, bytes);
 }
 
 }  // namespace
@@ -111,8 +143,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const Field<3> field =
           make_field<3>(voxels_of(volume.values), volume.dims, volume.index_to_world, nullptr);
       LitContourSettings settings;
-      settings.radiance = true;
-      settings.radiance_back = bake.baked.grids[v].has_back();
+      settings.radiance = bake.baked.grids[v].has_light(false);
+      settings.radiance_back =
+          bake.baked.grids[v].has_back() && bake.baked.grids[v].has_light(true);
       LitMesh mesh;
       lit_contour(bake.baked.grids[v], field, (field.min + field.max) / 2, settings, mesh);
     }

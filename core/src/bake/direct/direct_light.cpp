@@ -101,9 +101,7 @@ bool fits_maps(const Field<D>& field, const Index<D>& resolution) {
 
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
-                            const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool back, Progress& progress, double spacing,
-                            const DirectLight* earlier)
+                            const std::vector<LightPoint<D>>& points)
     : isovalue_range_(tracer.scene().volumes[volume].isovalues(tracer.scene().isovalue_range)),
       albedo_(tracer.scene().volumes[volume].albedo),
       emission_(tracer.scene().volumes[volume].emission),
@@ -114,6 +112,14 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       to_index_(inverse(to_frame_)),
       points_(points) {
   fill_blocks();
+}
+
+template <int D>
+DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
+                            const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
+                            bool back, Progress& progress, double spacing,
+                            const DirectLight* earlier)
+    : DirectLight(tracer, volume, points) {
   auto maps = std::make_shared<Maps>();
   const Scene<D>& scene = tracer.scene();
   const Volume<D>& lit_volume = scene.volumes[volume];

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bake/direct/all_shadows.h"
+#include "bake/direct/stored_maps.h"
 #include "base/box.h"
 #include "transport/light_points.h"
 
@@ -40,6 +41,12 @@ class DirectLight {
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
               const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
               const DirectLight* earlier = nullptr);
+
+  // Restores the light of stored() maps, of the same scene. Throws std::runtime_error if they are
+  // damaged.
+  DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
+              const StoredMaps<D>& maps);
+  StoredMaps<D> stored() const;
 
   // Returns the same light with one factor per channel for each light of the scene. Shares the
   // maps.
@@ -122,6 +129,7 @@ class DirectLight {
     }
   };
   struct Maps;
+  DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points);
   // Computes the codes of the points with these numbers.
   void find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers, bool back,
             Maps& maps, Progress& progress) const;

@@ -32,6 +32,18 @@ Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
   return volume.emission.at(std::clamp(c, isovalue_range.min, isovalue_range.max));
 }
 
+// Returns NaN for texels without samples.
+std::vector<Vec<3, float>> known_means(const std::vector<Average>& averages) {
+  std::vector<Vec<3, float>> means(averages.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, means.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+      const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
+      means[s] = averages[s].samples > 0 ? Vec<3, float>(averages[s].mean) : unknown;
+    }
+  });
+  return means;
+}
+
 }  // namespace
 
 template <int D>
@@ -214,9 +226,8 @@ RadianceGrid<D> LineBake<D>::grid() {
   progress_.check();
   measure_noise(direct[0], indirect[0]);
   progress_.check();
-  RadianceGrid<D> result = make_grid<D>(std::move(direct), std::move(indirect));
-  result.lattice = texels_.lattice;
-  result.direct = direct_;
+  RadianceGrid<D> result =
+      make_grid<D>(texels_.lattice, std::move(direct), std::move(indirect), direct_);
   result.texture = volume_.volume().texture;
   result.unfiltered = std::move(unfiltered);
   return result;
@@ -233,11 +244,7 @@ std::array<NoisyLight, 2> LineBake<D>::filtered_light(UnfilteredLight<D>& unfilt
   for (std::size_t side = 0; side < (plan_.back ? 2 : 1); ++side) {
     light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
     if (previous_) previous_->blend(light[side], indirect_->blocks(), side != 0);
-    unfiltered.sides[side].reserve(light[side].averages.size());
-    for (const Average& average : light[side].averages) {
-      const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
-      unfiltered.sides[side].push_back(average.samples > 0 ? Vec<3, float>(average.mean) : unknown);
-    }
+    unfiltered.sides[side] = packed(known_means(light[side].averages), unfiltered_precision);
     pool_variances(texels.lattice, light[side].averages, progress_);
   }
   compute_surfaces();

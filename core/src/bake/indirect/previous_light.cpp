@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/indirect/previous_light.h"
 
-#include <Imath/half.h>
-
 #include <cmath>
+#include <stdexcept>
+
+#include "base/error.h"
 
 namespace leaflight {
 
@@ -11,26 +12,29 @@ template <int D>
 PreviousLight<D>::PreviousLight(const RadianceGrid<D>& grid, int passes, int blocks)
     : resolution_(grid.lattice.resolution),
       active_(grid.lattice.active),
-      light_(grid.unfiltered),
+      indirect_resolution_(grid.unfiltered.resolution),
+      indirect_texels_(grid.unfiltered.texels),
       passes_(passes),
       blocks_(blocks) {
-  for (auto& side : light_.sides) {
-    for (auto& light : side) {
-      for (int i = 0; i < 3; ++i) light[i] = static_cast<float>(half(light[i]));
+  try {
+    for (int side = 0; side < 2; ++side) {
+      sides_[side] = unpacked_colors(grid.unfiltered.sides[side]);
     }
+  } catch (const std::runtime_error&) {
+    throw Error("The bake to continue is damaged; bake the volume again.");
   }
 }
 
 template <int D>
 bool PreviousLight<D>::fits(const TexelLattice<D>& shown, const TexelLattice<D>& indirect,
                             bool back) const {
-  return active_ == shown.active && light_.resolution == indirect.resolution &&
-         light_.texels == indirect.active && light_.sides[1].empty() != back;
+  return active_ == shown.active && indirect_resolution_ == indirect.resolution &&
+         indirect_texels_ == indirect.active && sides_[1].empty() != back;
 }
 
 template <int D>
 float PreviousLight<D>::share(std::size_t slot, const Average& now, int blocks, bool back) const {
-  if (std::isnan(light_.sides[back][slot].x)) return 0;
+  if (std::isnan(sides_[back][slot].x)) return 0;
   if (!(now.samples > 0)) return 1;
   return static_cast<float>(blocks_) / static_cast<float>(blocks_ + blocks);
 }
@@ -41,7 +45,7 @@ void PreviousLight<D>::blend(NoisyLight& light, int blocks, bool back) const {
     Average& now = light.averages[s];
     const float w = share(s, now, blocks, back);
     if (w == 0) continue;
-    const Imath::V3f previous(light_.sides[back][s]), difference = previous - Imath::V3f(now.mean);
+    const Imath::V3f previous(sides_[back][s]), difference = previous - Imath::V3f(now.mean);
     now.mean += Rgb(difference * w);
     if (w == 1) {
       // The number of samples is unknown and at least one.

@@ -10,8 +10,6 @@ namespace leaflight {
 template <int D>
 class PreviousLight {
  public:
-  // Rounds the numbers to half precision, as a file does. So a bake continues identically from
-  // memory and from its file.
   PreviousLight(const RadianceGrid<D>& grid, int passes, int blocks);
 
   // True if it has these texels of the result and of indirect light.
@@ -30,7 +28,9 @@ class PreviousLight {
 
   Index<D> resolution_;
   std::vector<std::uint32_t> active_;
-  UnfilteredLight<D> light_;
+  Index<D> indirect_resolution_;
+  std::vector<std::uint32_t> indirect_texels_;
+  std::array<std::vector<Vec<3, float>>, 2> sides_;
   int passes_, blocks_;
 };
 

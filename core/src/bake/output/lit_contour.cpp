@@ -93,6 +93,10 @@ void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isoval
   if (settings.radiance_back && !grid.has_back()) {
     throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
   }
+  if ((settings.radiance && !grid.has_light(false)) ||
+      (settings.radiance_back && !grid.has_light(true))) {
+    throw Error("The direct light of this bake is missing; load the bake again.");
+  }
   const MarchingCubes cubes(field, isovalue);
   const Lookup look_up(shown, field, settings, mesh);
   mesh.contoured = cubes.triangles();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/output/radiance_grid.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,39 +16,65 @@ namespace {
 
 using Colors = std::vector<Vec<3, float>>;
 
-Colors sums(const std::vector<Average>& direct, const std::vector<Average>& indirect) {
-  Colors sums;
-  sums.reserve(direct.size());
-  for (std::size_t s = 0; s < direct.size(); ++s) {
-    sums.emplace_back(direct[s].mean + indirect[s].mean);
-  }
-  return sums;
+// Calls body(slot) for all texels, in parallel.
+template <class Body>
+void for_each_texel(std::size_t count, Body body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) body(s);
+  });
 }
 
-Colors means(const std::vector<Average>& averages) {
-  Colors means;
-  means.reserve(averages.size());
-  for (const Average& average : averages) means.emplace_back(average.mean);
+Colors rounded_means(const std::vector<Average>& averages) {
+  Colors means(averages.size());
+  for_each_texel(means.size(), [&](std::size_t s) {
+    means[s] = light_precision.rounded(Vec<3, float>(averages[s].mean));
+  });
   return means;
+}
+
+// Adds direct light. `derived`: the sum is not stored, and therefore not rounded.
+Colors sums(const std::vector<Average>& direct, const Colors& indirect, bool derived) {
+  Colors sums(direct.size());
+  for_each_texel(sums.size(), [&](std::size_t s) {
+    sums[s] = Vec<3, float>(direct[s].mean + Rgb(indirect[s]));
+    if (!derived) sums[s] = light_precision.rounded(sums[s]);
+  });
+  return sums;
 }
 
 }  // namespace
 
 template <int D>
-RadianceGrid<D> make_grid(SideAverages direct, SideAverages indirect) {
+RadianceGrid<D> make_grid(TexelLattice<D> lattice, SideAverages direct, SideAverages indirect,
+                          std::shared_ptr<const DirectLight<D>> exact_direct) {
   RadianceGrid<D> grid;
-  grid.radiance = sums(direct[0], indirect[0]);
-  grid.radiance_back = sums(direct[1], indirect[1]);
-  grid.radiance_error.reserve(direct[0].size());
-  for (std::size_t s = 0; s < direct[0].size(); ++s) {
-    grid.radiance_error.push_back(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
-  }
+  grid.lattice = std::move(lattice);
+  grid.direct = std::move(exact_direct);
+  grid.radiance_error.resize(direct[0].size());
+  for_each_texel(direct[0].size(), [&](std::size_t s) {
+    grid.radiance_error[s] =
+        error_precision.rounded(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
+  });
   // Free the averages, which take most of the memory of a large bake here.
-  direct = {};
-  grid.radiance_indirect = means(indirect[0]);
-  release(indirect[0]);
-  grid.radiance_back_indirect = means(indirect[1]);
+  for (const bool back : {false, true}) {
+    Colors& indirect_light = back ? grid.radiance_back_indirect : grid.radiance_indirect;
+    indirect_light = rounded_means(indirect[back]);
+    release(indirect[back]);
+    (back ? grid.radiance_back : grid.radiance) =
+        sums(direct[back], indirect_light, grid.derives_radiance(back));
+    release(direct[back]);
+  }
   return grid;
+}
+
+template <int D>
+Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
+                                std::size_t slot, bool back) {
+  const Colors& stored = back ? grid.radiance_back : grid.radiance;
+  if (!stored.empty()) return stored[slot];
+  const Colors& indirect = back ? grid.radiance_back_indirect : grid.radiance_indirect;
+  const Vec<D> center = grid.lattice.center(grid.lattice.active[slot]);
+  return Vec<3, float>(grid.direct->radiance(field, center, back) + Rgb(indirect[slot]));
 }
 
 namespace {
@@ -223,8 +252,14 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
   return std::sqrt(variance);
 }
 
-template RadianceGrid<2> make_grid<2>(SideAverages, SideAverages);
-template RadianceGrid<3> make_grid<3>(SideAverages, SideAverages);
+template RadianceGrid<2> make_grid(TexelLattice<2>, SideAverages, SideAverages,
+                                   std::shared_ptr<const DirectLight<2>>);
+template RadianceGrid<3> make_grid(TexelLattice<3>, SideAverages, SideAverages,
+                                   std::shared_ptr<const DirectLight<3>>);
+template Vec<3, float> radiance_of_texel(const RadianceGrid<2>&, const Field<2>&, std::size_t,
+                                         bool);
+template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&, std::size_t,
+                                         bool);
 template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,

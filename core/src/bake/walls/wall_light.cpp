@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/short_half.h"
 
 namespace leaflight {
 namespace {
@@ -184,7 +185,10 @@ WallRadiance<D> WallLight<D>::radiance(std::shared_ptr<const MeshDirectLight<D>>
   result.radiance.resize(meshes_.size());
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     for (const bool back : {false, true}) {
-      result.radiance[m][back] = mean(smoothed(m, back, progress));
+      std::vector<Vec<3, float>>& radiance = result.radiance[m][back];
+      radiance = mean(smoothed(m, back, progress));
+      // The file has half precision.
+      for (Vec<3, float>& light : radiance) light = ShortHalf().rounded(light);
     }
   }
   return result;
