@@ -89,7 +89,7 @@ def drive():
     box().select_set(True)
     bpy.context.view_layer.objects.active = box()
     found["without live"] = yield from drag()
-    found["darkest"], found["mean"] = float(light().min()), float(light().mean())
+    found["darkest"] = float(light().min())
     found["change"] = staleness.change_since_bake(bpy.context, hand.volume()) == staleness.CUT
     yield from undo()
     bpy.context.scene.leaflight_live = True
