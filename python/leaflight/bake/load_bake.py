@@ -98,7 +98,10 @@ def _add_direct_light(bake: Bake) -> None:
     core = bake.core_scene()
     for number, (grid, record) in enumerate(zip(bake.grids, bake.provenance.volumes)):
         if record.map_resolution:
-            direct = _core.DirectLight.stored(core, number, grid)
+            try:
+                direct = _core.DirectLight.stored(core, number, grid)
+            except LeaflightError as error:
+                raise LeaflightError(f"{bake.volume.source}: {error}") from None
             grid.add_direct(bake.volumes[number].field(), direct)
 
 

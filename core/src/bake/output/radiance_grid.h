@@ -11,9 +11,9 @@
 
 namespace leaflight {
 
-// The precision of a bake's numbers, in memory and in its file. Rounding errs by at most 0.1 % in
-// light, 1.6 % in errors, and 0.4 % in light before the filter, which is mostly noise.
-constexpr ShortHalf light_precision{2}, error_precision{5}, unfiltered_precision{4};
+// The precision of a bake's numbers, in memory and in its file. Rounding errs by at most 0.05 % in
+// light and errors, and 0.8 % in light before the filter, which is mostly noise.
+constexpr ShortHalf light_precision{0}, error_precision{0}, unfiltered_precision{4};
 
 // Indirect light of white isosurfaces before the filter, at its own texels, by side. A bake can
 // continue from it. NaN where no line has passed.
