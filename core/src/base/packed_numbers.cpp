@@ -12,6 +12,7 @@ namespace leaflight {
 namespace {
 
 constexpr int level = 6, raw = -15, most_memory = 9;
+constexpr int bytes_of_number = PackedNumbers::bytes_of_number;
 
 std::runtime_error damaged() { return std::runtime_error("a block of numbers is damaged"); }
 
@@ -21,32 +22,31 @@ Bytef* bytes_of(const std::string& text) {
 }
 
 // Maps numbers near zero to small ones.
-std::uint16_t folded(std::uint16_t difference) {
-  return static_cast<std::uint16_t>(difference << 1 ^ (difference & 0x8000 ? 0xffff : 0));
+std::uint32_t folded(std::uint32_t difference) {
+  return difference << 1 ^ (difference & 0x80000000 ? 0xffffffff : 0);
 }
-std::uint16_t unfolded(std::uint16_t folded) {
-  return static_cast<std::uint16_t>(folded >> 1 ^ (folded & 1 ? 0xffff : 0));
-}
+std::uint32_t unfolded(std::uint32_t folded) { return folded >> 1 ^ (folded & 1 ? 0xffffffff : 0); }
 
-// Returns the low bytes of each channel's differences, and the high ones. Sums modulo 2^16 restore
-// the codes.
+// Returns the low bytes of each channel's differences, the middle ones and the high ones. The
+// differences have 24 bits at most.
 std::vector<std::string> differences(const float* numbers, std::size_t count, int channels,
-                                     ShortHalf precision) {
-  std::vector<std::string> bytes(2 * channels, std::string(count, '\0'));
-  std::array<std::uint16_t, 3> before{};
+                                     ShortFloat precision) {
+  std::vector<std::string> bytes(bytes_of_number * channels, std::string(count, '\0'));
+  std::array<std::uint32_t, 3> before{};
   for (std::size_t i = 0; i < count; ++i) {
-    std::array<std::uint16_t, 3> codes{};
+    std::array<std::uint32_t, 3> codes{};
     for (int c = 0; c < channels; ++c) {
-      codes[c] = static_cast<std::uint16_t>(precision.code(numbers[channels * i + c]));
+      codes[c] = static_cast<std::uint32_t>(precision.code(numbers[channels * i + c]));
     }
     if (channels == 3) {
-      codes[0] = static_cast<std::uint16_t>(codes[0] - codes[1]);
-      codes[2] = static_cast<std::uint16_t>(codes[2] - codes[1]);
+      codes[0] -= codes[1];
+      codes[2] -= codes[1];
     }
     for (int c = 0; c < channels; ++c) {
-      const std::uint16_t difference = folded(static_cast<std::uint16_t>(codes[c] - before[c]));
-      bytes[2 * c][i] = static_cast<char>(difference & 0xff);
-      bytes[2 * c + 1][i] = static_cast<char>(difference >> 8);
+      const std::uint32_t difference = folded(codes[c] - before[c]);
+      for (int b = 0; b < bytes_of_number; ++b) {
+        bytes[bytes_of_number * c + b][i] = static_cast<char>(difference >> 8 * b & 0xff);
+      }
     }
     before = codes;
   }
@@ -54,19 +54,21 @@ std::vector<std::string> differences(const float* numbers, std::size_t count, in
 }
 
 void sum(const std::vector<std::string>& bytes, std::size_t count, int channels,
-         ShortHalf precision, float* numbers) {
-  std::array<std::uint16_t, 3> codes{};
+         ShortFloat precision, float* numbers) {
+  std::array<std::uint32_t, 3> codes{};
   for (std::size_t i = 0; i < count; ++i) {
     for (int c = 0; c < channels; ++c) {
-      const auto low = static_cast<unsigned char>(bytes[2 * c][i]);
-      const auto high = static_cast<unsigned char>(bytes[2 * c + 1][i]);
-      const auto difference = static_cast<std::uint16_t>(low | high << 8);
-      codes[c] = static_cast<std::uint16_t>(codes[c] + unfolded(difference));
+      std::uint32_t difference = 0;
+      for (int b = 0; b < bytes_of_number; ++b) {
+        const auto byte = static_cast<unsigned char>(bytes[bytes_of_number * c + b][i]);
+        difference |= static_cast<std::uint32_t>(byte) << 8 * b;
+      }
+      codes[c] += unfolded(difference);
     }
-    const std::uint16_t green = channels == 3 ? codes[1] : 0;
+    const std::uint32_t green = channels == 3 ? codes[1] : 0;
     for (int c = 0; c < channels; ++c) {
-      const auto code = static_cast<std::uint16_t>(c == 1 ? codes[1] : codes[c] + green);
-      numbers[channels * i + c] = precision.number(static_cast<std::int16_t>(code));
+      const std::uint32_t code = c == 1 ? codes[1] : codes[c] + green;
+      numbers[channels * i + c] = precision.number(static_cast<std::int32_t>(code));
     }
   }
 }
@@ -121,8 +123,8 @@ void inflate_into(std::string& bytes, const std::string& text) {
 }
 
 PackedNumbers::PackedNumbers(const float* numbers, std::size_t count, int channels,
-                             ShortHalf precision)
-    : blocks_(2 * channels * blocks_of(count, block)),
+                             ShortFloat precision)
+    : blocks_(bytes_of_number * channels * blocks_of(count, block)),
       count_(count),
       channels_(channels),
       precision_(precision) {
@@ -137,7 +139,7 @@ PackedNumbers::PackedNumbers(const float* numbers, std::size_t count, int channe
 }
 
 void PackedNumbers::unpack(float* numbers) const {
-  const std::size_t parts = 2 * static_cast<std::size_t>(channels_);
+  const std::size_t parts = bytes_of_number * static_cast<std::size_t>(channels_);
   tbb::parallel_for(std::size_t{0}, blocks_of(count_, block), [&](std::size_t b) {
     const std::size_t first = b * block, some = std::min(block, count_ - first);
     std::vector<std::string> bytes(parts, std::string(some, '\0'));
@@ -146,7 +148,7 @@ void PackedNumbers::unpack(float* numbers) const {
   });
 }
 
-PackedNumbers packed(const std::vector<Vec<3, float>>& colors, ShortHalf precision) {
+PackedNumbers packed(const std::vector<Vec<3, float>>& colors, ShortFloat precision) {
   return {colors.empty() ? nullptr : &colors[0].x, colors.size(), 3, precision};
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/short_half.h"
+#include "base/short_float.h"
 
 namespace leaflight {
 
@@ -16,25 +16,26 @@ std::string deflated(const std::string& bytes);
 // Restores `bytes`, which must have its size. Throws std::runtime_error if the text is damaged.
 void inflate_into(std::string& bytes, const std::string& text);
 
-// Numbers or colors as codes of ShortHalf, compressed in parallel. A number is stored as its
+// Numbers or colors as codes of ShortFloat, compressed in parallel. A number is stored as its
 // difference from the one before, and red and blue as differences from green. For each block of
-// items and each channel, low bytes and high bytes are compressed apart.
+// items and each channel, low, middle and high bytes are compressed apart.
 class PackedNumbers {
  public:
   static constexpr std::size_t block = std::size_t{1} << 16;  // items
+  static constexpr int bytes_of_number = 3;                   // of a difference of codes
 
   PackedNumbers() = default;
   // Packs `count` items of 1 or 3 channels. The numbers are rounded.
-  PackedNumbers(const float* numbers, std::size_t count, int channels, ShortHalf precision);
+  PackedNumbers(const float* numbers, std::size_t count, int channels, ShortFloat precision);
   // Takes the parts of other packed numbers.
   PackedNumbers(std::vector<std::string> blocks, std::size_t count, int channels,
-                ShortHalf precision)
+                ShortFloat precision)
       : blocks_(std::move(blocks)), count_(count), channels_(channels), precision_(precision) {}
 
   bool empty() const { return count_ == 0; }
   std::size_t count() const { return count_; }
   int channels() const { return channels_; }
-  ShortHalf precision() const { return precision_; }
+  ShortFloat precision() const { return precision_; }
   const std::vector<std::string>& blocks() const { return blocks_; }
   // Writes count() times channels() numbers. Throws
   // std::runtime_error if blocks are damaged.
@@ -44,14 +45,14 @@ class PackedNumbers {
   std::vector<std::string> blocks_;
   std::size_t count_ = 0;
   int channels_ = 1;
-  ShortHalf precision_;
+  ShortFloat precision_;
 };
 
 inline std::size_t blocks_of(std::size_t count, std::size_t block) {
   return (count + block - 1) / block;
 }
 
-PackedNumbers packed(const std::vector<Vec<3, float>>& colors, ShortHalf precision);
+PackedNumbers packed(const std::vector<Vec<3, float>>& colors, ShortFloat precision);
 std::vector<Vec<3, float>> unpacked_colors(const PackedNumbers& numbers);
 
 }  // namespace leaflight

@@ -182,9 +182,9 @@ TexelLattice<3> TexelReader::lattice(const Index<3>& dims) {
 }
 
 PackedNumbers TexelReader::numbers(std::size_t count, int channels) {
-  const ShortHalf precision{value<std::int32_t>()};
+  const ShortFloat precision{value<std::int32_t>()};
   if (precision.dropped < 0 || precision.dropped > 9) throw damaged();
-  const std::size_t parts = 2 * static_cast<std::size_t>(channels);
+  const std::size_t parts = PackedNumbers::bytes_of_number * static_cast<std::size_t>(channels);
   return {blocks(parts * blocks_of(count, PackedNumbers::block)), count, channels, precision};
 }
 

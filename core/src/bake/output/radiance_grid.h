@@ -13,7 +13,7 @@ namespace leaflight {
 
 // The precision of a bake's numbers, in memory and in its file. Rounding errs by at most 0.05 % in
 // light and errors, and 0.8 % in light before the filter, which is mostly noise.
-constexpr ShortHalf light_precision{0}, error_precision{0}, unfiltered_precision{4};
+constexpr ShortFloat light_precision{0}, error_precision{0}, unfiltered_precision{4};
 
 // Indirect light of white isosurfaces before the filter, at its own texels, by side. A bake can
 // continue from it. NaN where no line has passed.

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "base/short_half.h"
+#include "base/short_float.h"
 
 namespace leaflight {
 namespace {
@@ -188,7 +188,7 @@ WallRadiance<D> WallLight<D>::radiance(std::shared_ptr<const MeshDirectLight<D>>
       std::vector<Vec<3, float>>& radiance = result.radiance[m][back];
       radiance = mean(smoothed(m, back, progress));
       // The file has half precision.
-      for (Vec<3, float>& light : radiance) light = ShortHalf().rounded(light);
+      for (Vec<3, float>& light : radiance) light = ShortFloat().rounded(light);
     }
   }
   return result;
