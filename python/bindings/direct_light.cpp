@@ -3,7 +3,6 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "grid_object.h"
 
 namespace leaflight::python {
 namespace {
@@ -78,23 +77,6 @@ void bind_direct_light(py::module_& module) {
            "back: includes the backs; spacing: upper bound on the voxels between the lines that\n"
            "find shadows; earlier: direct light of the same scene under other lights, whose maps\n"
            "are reused for points that have not moved. Raises Cancelled.")
-      .def_static(
-          "stored",
-          [](const Scene<3>& scene, int volume, const GridObject<3>& grid) {
-            const py::gil_scoped_release unlocked;
-            if (!grid.baked->maps) throw Error("The file of this bake has no visibility maps.");
-            const std::shared_ptr<const StoredMaps<3>> maps =
-                std::exchange(grid.baked->maps, nullptr);
-            const SceneTracer<3> tracer(scene);
-            try {
-              return std::make_shared<Direct>(tracer, volume, split_light(tracer).points, *maps);
-            } catch (const std::runtime_error&) {
-              throw Error("The visibility maps of this bake are damaged; bake the volume again.");
-            }
-          },
-          py::arg("scene"), py::arg("volume"), py::arg("grid"),
-          "Takes the maps of the scene's volume from a grid of read_bake(). Raises\n"
-          "LeaflightError.")
       .def_property_readonly(
           "resolution", [](const Direct& d) { return d.lattice().resolution; },
           "Texels along x, y, z, evenly spaced from the first voxel to the last.")

@@ -264,6 +264,23 @@ void bind_grid(py::module_& module, const std::string& suffix) {
         "DirectLight that lookups add; None: texels contain all light. A bake in passes has\n"
         "it.");
     grid.def(
+        "stored_direct",
+        [](const Grid& g, const Scene<3>& scene, int volume) {
+          const py::gil_scoped_release unlocked;
+          if (!g.baked->maps) throw Error("The file of this bake has no visibility maps.");
+          const std::shared_ptr<const StoredMaps<3>> maps = std::exchange(g.baked->maps, nullptr);
+          const SceneTracer<3> tracer(scene);
+          try {
+            return std::make_shared<DirectLight<3>>(tracer, volume, split_light(tracer).points,
+                                                    *maps);
+          } catch (const std::runtime_error&) {
+            throw Error("The visibility maps of this bake are damaged; bake the volume again.");
+          }
+        },
+        py::arg("scene"), py::arg("volume"),
+        "Takes the maps of the scene's volume from a grid of read_bake(), and returns its\n"
+        "DirectLight. Raises LeaflightError.");
+    grid.def(
         "add_direct",
         [](Grid& g, const std::shared_ptr<Field<D>>& field,
            const std::shared_ptr<DirectLight<D>>& direct) {

@@ -445,12 +445,6 @@ class DirectLight:
     of a lattice and each light point they hold the greatest value between the two, as a
     byte.
     """
-    @staticmethod
-    def stored(scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, grid: RadianceGrid) -> DirectLight:
-        """
-        Takes the maps of the scene's volume from a grid of read_bake(). Raises
-        LeaflightError.
-        """
     def __init__(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], back: bool, progress: Progress, spacing: typing.SupportsFloat | typing.SupportsIndex = 1.0, earlier: DirectLight = None) -> None:
         """
         Computes the maps of a scene's volume. resolution: texels of the maps along x, y, z;
@@ -582,6 +576,11 @@ class RadianceGrid:
         Returns the grid of the lit field with other strengths of the scene's lights:
         factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
         except emission. Shares the texels. Requires can_be_relit.
+        """
+    def stored_direct(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex) -> DirectLight:
+        """
+        Takes the maps of the scene's volume from a grid of read_bake(), and returns its
+        DirectLight. Raises LeaflightError.
         """
     def with_texture(self, texture: VolumeTexture | None) -> RadianceGrid:
         """

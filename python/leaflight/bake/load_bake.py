@@ -99,7 +99,7 @@ def _add_direct_light(bake: Bake) -> None:
     for number, (grid, record) in enumerate(zip(bake.grids, bake.provenance.volumes)):
         if record.map_resolution:
             try:
-                direct = _core.DirectLight.stored(core, number, grid)
+                direct = grid.stored_direct(core, number)
             except LeaflightError as error:
                 raise LeaflightError(f"{bake.volume.source}: {error}") from None
             grid.add_direct(bake.volumes[number].field(), direct)
