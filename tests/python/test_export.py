@@ -319,7 +319,7 @@ def test_a_sequence_as_usd_has_a_time_sample_each(box_bake, tmp_path):
 
 def test_sentences(box_bake, tmp_path):
     for name, isovalues, words in (
-        ("x.obj", None, ".vti, .am, .vtp, .ply, .glb, .usda"),
+        ("x.obj", None, ".vti, .am, .blend, .vtp, .ply, .glb, .usda"),
         ("x.ply", (40.0, 47.0), "holds one isosurface"),
         ("x.am", (40.0,), "all isosurfaces"),
         ("x.ply", (400.0,), "outside the baked range"),
