@@ -14,7 +14,7 @@ namespace {
 constexpr int level = 6, raw = -15, most_memory = 9;
 constexpr int bytes_of_number = PackedNumbers::bytes_of_number;
 
-std::runtime_error damaged() { return std::runtime_error("a block of numbers is damaged"); }
+std::runtime_error damaged_block() { return std::runtime_error("a block of numbers is damaged"); }
 
 Bytef* bytes_of(std::string& text) { return reinterpret_cast<Bytef*>(text.data()); }
 Bytef* bytes_of(const std::string& text) {
@@ -119,7 +119,7 @@ void inflate_into(std::string& bytes, const std::string& text) {
   stream.avail_out = static_cast<uInt>(bytes.size());
   const int state = inflate(&stream, Z_FINISH);
   inflateEnd(&stream);
-  if (state != Z_STREAM_END || stream.avail_out != 0) throw damaged();
+  if (state != Z_STREAM_END || stream.avail_out != 0) throw damaged_block();
 }
 
 PackedNumbers::PackedNumbers(const float* numbers, std::size_t count, int channels,

@@ -47,7 +47,7 @@ Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; 
 
 openvdb::Vec3i to_vdb(const Index<3>& i) { return {i[0], i[1], i[2]}; }
 
-Error damaged(const std::filesystem::path& path) {
+Error damaged_bake(const std::filesystem::path& path) {
   return Error("'" + text_of(path) + "' is a damaged bake; bake again.");
 }
 
@@ -95,7 +95,7 @@ Vec3Grid::Ptr shown_grid(const std::string& name, const Field<3>& field,
 }
 
 openvdb::FloatGrid::Ptr placed_field(const Field<3>& field, std::size_t volume, int doublings) {
-  const auto values = field_grid(field);
+  auto values = field_grid(field);
   values->setName(numbered(field_name, volume));
   place(*values, field.index_to_world, doublings);
   values->insertMeta(type_key, openvdb::StringMetadata(type_names[field.values.index()]));
@@ -161,14 +161,14 @@ Index<3> dims_from(const openvdb::GridBase& grid, const std::filesystem::path& p
 void read_walls(const VdbGrids& file, const std::filesystem::path& path, WallRadiance<3>& walls) {
   if (!file.has(walls_name)) return;
   const auto grid = openvdb::gridPtrCast<Vec3Grid>(file.read(walls_name));
-  if (!grid) throw damaged(path);
+  if (!grid) throw damaged_bake(path);
   const auto meshes = grid->getMetadata<openvdb::Int32Metadata>("leaflight_meshes");
   const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   const int count = meshes ? meshes->value() : -1;
   if (count < 0 || (!box.empty() && (box.min().x() < 0 || box.min().y() < 0 || box.min().z() < 0 ||
                                      box.max().x() >= 1 << 20 || box.max().y() >= nodes ||
                                      box.max().z() / 2 >= count))) {
-    throw damaged(path);
+    throw damaged_bake(path);
   }
   walls.radiance.resize(count);
   std::vector<int> vertices(2 * static_cast<std::size_t>(count), 0);
@@ -191,7 +191,7 @@ void read_walls(const VdbGrids& file, const std::filesystem::path& path, WallRad
 openvdb::GridBase::Ptr grid_without_values(const VdbGrids& file, const std::string& name,
                                            const std::filesystem::path& path) {
   std::ifstream stream = file.stream();
-  if (const auto grid = file.topology(name, stream)) return grid;
+  if (auto grid = file.topology(name, stream)) return grid;
   throw Error("'" + text_of(path) + "' is not a Leaflight bake, as it has no grid '" + name +
               "'; choose a file written by a bake.");
 }
@@ -226,7 +226,7 @@ TexelReader open_texels(const VdbGrids& file, const std::filesystem::path& path,
   }
   metadata.erase(found);
   std::optional<TexelReader> reader = TexelReader::open(path, length_without_seal(path, sealed));
-  if (!reader) throw damaged(path);
+  if (!reader) throw damaged_bake(path);
   return std::move(*reader);
 }
 
@@ -284,6 +284,7 @@ void write_bake(const std::filesystem::path& path, const std::vector<const Field
   const auto write = [&](std::ostream& stream) {
     write_vdb(stream, grids, file_metadata);
     std::vector<std::vector<std::uint64_t>> runs;
+    runs.reserve(values.size());
     for (const auto& grid : values) runs.push_back(runs_of(*grid));
     write_texels(stream, baked.grids, runs);
   };

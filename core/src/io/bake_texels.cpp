@@ -12,16 +12,16 @@
 namespace leaflight {
 namespace {
 
-constexpr std::array<char, 16> mark{'L', 'e',    'a', 'f', 'l', 'i', 'g', 'h',
-                                    't', '\x1a', 't', 'e', 'x', 'e', 'l', '1'};
-constexpr std::size_t end_size = sizeof(std::uint64_t) + mark.size();
+constexpr std::array<char, 16> texels_mark{'L', 'e',    'a', 'f', 'l', 'i', 'g', 'h',
+                                           't', '\x1a', 't', 'e', 'x', 'e', 'l', '1'};
+constexpr std::size_t end_size = sizeof(std::uint64_t) + texels_mark.size();
 // 64-bit words of a block of a lattice.
 constexpr std::size_t block_of_words = 1 << 14;
 
 // The arrays of a volume that not every bake has.
 enum Has : std::uint32_t { back = 1, radiance = 2, radiance_back = 4, unfiltered = 8, maps = 16 };
 
-std::runtime_error damaged() { return std::runtime_error("its texels are damaged"); }
+std::runtime_error damaged_texels() { return std::runtime_error("its texels are damaged"); }
 
 template <class Value>
 void put(std::ostream& stream, const Value& value) {
@@ -111,7 +111,7 @@ void write_texels(std::ostream& stream, const std::vector<const RadianceGrid<3>*
 
 void end_texels(std::ostream& stream, std::uint64_t begin) {
   put(stream, begin);
-  put(stream, mark);
+  put(stream, texels_mark);
 }
 
 std::optional<TexelReader> TexelReader::open(const std::filesystem::path& path,
@@ -123,8 +123,8 @@ std::optional<TexelReader> TexelReader::open(const std::filesystem::path& path,
   reader.stream_.seekg(static_cast<std::streamoff>(length - end_size));
   reader.left_ = end_size;
   const auto begin = reader.value<std::uint64_t>();
-  if (reader.value<std::array<char, 16>>() != mark) return {};
-  if (begin > length - end_size) throw damaged();
+  if (reader.value<std::array<char, 16>>() != texels_mark) return {};
+  if (begin > length - end_size) throw damaged_texels();
   reader.stream_.seekg(static_cast<std::streamoff>(begin));
   reader.left_ = length - end_size - begin;
   reader.volumes_ = reader.value<std::uint32_t>();
@@ -140,7 +140,7 @@ Value TexelReader::value() {
 }
 
 std::string TexelReader::bytes(std::uint64_t count) {
-  if (count > left_) throw damaged();
+  if (count > left_) throw damaged_texels();
   left_ -= count;
   std::string text(count, '\0');
   stream_.read(text.data(), static_cast<std::streamsize>(count));
@@ -148,7 +148,7 @@ std::string TexelReader::bytes(std::uint64_t count) {
 }
 
 std::vector<std::string> TexelReader::blocks(std::uint64_t count) {
-  if (count > left_) throw damaged();
+  if (count > left_) throw damaged_texels();
   const std::string sizes = bytes(count * sizeof(std::uint32_t));
   std::vector<std::string> blocks(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -175,7 +175,7 @@ TexelLattice<3> TexelReader::lattice(const Index<3>& dims) {
   });
   // There are no texels beyond the last.
   const std::size_t last = bound % RankedSet::word_bits;
-  if (last > 0 && words.back() >> last != 0) throw damaged();
+  if (last > 0 && words.back() >> last != 0) throw damaged_texels();
   TexelLattice<3> lattice = inactive_lattice<3>(dims, resolution);
   lattice.activate(RankedSet(bound, std::move(words)));
   return lattice;
@@ -183,7 +183,7 @@ TexelLattice<3> TexelReader::lattice(const Index<3>& dims) {
 
 PackedNumbers TexelReader::numbers(std::size_t count, int channels) {
   const ShortFloat precision{value<std::int32_t>()};
-  if (precision.dropped < 0 || precision.dropped > 9) throw damaged();
+  if (precision.dropped < 0 || precision.dropped > 9) throw damaged_texels();
   const std::size_t parts = PackedNumbers::bytes_of_number * static_cast<std::size_t>(channels);
   return {blocks(parts * blocks_of(count, PackedNumbers::block)), count, channels, precision};
 }

@@ -135,7 +135,7 @@ class GridReader : openvdb::io::Archive {
     return places;
   }
   openvdb::GridBase::Ptr topology(const openvdb::io::GridDescriptor& place) {
-    const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(place.gridType());
+    openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(place.gridType());
     grid->setSaveFloatAsHalf(place.saveFloatAsHalf());
     place.seekToGrid(stream_);
     readGridCompression(stream_);
@@ -161,7 +161,7 @@ VdbGrids::VdbGrids(std::filesystem::path path)
 
 openvdb::GridBase::Ptr VdbGrids::read(const std::string& name) const {
   std::ifstream in_file = stream();
-  const openvdb::GridBase::Ptr grid = topology(name, in_file);
+  openvdb::GridBase::Ptr grid = topology(name, in_file);
   if (grid) grid->readBuffers(in_file);
   return grid;
 }
