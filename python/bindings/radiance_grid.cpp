@@ -180,8 +180,24 @@ py::tuple atlas(const GridObject<3>& grid, bool back) {
                         columns, rows);
 }
 
+// Computes the light of all texels that a file does not hold, and keeps it: a cut that follows its
+// box reads it at each step.
+void complete(const GridObject<3>& grid) {
+  RadianceGrid<3>& baked = *grid.baked;
+  for (const bool back : {false, true}) {
+    if (back && !baked.has_back()) continue;
+    std::vector<Vec<3, float>>& kept = back ? baked.radiance_back : baked.radiance;
+    if (kept.size() == baked.texels()) continue;
+    check_side(baked, back);
+    std::vector<Vec<3, float>> light = all_light(grid, back);
+    // Another thread may have kept it meanwhile, and may read it.
+    if (kept.size() != baked.texels()) kept = std::move(light);
+  }
+}
+
 GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const Field<3>& now,
                         const Index<3>& resolution, const Tuple<2>& isovalues) {
+  complete(grid);
   RadianceGrid<3> shown;
   const RadianceGrid<3>* texels = grid.baked.get();
   if (grid.field || grid.texture) {

@@ -112,6 +112,18 @@ def test_equal_values_keep_their_light(bake):
     assert with_values(bake, [WHOLE]).radiance(points) == pytest.approx(bake.radiance(points))
 
 
+def test_a_bake_from_a_file_has_the_same_estimate(bake, tmp_path):
+    bake.save(tmp_path / "bake.vdb")
+    reopened = leaflight.load_bake(tmp_path / "bake.vdb")
+    for _ in range(2):
+        mine, again = (with_values(each, [cut()]).grid for each in (bake, reopened))
+        for name in ("radiance", "radiance_indirect", "radiance_back", "radiance_back_indirect"):
+            np.testing.assert_array_equal(mine.dense(name), again.dense(name), err_msg=name)
+    saved_again = tmp_path / "again.vdb"
+    reopened.save(saved_again)
+    assert saved_again.stat().st_size == (tmp_path / "bake.vdb").stat().st_size
+
+
 def test_relit_bakes_are_estimated_with_their_lamps(bake):
     name = bake.scene.lights[0].name
     points = with_values(bake, [cut()]).surface(ISOVALUE).vertices
