@@ -118,7 +118,6 @@ Vec3Grid::Ptr walls_grid(const WallRadiance<3>& walls) {
     }
   }
   grid->setName(walls_name);
-  grid->setSaveFloatAsHalf(true);
   grid->insertMeta("leaflight_meshes",
                    openvdb::Int32Metadata(static_cast<int>(walls.radiance.size())));
   return grid;

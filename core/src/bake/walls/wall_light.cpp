@@ -187,7 +187,8 @@ WallRadiance<D> WallLight<D>::radiance(std::shared_ptr<const MeshDirectLight<D>>
     for (const bool back : {false, true}) {
       std::vector<Vec<3, float>>& radiance = result.radiance[m][back];
       radiance = mean(smoothed(m, back, progress));
-      // The file has half precision.
+      // Round to the precision of texels, because the zeros that follow take hardly any place in a
+      // file.
       for (Vec<3, float>& light : radiance) light = ShortFloat().rounded(light);
     }
   }
