@@ -21,12 +21,6 @@ Bytef* bytes_of(const std::string& text) {
   return reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
 }
 
-// Maps numbers near zero to small ones.
-std::uint32_t folded(std::uint32_t difference) {
-  return difference << 1 ^ (difference & 0x80000000 ? 0xffffffff : 0);
-}
-std::uint32_t unfolded(std::uint32_t folded) { return folded >> 1 ^ (folded & 1 ? 0xffffffff : 0); }
-
 // Returns the low bytes of each channel's differences, the middle ones and the high ones. The
 // differences have 24 bits at most.
 std::vector<std::string> differences(const float* numbers, std::size_t count, int channels,

@@ -9,6 +9,17 @@
 
 namespace leaflight {
 
+// Maps differences of unsigned numbers that are near zero, on either side, to small numbers.
+template <class Unsigned>
+Unsigned folded(Unsigned difference) {
+  const bool is_negative = difference >> (8 * sizeof(Unsigned) - 1);
+  return static_cast<Unsigned>(difference << 1 ^ (is_negative ? ~Unsigned(0) : Unsigned(0)));
+}
+template <class Unsigned>
+Unsigned unfolded(Unsigned folded) {
+  return static_cast<Unsigned>(folded >> 1 ^ (folded & 1 ? ~Unsigned(0) : Unsigned(0)));
+}
+
 // Compresses bytes (zlib), unless that saves little. The strategy takes runs of a byte, and
 // otherwise only how often bytes occur: longer matches are rare in noise, and the search for them
 // is slow.

@@ -21,14 +21,6 @@ void for_each_block(std::size_t texels, std::size_t points, Body body) {
   });
 }
 
-// Maps differences near zero, modulo 2^8, to small ones.
-std::uint8_t folded(std::uint8_t difference) {
-  return static_cast<std::uint8_t>(difference << 1 ^ (difference & 0x80 ? 0xff : 0));
-}
-std::uint8_t unfolded(std::uint8_t folded) {
-  return static_cast<std::uint8_t>(folded >> 1 ^ (folded & 1 ? 0xff : 0));
-}
-
 }  // namespace
 
 std::vector<std::string> stored_codes(const std::vector<std::uint8_t>& codes, std::size_t texels,
