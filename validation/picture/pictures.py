@@ -9,8 +9,8 @@ live: live.png, a lamp that is dragged over the baked volume FILE
 stills: README.md's pictures, with vessels if DIR holds aneurism.nrrd
 against_cycles: against_cycles.webp; also prints FLIP of Colin27 and of the volumes in DIR
 scans: docs/gallery.md's pictures of scans, or of the one scan NAME
-colors_and_cuts: the others of docs/gallery.md, of volumes in DIR and of a molecule by PySCF, and
-    first.webp, README.md's first picture
+colors_and_cuts: the others of docs/gallery.md, of volumes in DIR and of a molecule by PySCF;
+    also README.md's first picture
 web_page: web_page*.webp, the page of Colin27 in Chromium
 
 All but the last are made through the add-on in Blender. The first three take minutes. The others

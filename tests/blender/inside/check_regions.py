@@ -105,7 +105,7 @@ def check_the_cut_follows_the_box(boxed_with_clip_box):
     assert len(_records(obj)) == 1
     moved = vertices_of(obj)[:, 0].max()
     assert abs(first - moved - 0.1 / obj.matrix_world.median_scale) < 0.01
-    # What follows equals what is read from the file with this cut.
+    # The file, read with this cut, has the values that are shown.
     again = source_files.read(obj.leaflight)
     np.testing.assert_array_equal(again.values, cache.volume_of(obj).values)
     assert again.values.size < whole

@@ -2,7 +2,8 @@
 """blender --enable-event-simulate --python drag_cut_box.py -- VOLUME FOLDER: cuts a baked volume by
 its clip box, and drags the box with the mouse: first without Live, then with it.
 
-Prints a line WINDOW and a JSON object: what was shown meanwhile, and seconds to light.
+Prints a line WINDOW and a JSON object, with the states that the viewport showed and the seconds
+until the cut was lit.
 """
 
 import json
@@ -55,15 +56,6 @@ def light():
     return colors.reshape(-1, 4)[:, :3].mean(axis=1)
 
 
-def event(kind, value, x, y):
-    hand.window().event_simulate(type=kind, value=value, x=int(x), y=int(y))
-
-
-def press(key, x, y):
-    event(key, "PRESS", x, y)
-    event(key, "RELEASE", x, y)
-
-
 def region_is_shown():
     """True if the mesh shows the cut of the present place of the box."""
     (item,) = source_files.regions_of(hand.volume().leaflight)
@@ -107,16 +99,16 @@ def drag():
     """Drags the box with G and the mouse. Returns the numbers of cuts and of states shown."""
     x, y = hand.region().x + 0.3 * hand.region().width, hand.region().y + 0.6 * hand.region().height
     place, cuts, moved = tuple(box().location), {shown()["isosurface"]}, set()
-    event("MOUSEMOVE", "NOTHING", x, y)
+    hand.event_at("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
-    press("G", x, y)
+    hand.tap("G", x, y)
     yield 0.2
     for step in range(STEPS):
-        event("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
+        hand.event_at("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
         yield 1.0 / PER_SECOND
         cuts.add(shown()["isosurface"])
         moved.add(shown()["moved"])
-    press("LEFTMOUSE", x + PIXELS * STEPS, y)
+    hand.tap("LEFTMOUSE", x + PIXELS * STEPS, y)
     yield from stepwise.until(region_is_shown)
     moved = len(moved - {""})
     length = float(np.linalg.norm(np.subtract(tuple(box().location), place)))

@@ -58,15 +58,6 @@ def is_moved():
     return bool(json.loads(label())["moved"])
 
 
-def event(kind, value, x, y):
-    hand.window().event_simulate(type=kind, value=value, x=int(x), y=int(y))
-
-
-def press(key, x, y):
-    event(key, "PRESS", x, y)
-    event(key, "RELEASE", x, y)
-
-
 def drive():
     view = hand.view().spaces.active
     view.show_region_ui = False
@@ -107,13 +98,13 @@ def drag():
     x, y = hand.region().x + 0.3 * hand.region().width, hand.region().y + 0.6 * hand.region().height
     labels, times, before, triangles = set(), [], label(), found["triangles"]
     place = tuple(key_light().location)
-    event("MOUSEMOVE", "NOTHING", x, y)
+    hand.event_at("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
-    press("G", x, y)
+    hand.tap("G", x, y)
     yield 0.2
     start = time.perf_counter()
     for step in range(STEPS):
-        event("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
+        hand.event_at("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
         yield 1.0 / PER_SECOND
         if label() != before:
             before = label()
@@ -125,7 +116,7 @@ def drag():
     # Nothing else moves, so take the pictures of this position.
     yield from stepwise.until(lambda: live._job is not None and not live._job.is_outdated)
     yield from stepwise.until(lambda: live._job is None or live._job._can_be_cancelled)
-    press("LEFTMOUSE", x + PIXELS * STEPS, y)
+    hand.tap("LEFTMOUSE", x + PIXELS * STEPS, y)
     yield from stepwise.wait(1.0)
     found["drag"] = {
         "moved": float(np.linalg.norm(np.subtract(tuple(key_light().location), place))),
@@ -141,10 +132,10 @@ def stop():
     """Presses Esc during the passes, and records whether Live stays idle."""
     x, y = hand.region().x + 0.5 * hand.region().width, hand.region().y + 0.5 * hand.region().height
     yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
-    event("MOUSEMOVE", "NOTHING", x, y)
+    hand.event_at("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
     at_work = live.at_work() is not None
-    press("ESC", x, y)
+    hand.tap("ESC", x, y)
     start = time.perf_counter()
     yield from stepwise.until(lambda: live.at_work() is None)
     found["stopped"] = {"was at work": at_work, "after": time.perf_counter() - start}

@@ -125,8 +125,18 @@ def event(kind, value, x=0.5, y=0.5, **modifiers):
     """
     area = max(window().screen.areas, key=lambda area: area.width * area.height)
     area = next(iter(areas("FILE_BROWSER")), next(iter(areas("VIEW_3D")), area))
-    place = int(area.x + x * area.width), int(area.y + y * area.height)
-    window().event_simulate(type=kind, value=value, x=place[0], y=place[1], **modifiers)
+    event_at(kind, value, area.x + x * area.width, area.y + y * area.height, **modifiers)
+
+
+def event_at(kind, value, x, y, **modifiers):
+    """Sends an event at a pixel of the window."""
+    window().event_simulate(type=kind, value=value, x=int(x), y=int(y), **modifiers)
+
+
+def tap(key, x, y):
+    """Presses and releases a key at a pixel of the window."""
+    event_at(key, "PRESS", x, y)
+    event_at(key, "RELEASE", x, y)
 
 
 def key(name, **modifiers):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A bake of which OpenVDB makes no complaint: any grids and metadata under the names that ours
-// have, and any texels behind them, all read, and drawn where they are a bake.
+// Files that OpenVDB accepts. Their grids and metadata have the names of a bake but any content,
+// and any texels follow them. The target reads the file, and draws it if it is a bake.
 #include <openvdb/openvdb.h>
 
 #include "bake/output/lit_contour.h"
