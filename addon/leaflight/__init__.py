@@ -51,13 +51,13 @@ if _sentence is not None:
     refused.sentence = _sentence
     _MODULES = (refused,)
 else:
-    from . import translations
+    from . import icons, translations
     from .bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
     from .compare import render_comparison
     from .edit import add_isosurface, animation, data_picture, label_operators, labels, looks
     from .edit import pick_isovalue
     from .export import export_bake
-    from .importing import channels, import_volume, open_example, regions, smooth_volume
+    from .importing import import_volume, open_example, regions, smooth_volume
     from .operators import background, failures
     from .show import look_properties, properties
     from .stage import hidden, orientation, presets, stage
@@ -70,6 +70,7 @@ else:
     # Modules in the order of registration. Properties come before the modules that use them.
     _MODULES = (
         translations,
+        icons,
         preferences,
         properties,
         look_properties,
@@ -77,7 +78,6 @@ else:
         presets,
         failures,
         background,
-        channels,
         import_volume,
         open_example,
         smooth_volume,

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/sampling.h"
 #include "fields.h"
 
 namespace leaflight {

@@ -4,10 +4,9 @@
 It is painted again only after a visible change of the volume, its range or the isovalue.
 """
 
-import bpy.utils.previews
 import numpy as np
 
-from .. import session
+from .. import icons, session
 from ..show import distribution
 
 # Side of the square picture and height of the histogram, in pixels.
@@ -18,7 +17,6 @@ ISOVALUE = (1.0, 0.55, 0.1)
 # Share of the isovalue's color in pixels at or above the isovalue.
 TINT = 0.45
 
-_pictures = None
 _last = session.cache()
 
 
@@ -32,7 +30,7 @@ def icon_of(obj):
     if _last.get("key") != key:
         _last.update(key=key, found=found)
         _put(paint(found, *_values(obj)))
-    return _pictures["data"].icon_id
+    return icons.pictures()["data"].icon_id
 
 
 def paint(found, low, high, isovalue):
@@ -86,22 +84,14 @@ def _column(found, value):
 
 def _put(pixels):
     # Make a new picture, because Blender may cache the drawing of the old one.
-    if "data" in _pictures:
-        del _pictures["data"]
-    picture = _pictures.new("data")
+    if "data" in icons.pictures():
+        del icons.pictures()["data"]
+    picture = icons.pictures().new("data")
     picture.image_size = picture.icon_size = (SIDE, SIDE)
     flat = np.ascontiguousarray(pixels).ravel()
     picture.image_pixels_float.foreach_set(flat)
     picture.icon_pixels_float.foreach_set(flat)
 
 
-def register():
-    global _pictures
-    _pictures = bpy.utils.previews.new()
-
-
 def unregister():
-    global _pictures
-    bpy.utils.previews.remove(_pictures)
-    _pictures = None
     _last.clear()

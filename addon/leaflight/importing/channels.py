@@ -4,13 +4,13 @@
 from dataclasses import dataclass
 from itertools import cycle
 
-import bpy.utils.previews
 import leaflight
 import numpy as np
 from leaflight import LeaflightError
 from leaflight.io.readers.channels import RGB
 from mathutils import Color
 
+from .. import icons
 from ..props import BoolProperty, BoolVectorProperty
 from ..show import texture
 from ..store import cache, source_files
@@ -27,8 +27,6 @@ _FIXED = (
 )
 # Side of a swatch, in pixels.
 _SIDE = 16
-
-_swatches = None
 
 
 class Choices:
@@ -212,20 +210,9 @@ def draw(layout, operator, stored):
 def _swatch(albedo):
     """Returns the icon of a color."""
     key = repr(albedo)
-    if key not in _swatches:
-        picture = _swatches.new(key)
+    if key not in icons.pictures():
+        picture = icons.pictures().new(key)
         picture.icon_size = (_SIDE, _SIDE)
         pixel = (*Color(albedo).from_scene_linear_to_srgb(), 1.0)
         picture.icon_pixels_float.foreach_set(np.tile(np.array(pixel, np.float32), _SIDE * _SIDE))
-    return _swatches[key].icon_id
-
-
-def register():
-    global _swatches
-    _swatches = bpy.utils.previews.new()
-
-
-def unregister():
-    global _swatches
-    bpy.utils.previews.remove(_swatches)
-    _swatches = None
+    return icons.pictures()[key].icon_id

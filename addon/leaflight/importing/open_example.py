@@ -4,17 +4,16 @@
 from pathlib import Path
 
 import bpy
-import bpy.utils.previews
 from leaflight import LeaflightError
 from leaflight.volume.examples import EXAMPLES, load
 
+from .. import icons
 from ..operators import checks, jobs
 from ..props import EnumProperty
 from ..store import bake_files
 
 # Pictures of the examples by name.
 _FOLDER = Path(__file__).with_name("pictures")
-_pictures = None
 # Entries of the property. Blender needs a reference to their texts.
 _entries = []
 
@@ -22,7 +21,7 @@ _entries = []
 def _examples(_operator, _context):
     if not _entries:
         for number, (name, example) in enumerate(EXAMPLES.items()):
-            picture = _pictures.load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
+            picture = icons.pictures().load(name, str(_FOLDER / f"{name}.png"), "IMAGE")
             _entries.append((name, example.label, example.text, picture.icon_id, number))
     return _entries
 
@@ -62,15 +61,7 @@ def _draw_menu(menu, _context):
     )
 
 
-def register():
-    global _pictures
-    _pictures = bpy.utils.previews.new()
-
-
 def unregister():
-    global _pictures
-    bpy.utils.previews.remove(_pictures)
-    _pictures = None
     _entries.clear()
 
 
