@@ -27,12 +27,13 @@ RUNS = [
     ("bench scale --quick", "| bump box, 12^3 |"),
     ("bench rays --quick", "| bump box, 16^3 at 100 |"),
     ("bench scrub --quick", "| bump box, 24^3 at 100 |"),
+    ("bench stage --quick", "| bump box, 24^3 | bake, whole |"),
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
     ("edits_against_cycles cuts bump --points 30 --spp 8", "| bump box | 100 |"),
     ("workers --dims 12", "| 4 |"),
     (f"unwritten_memory {GOOD_FILE}", "1 files, 1 read, 0 with memory that was not written"),
 ]
-NEEDS_BLENDER = ("bench bake", "bench scrub", "check_cycles", "edits_against_cycles")
+NEEDS_BLENDER = ("bench bake", "bench scrub", "bench stage", "check_cycles", "edits_against_cycles")
 
 
 @pytest.fixture(autouse=True)

@@ -82,8 +82,8 @@ def large(tmp_path_factory):
         values[k] = plane * np.cos(8 * x[k]) - x[k] ** 2
     del values
     assert path.stat().st_size > LEAST_LIMIT
-    limited = bake_in_subprocess(path, folder / "limited.vdb", LEAST_LIMIT, resolution=32)
-    return folder, limited, bake_in_subprocess(path, folder / "whole.vdb", resolution=32)
+    limited = bake_in_subprocess(path, folder / "limited.vdb", LEAST_LIMIT, resolution=20)
+    return folder, limited, bake_in_subprocess(path, folder / "whole.vdb", resolution=20)
 
 
 @pytest.mark.slow

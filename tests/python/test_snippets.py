@@ -11,6 +11,7 @@ import leaflight
 import nibabel
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image
 from waiting import run_python
 
@@ -26,6 +27,7 @@ ELSEWHERE = {
     "validation/": "the program itself",
     "--skip": "test_raw.py",
     "potential.cube": "test_volume_texture.py",
+    ".blend": "tests/blender/test_blend.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
 # Replacements that make snippets faster, because they use large volumes.
@@ -77,14 +79,32 @@ def is_elsewhere(code):
 def folder(tmp_path):
     """Makes a folder with the files that snippets read."""
     values = (1.6 * leaflight.bump_box(20).values).T.astype(np.float32)
+    centered = np.diag([10.0, 10.0, 10.0, 1.0])
+    centered[:3, 3] = -95
     for name, of in (("head", values), ("scan", np.stack([values, values], axis=-1))):
-        image = nibabel.Nifti1Image(of, np.diag([10.0, 10.0, 10.0, 1.0]))
+        image = nibabel.Nifti1Image(of, centered)
         image.header.set_xyzt_units("mm")
         nibabel.save(image, tmp_path / f"{name}.nii.gz")
     header = (
         "NRRD0004\ntype: float\ndimension: 3\nsizes: 20 20 20\nencoding: raw\nendian: little\n\n"
     )
     (tmp_path / "scan.nrrd").write_bytes(header.encode() + values.T.tobytes())
+    labels = np.zeros((20, 20, 20), np.uint8)
+    labels[4:10], labels[10:16] = 3, 5
+    header = (
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n"
+        "space: right-anterior-superior\nspace origin: (-95,-95,-95)\n"
+        "space directions: (10,0,0) (0,10,0) (0,0,10)\n\n"
+    )
+    (tmp_path / "head.seg.nrrd").write_bytes(header.encode() + labels.tobytes())
+    segments = np.where(labels == 3, 17, labels).astype(np.int32)
+    nibabel.save(nibabel.MGHImage(segments, centered), tmp_path / "aseg.mgz")
+    tifffile.imwrite(
+        tmp_path / "cells.ome.tif",
+        np.stack([values[..., ::step] for step in (1, -1, 1)]),
+        photometric="minisblack",
+        metadata={"axes": "CZYX", "Channel": {"Name": ["DAPI", "GFP", "Cy5"]}},
+    )
     (tmp_path / "bakes.txt").write_text(next(b for b in blocks("clusters") if "head_fine" in b))
     shutil.copy(ROOT / "scenes" / "bump_box.json", tmp_path / "scene.json")
     (tmp_path / "scenes").symlink_to(ROOT / "scenes")

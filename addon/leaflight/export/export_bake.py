@@ -259,8 +259,8 @@ def _absent(suffix):
         return ""
     of_debian = {"vtk": "python3-vtk9", "meshio": "python3-meshio"}.get(package)
     return (
-        f"writing {suffix} needs the Python package {package}, which Blender's Python lacks: run "
-        f"{source_files.install_command(package, of_debian)} in a terminal, and restart Blender."
+        f"writing {suffix} needs the Python package {package}, which Blender's Python lacks: "
+        + source_files.remedy(of_debian, "use the command 'leaflight export' instead.")
     )
 
 

@@ -204,26 +204,23 @@ def _options(path, choices):
 
 @contextmanager
 def _in_words_of_blender():
-    """Turns MissingPackage into a LeaflightError with the command that installs the package."""
+    """Turns MissingPackage into a LeaflightError with a remedy for Blender."""
     try:
         yield
     except readers.MissingPackage as missing:
+        other = "save the file as NIfTI or NRRD with another program."
         raise LeaflightError(
             f"{missing.path}: reading this {missing.kind} needs the Python package "
-            f"{missing.package}, which Blender's Python lacks: run "
-            f"{install_command(missing.wanted, missing.of_debian)} in a terminal, and restart "
-            "Blender."
+            f"{missing.package}, which Blender's Python lacks: {remedy(missing.of_debian, other)}"
         ) from None
 
 
-def install_command(wanted, of_debian=None):
-    """Returns the command that installs packages of PyPI or Debian for Blender's Python."""
-    # Debian's Blender uses the system's Python.
+def remedy(of_debian, other):
+    """Returns what to do about a missing package. other: the remedy where Debian has none."""
+    # Debian's Blender uses the system's Python. An extension must not change Blender's own.
     if sys.prefix == "/usr" and of_debian:
-        return f"'sudo apt install {of_debian}'"
-    # Leave out dependencies: another NumPy would replace that of Blender.
-    target = bpy.utils.user_resource("SCRIPTS", path="modules")
-    return f'\'"{sys.executable}" -m pip install --no-deps --target "{target}" {wanted}\''
+        return f"run 'sudo apt install {of_debian}' in a terminal, and restart Blender."
+    return other
 
 
 def from_file(settings):

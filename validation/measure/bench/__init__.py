@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures the speed of bakes, rays and changes of the isovalue: docs/validation/performance.md.
 
-validation/run bench bake|scale|rays|scrub [--quick] [--data DIR] [--out FILE.md]
+validation/run bench bake|scale|rays|scrub|stage [--quick] [--data DIR] [--out FILE.md]
 """
 
 import argparse
@@ -12,12 +12,14 @@ from .page import check_page, write_page
 from .rays import rays_section
 from .scale import scale_section
 from .scrub import scrub_section
+from .stage import stage_section
 
 SECTIONS = {
     "bake": bakes_section,
     "scale": scale_section,
     "rays": rays_section,
     "scrub": scrub_section,
+    "stage": stage_section,
 }
 
 
@@ -27,7 +29,8 @@ def main():
         "what",
         choices=SECTIONS,
         help="bake: against Cycles to the same error; scale: by size and threads; rays: against "
-        "Embree; scrub: isovalues against VTK, and in Blender",
+        "Embree; scrub: isovalues against VTK, and in Blender; stage: the clicks of a "
+        "user in a window",
     )
     parser.add_argument("--quick", action="store_true", help="tiny, to see that it works")
     parser.add_argument("--data", type=Path, metavar="DIR", help="folder of real volumes")

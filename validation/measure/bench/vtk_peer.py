@@ -2,6 +2,7 @@
 """Runs VTK in a separate process: FlyingEdges3D, then ProbeFilter at the resulting vertices."""
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,7 @@ class VtkPeer:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         )
 
     def contour(self, isovalue):

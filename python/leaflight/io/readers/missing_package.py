@@ -26,14 +26,13 @@ class MissingPackage(LeaflightError):
 
     package: Its name.
     of_debian: Its package in Debian, or None.
-    wanted: Packages for pip to install without dependencies, if Blender's own NumPy must stay.
     """
 
     def __init__(self, path: Path, kind: str, package: str) -> None:
         self.path, self.kind = path, kind
         self.package = _OF_PIP.get(package, package)
         self.of_debian = f"python3-{package.lower()}" if package in _OF_DEBIAN else None
-        self.wanted = " ".join([self.package, *_NEEDS.get(package, "").split()])
+        self._wanted = " ".join([self.package, *_NEEDS.get(package, "").split()])
         super().__init__(
             f"{path}: reading this {kind} needs the Python package {self.package}, which is not "
             f"installed; {self._remedy()}."
@@ -55,7 +54,7 @@ class MissingPackage(LeaflightError):
         return (
             f"this system's pip needs a virtual environment: run '{python} -m venv "
             f"--system-site-packages {_ENVIRONMENT} && {_ENVIRONMENT}/bin/pip install --no-deps "
-            f"{self.wanted}', and start Leaflight by '{started}'"
+            f"{self._wanted}', and start Leaflight by '{started}'"
         )
 
 

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clicks and times the steps of stage.py in a window of Blender.
+
+Arguments: volume, stage, 1 for lit walls, isovalue, folder of bakes.
+"""
+
+import statistics
+import sys
+import time
+
+import bpy
+import hand
+import stepwise
+from leaflight import blender
+from leaflight_addon.bake import live
+from leaflight_addon.operators import jobs
+from leaflight_addon.show import surface_object, whole_detail
+
+VOLUME, STAGE, WALLS, ISOVALUE, FOLDER = sys.argv[-5:]
+# Steps of the isovalue, and the relative change in each.
+STEPS, CHANGE = 10, 1e-3
+
+found = {"steps": []}
+
+
+def main():
+    hand.clear_scene()
+    stepwise.run(clicks(), found)
+
+
+class Clock:
+    """Measures a step from its making to add()."""
+
+    def __init__(self):
+        self._start = time.perf_counter(), time.process_time()
+
+    def add(self, name):
+        now = time.perf_counter(), time.process_time()
+        found["steps"].append([name, *(end - start for end, start in zip(now, self._start))])
+
+
+def clicks():
+    view = hand.view().spaces.active
+    # Without a graphics card, other shading takes seconds for each picture.
+    view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
+    view.region_3d.view_perspective = "CAMERA"
+    yield from stepwise.wait(1.0)
+    clock = Clock()
+    obj = blender.import_volume(VOLUME)
+    clock.add("import")
+    clock = Clock()
+    blender.stage(obj, STAGE)
+    clock.add("stage")
+    settings = obj.leaflight
+    settings.light_walls, settings.bake_folder = WALLS == "1", FOLDER
+    settings.isovalue = float(ISOVALUE)
+    yield from stepwise.wait(1.0)
+    yield from bake()
+    yield from isovalues()
+    yield from lamp()
+    yield from save_and_open()
+
+
+def shown():
+    return surface_object.label_of(hand.volume().data)
+
+
+def bake():
+    before, clock, first = shown(), Clock(), True
+    hand.press(bpy.ops.leaflight.bake)
+    while jobs.running() is not None:
+        yield 0.01
+        if first and shown() != before:
+            clock.add("bake, first light")
+            first = False
+    clock.add("bake, whole")
+    yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
+
+
+def isovalues():
+    may_follow = whole_detail.may_follow
+    for name, follows in (("isovalue, at rest", False), ("isovalue, while it moves", True)):
+        whole_detail.may_follow = lambda *_, is_so=follows: is_so
+        times = []
+        for step in range(STEPS + 2):
+            obj = hand.volume()
+            obj.leaflight["isovalue"] = float(ISOVALUE) * (1 + CHANGE * step)
+            obj.update_tag()
+            start = time.perf_counter(), time.process_time()
+            bpy.context.view_layer.update()
+            times.append((time.perf_counter() - start[0], time.process_time() - start[1]))
+            yield 0.01
+        # The first two steps still depend on the mesh before them.
+        found["steps"].append([name, *map(statistics.median, zip(*times[2:]))])
+    whole_detail.may_follow = may_follow
+    yield from stepwise.wait(1.0)
+    yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
+
+
+def lamp():
+    bpy.context.scene.leaflight_live = True
+    yield from stepwise.until(is_at_rest)
+    before, clock, first = shown(), Clock(), True
+    light = hand.lamp()
+    light.location.x -= 0.3 * abs(light.location.x) + 0.1
+    bpy.context.view_layer.update()
+    while first or not is_at_rest():
+        yield 0.01
+        if first and shown() != before:
+            clock.add("lamp, direct light")
+            first = False
+    clock.add("lamp, whole")
+    bpy.context.scene.leaflight_live = False
+
+
+def is_at_rest():
+    return live.at_work() is None and not live._has_changed
+
+
+def save_and_open():
+    clock, path = Clock(), f"{FOLDER}.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    clock.add("save")
+    clock = Clock()
+    bpy.ops.wm.open_mainfile(filepath=path)
+    clock.add("open, last surface")
+    obj = hand.volume()
+    obj.leaflight["isovalue"] = 1.01 * float(ISOVALUE)
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
+    clock.add("open, a new isovalue")
+
+
+main()
