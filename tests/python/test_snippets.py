@@ -26,6 +26,7 @@ ELSEWHERE = {
     "validation/": "the program itself",
     "--skip": "test_raw.py",
     "potential.cube": "test_volume_texture.py",
+    "--each": "test_batch.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
 # Replacements that make snippets faster, because they use large volumes.
