@@ -273,7 +273,7 @@ export class Panel {
 
   // Updates the link after a change of the state, and the state after a link is entered.
   private bindLink(): void {
-    // The text of an iframe (srcdoc), as in a notebook, has no link of its own.
+    // A page in the attribute srcdoc of an iframe, as in a notebook, has no link.
     if (location.protocol === 'about:') return;
     const read = () => {
       const { look, viewpoint } = fromLink(location.hash, this.first, this.header);

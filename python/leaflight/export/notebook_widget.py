@@ -46,8 +46,8 @@ export default { render };
 class PageWidget(anywidget.AnyWidget):  # type: ignore[misc]
     """The web page of a bake, and its isovalue as a trait.
 
-    isovalue: That of the page, in both directions. A change outside the baked range raises
-        LeaflightError.
+    isovalue: Isovalue of the page. Python and the page both change it. A value outside the baked
+        range raises LeaflightError.
     """
 
     _esm = _SCRIPT
