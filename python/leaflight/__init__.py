@@ -22,7 +22,7 @@ from .bake.refine import refine
 from .export.datasets import to_xarray
 from .export.export import export, export_page
 from .export.mesh_objects import to_pyvista, to_trimesh, to_vtk
-from .export.notebook import picture, show
+from .export.notebook import picture, show, widget
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene
 from .measure.compare import compare
@@ -87,4 +87,5 @@ setattr(Bake, "moved", moved)
 setattr(Bake, "to_xarray", to_xarray)
 setattr(Bake, "export_page", export_page)
 setattr(Bake, "show", show)
+setattr(Bake, "widget", widget)
 setattr(Bake, "still", picture)

@@ -107,8 +107,11 @@ def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> N
     batch = subparsers.add_parser(
         "batch", help="run many bakes; resumes them after an interruption"
     )
-    text = "file with the arguments of one bake per line"
+    text = "file with the arguments of one bake per line, or a folder of volumes"
     batch.add_argument("list", metavar="LIST.txt", help=text)
+    value(batch, "--out", "FOLDER", "for a folder: the folder of its bakes")
+    value(batch, "--each", "ARGUMENTS", "for a folder: arguments of each bake, in quotes")
+    value(batch, "--table", "X.csv", "table of the results to write")
     render = subparsers.add_parser(
         "render",
         help="render the frames of a .blend by workers; resumes them after an interruption",
@@ -117,8 +120,8 @@ def _add_batch_and_render(subparsers: "argparse._SubParsersAction[Parser]") -> N
     value(render, "--out", "OUT", "folder for the frames (.png), or an .mp4", required=True)
     value(render, "--frames", "FIRST LAST", "(those of the .blend)")
     value(render, "--blender", "PROGRAM", "path of Blender (blender)", default="blender")
-    for one in (batch, render):
-        workers_options(one, "number of Blenders on this machine (1)")
+    workers_options(batch, "number of processes on this machine (1)")
+    workers_options(render, "number of Blenders on this machine (1)")
 
 
 def _add_surface(subparsers: "argparse._SubParsersAction[Parser]") -> None:

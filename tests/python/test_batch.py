@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests lists of bakes, each baked by one worker, and resumed after an interruption."""
 
+import csv
 import os
 import signal
 import subprocess
@@ -106,13 +107,52 @@ def test_what_fails_is_reported(cli, tmp_path):
     assert (tmp_path / "box.vdb").exists()
 
 
+def test_a_folder_makes_a_table_and_one_damaged_file_stops_nothing(cli, scan, tmp_path):
+    scans, out, table = tmp_path / "scans", tmp_path / "bakes", tmp_path / "results.csv"
+    scans.mkdir()
+    out.mkdir()
+    np.save(scans / "wave.npy", np.float32(np.sin(0.5 * np.mgrid[:9, :10, :11].sum(axis=0))))
+    written(scans / "cut.nii", scan.read_bytes()[:5000])
+    written(scans / "notes.md", "no volume")
+    command = ("batch", scans, "--out", out, "--each", "--error 20 --seed 3", "--table", table)
+    done = cli(*command)
+    assert done.status == 2 and "1 of 2 bakes failed, the first of them on cut.nii" in done.err
+    with table.open(newline="") as file:
+        cut, wave = csv.DictReader(file)
+    assert cut["file"] == str(scans / "cut.nii") and cut["output"] == cut["texels"] == ""
+    assert cut["failure"] in done.err
+    bake = load_bake(out / "wave.vdb")
+    assert wave["nodes"] == "11 x 10 x 9" and wave["output"] == str(out / "wave.vdb")
+    assert int(wave["texels"]) == bake.statistics.texels and wave["failure"] == ""
+    assert float(wave["seconds"]) == pytest.approx(bake.statistics.seconds)
+    error = bake.statistics.estimated_error_percent
+    assert float(wave["estimated_error_percent"]) == pytest.approx(error)
+    # The same command without that file keeps the other bake and its row.
+    (scans / "cut.nii").unlink()
+    first = table.read_text().splitlines()[-1]
+    assert "0 baked, 1 already complete" in cli(*command).out
+    assert table.read_text().splitlines()[1:] == [first]
+
+
+def test_a_folder_needs_another_one_for_its_bakes(cli, tmp_path):
+    for options in ((), ("--out", tmp_path), ("--out", tmp_path / "none")):
+        done = cli("batch", tmp_path, *options)
+        assert done.status == 2 and "another folder" in done.err
+    (tmp_path / "out").mkdir()
+    done = cli("batch", tmp_path / "out", "--out", tmp_path)
+    assert done.status == 2 and "no volumes" in done.err
+    for options in (("--out", tmp_path / "out"), ("--each", "--error 2")):
+        done = cli("batch", listed(tmp_path, "bump_box --out a.vdb"), *options)
+        assert done.status == 2 and "for a folder" in done.err
+
+
 @pytest.mark.parametrize(
     "line, words",
     [
         ("bump_box", "line 3:"),
         ("bump_box --out a.vdb --workers 3", "--out"),
         ("bump_box --out 'a.vdb", "quotation"),
-        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another line also writes"),
+        ("bump_box --out a.vdb\nhydrogen --out a.vdb", "another bake also writes"),
         ("", "lists no bakes"),
     ],
 )

@@ -2,6 +2,7 @@
 """Tests the display of volumes and bakes in a shell and in a notebook."""
 
 import importlib.util
+import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from leaflight import Volume
 from leaflight.export.page_template import TEMPLATE
 from leaflight.stills.photograph import metered_stops, tone_mapped
+from outcomes import refused
 from waiting import run_python
 
 
@@ -84,3 +86,8 @@ def test_a_bake_is_shown_as_its_page(box_file, tmp_path):
     assert address.read_text().strip() == page.as_uri()
     frame = Elements(cell.read_text()).attributes["iframe"]
     assert frame["srcdoc"] == page.read_text() and frame["height"] == "300"
+
+
+def test_a_widget_needs_anywidget(box_bake, monkeypatch):
+    monkeypatch.setitem(sys.modules, "anywidget", None)
+    assert "pip install anywidget" in refused("needs the Python package", box_bake.widget)

@@ -28,6 +28,7 @@ ELSEWHERE = {
     "--skip": "test_raw.py",
     "potential.cube": "test_volume_texture.py",
     ".blend": "tests/blender/test_blend.py",
+    "--each": "test_batch.py",
     "head_fine.vdb": "what `leaflight batch` reads",
 }
 # Replacements that make snippets faster, because they use large volumes.

@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 import pytest
+from leaflight.volume import examples
 
 ADDON = Path(__file__).resolve().parents[2] / "addon" / "leaflight"
 SOURCES = sorted(ADDON.rglob("*.py"))
@@ -118,6 +119,7 @@ def _messages(path):
 @pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
 def test_a_catalog_holds_messages_of_the_interface(path):
     others = [source for source in SOURCES if source.parent.name != "languages"]
+    others.append(Path(examples.__file__))
     constants = {
         node.value
         for source in others
@@ -126,6 +128,8 @@ def test_a_catalog_holds_messages_of_the_interface(path):
     }
     messages = _messages(path)
     assert len(messages) > 40 and not messages.keys() - constants
+    for example in examples.EXAMPLES.values():
+        assert {example.label, example.text} <= messages.keys()
     for english, other in messages.items():
         holes = [re.findall("%[a-z%]", text) for text in (english, other)]
         assert holes[0] == holes[1], english

@@ -6,7 +6,7 @@ export interface Steps {
   step: number; // a power of ten
 }
 
-function clamped(isovalue: number, { isovalueRange: [low, high] }: Steps): number {
+export function clamped(isovalue: number, { isovalueRange: [low, high] }: Steps): number {
   return Math.min(high, Math.max(low, isovalue));
 }
 

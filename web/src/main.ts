@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads the bake in the page and shows it, or an error.
 
+import { shareIsovalue } from './around';
 import { Bake, type Header } from './bake';
 import { textureSize } from './bricks';
 import { Failure, showFailure } from './failure';
@@ -54,6 +55,7 @@ async function open(): Promise<void> {
   const view = new View(canvas, context, header, isosurfaces, walls, firstLook(header));
   await view.start();
   const panel = new Panel(header, view);
+  shareIsovalue(panel, view);
   endOpening();
   // Expose the view to the browser's developer tools: leaflight.view.countFetches().
   Object.assign(window, { leaflight: { view, panel } });

@@ -6,7 +6,7 @@ import { colorBar, withColorBars } from './color_bar';
 import { namesOf } from './color_maps';
 import { Cube } from './cube';
 import { Histogram } from './histogram';
-import { onGrid, textOf } from './isovalues';
+import { clamped, onGrid, textOf } from './isovalues';
 import { IsosurfaceRows } from './isosurface_rows';
 import { bindKeys } from './keys';
 import { hueOf } from './lamps';
@@ -105,7 +105,7 @@ export class Panel {
       this.setIsovalue(low + share * (high - low));
     });
     this.player = new Player(header.isovalueRange, () => this.isovalue, (isovalue) => {
-      this.show(Math.min(high, Math.max(low, isovalue)));
+      this.show(isovalue);
     }); // prettier-ignore
     this.isosurfaces = new IsosurfaceRows(header, () => view.look, () => {
       this.refresh();
@@ -129,9 +129,10 @@ export class Panel {
     return this.view.look.isosurfaces[0].isovalue;
   }
 
-  private show(isovalue: number): void {
+  // Shows the nearest isovalue of the range.
+  show(isovalue: number): void {
     const [first, ...others] = this.view.look.isosurfaces;
-    this.view.look.isosurfaces = [{ ...first, isovalue }, ...others];
+    this.view.look.isosurfaces = [{ ...first, isovalue: clamped(isovalue, this.header) }, ...others];
     this.refresh();
   }
 
@@ -272,6 +273,8 @@ export class Panel {
 
   // Updates the link after a change of the state, and the state after a link is entered.
   private bindLink(): void {
+    // A page in the attribute srcdoc of an iframe, as in a notebook, has no link.
+    if (location.protocol === 'about:') return;
     const read = () => {
       const { look, viewpoint } = fromLink(location.hash, this.first, this.header);
       this.view.look = look;

@@ -9,6 +9,21 @@ MESSAGES = {
     ),
     "Example for Leaflight": "Beispiel für Leaflight",
     "Open Example": "Beispiel öffnen",
+    "Compute an example volume and import it": "Ein Beispielvolumen berechnen und importieren",
+    "Hydrogen Atom": "Wasserstoffatom",
+    "The electron in the state 3d: two lobes and a ring": (
+        "Das Elektron im Zustand 3d: zwei Keulen und ein Ring"
+    ),
+    "Neuron": "Nervenzelle",
+    "A cell with branching dendrites": "Eine Zelle mit verzweigten Dendriten",
+    "Nuclei": "Atomkerne",
+    "Protons in the crust of a neutron star": "Protonen in der Kruste eines Neutronensterns",
+    "Particle": "Teilchen",
+    "A dirt particle of dented outline": "Ein Schmutzteilchen mit eingedelltem Umriss",
+    "Splash": "Spritzer",
+    "Water that a laser pulse throws up": "Wasser, das ein Laserpuls hochschleudert",
+    "Bump Box": "Bump-Box",
+    "The reference volume of the thesis": "Das Referenzvolumen der Dissertation",
     "Read a scalar volume and show one of its isosurfaces": (
         "Ein skalares Volumen lesen und eine seiner Isoflächen zeigen"
     ),

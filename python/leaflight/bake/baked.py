@@ -380,6 +380,15 @@ class Bake:
             progress: _Watched = None,
         ) -> _Page: ...
 
+        def widget(
+            self,
+            isovalue: float | None = None,
+            *,
+            height: int = 600,
+            coarser: int | None = None,
+            progress: _Watched = None,
+        ) -> Any: ...
+
         def to_xarray(self, volume: int = 0) -> Any: ...
 
         def still(

@@ -17,11 +17,14 @@ from ..stills.first_view import default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from .export import export_page
+from .mesh_objects import needed
 from .page import MOST_COARSER
 from .page_size import estimated_bytes
 
 if TYPE_CHECKING:
     from PIL.Image import Image
+
+    from .notebook_widget import PageWidget
 
 # Upper bound on the bytes of a page in a notebook, which stores it as text.
 LARGEST_IN_A_NOTEBOOK = 20e6
@@ -61,15 +64,44 @@ def show(
     coarser: As for export_page(). None is the finest page that suits a notebook.
     Returns a Page.
     """
+    folder = Path(tempfile.mkdtemp(prefix="leaflight-"))
+    page = Page(_exported(folder, bake, isovalue, coarser, progress), height)
+    if "ipykernel" not in sys.modules:
+        webbrowser.open(page.path.as_uri())
+    return page
+
+
+@with_progress("widget")
+def widget(
+    bake: Bake,
+    isovalue: float | None = None,
+    *,
+    height: int = 600,
+    coarser: int | None = None,
+    progress: Progress | None = None,
+) -> "PageWidget":
+    """Returns the web page of a Bake as a widget of Jupyter, whose trait `isovalue` moves it.
+
+    The slider of the page changes the trait, too. The arguments are those of show(). Raises
+    LeaflightError without anywidget.
+    """
+    needed("anywidget")
+    from .notebook_widget import PageWidget
+
+    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
+    with tempfile.TemporaryDirectory(prefix="leaflight-") as folder:
+        path = _exported(Path(folder), bake, isovalue, coarser, progress)
+        return PageWidget(bake, path.read_text(encoding="utf-8"), isovalue, height)
+
+
+def _exported(
+    folder: Path, bake: Bake, isovalue: float | None, coarser: int | None, progress: Progress | None
+) -> Path:
+    """Writes the web page, of a size that suits a notebook, into a folder. Returns its path."""
     if coarser is None:
         sizes = (estimated_bytes(bake, each) for each in range(MOST_COARSER + 1))
         coarser = next((k for k, n in enumerate(sizes) if n < LARGEST_IN_A_NOTEBOOK), MOST_COARSER)
-    folder = Path(tempfile.mkdtemp(prefix="leaflight-"))
-    path = export_page(bake, folder / "bake.html", isovalue, coarser=coarser, progress=progress)
-    page = Page(path, height)
-    if "ipykernel" not in sys.modules:
-        webbrowser.open(path.as_uri())
-    return page
+    return export_page(bake, folder / "bake.html", isovalue, coarser=coarser, progress=progress)
 
 
 @dataclass(frozen=True)

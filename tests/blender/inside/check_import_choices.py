@@ -9,6 +9,7 @@ import nibabel
 import numpy as np
 import pytest
 from blends import open_saved
+from leaflight.volume.examples import EXAMPLES
 from leaflight_addon.importing import stored_facts
 from leaflight_addon.show import isosurfaces
 from leaflight_addon.store import cache, source_files
@@ -200,6 +201,8 @@ def check_a_word_with_numbers_is_translated(tmp_path):
         translated = bpy.app.translations.pgettext_iface
         assert translated("Import Volume", "Operator") == "Volumen importieren"
         assert translated("Isovalue") == "Isowert"
+        assert translated(EXAMPLES["water"].label) == "Spritzer"
+        assert "Laserpuls" in bpy.app.translations.pgettext_tip(EXAMPLES["water"].text)
     finally:
         view.language = before
 
