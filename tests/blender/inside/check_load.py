@@ -231,7 +231,7 @@ def check_a_changed_volume_file_is_reported_and_baked_anew(saved, bump_file):
     values.tofile(bump_file)
     staleness.forget()
     sentence = staleness.change_since_bake(bpy.context, obj)
-    assert "bumps.raw has changed" in sentence and "\n" not in sentence
+    assert "bumps.raw have changed" in sentence and "\n" not in sentence
     # Until the new bake, the baked isovalue range is shown.
     obj.leaflight.isovalue = 72.0
     assert_lit(obj, 72.0)
