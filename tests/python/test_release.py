@@ -51,6 +51,14 @@ def test_one_option_sets_the_address_everywhere(release, tmp_path, monkeypatch):
     assert "https://code.example.net/leaflight/raw/main/" in texts[0]
 
 
+def test_checks_name_their_files(release):
+    commands = {name: release.filled(command, "F", "W") for name, command in release.CHECKS}
+    assert "twine check --strict F" in commands["long description"]
+    assert commands["contents of the wheels"].endswith(" W")
+    assert all("{files}" not in one and "{wheels}" not in one for one in commands.values())
+    assert all(one.count("'") % 2 == 0 for one in commands.values())
+
+
 def test_places_of_publication_agree():
     """Compares what Zenodo, conda and the paper say with pyproject.toml and CITATION.cff."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
