@@ -14,7 +14,6 @@ from .judged_bakes import (
     QUICK_CYCLES,
     REACHED,
     REPORTED,
-    TRUE_WITHIN,
     CyclesEffort,
     measure_against_cycles,
 )
@@ -54,8 +53,6 @@ def bake_rows(rows):
             "passes": f"{bake.statistics.passes}",
             "estimated before %": f"{bake.before.error:.2f}",
             "estimated after %": f"{bake.after:.2f}",
-            "found %": f"{bake.found:.2f}",
-            "true": "yes" if bake.true else "no",
         }
         for name, bake in bakes.items()
     ]
@@ -123,9 +120,8 @@ def cycles_text(rows, absent, effort):
             "bake did not report it.",
         ]
     lines += [
-        "- *Estimated* is the error before the bake starts, and at its end. *Found* is the "
-        "RMS over its isosurfaces below, without the noise of Cycles. *True*: "
-        f"estimated after and found differ by a factor of {TRUE_WITHIN:g} at most.",
+        "- *Estimated* is the error over the area of all isosurfaces of the range, before the "
+        "bake starts and at its end. [Against paths](paths.md) compares it with the true one.",
     ]
     return [
         *lines,

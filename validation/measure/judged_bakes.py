@@ -37,8 +37,6 @@ from volume_recipes import (
     tooth,
 )
 
-# Largest factor between an estimated error and a true one, if the estimate is right.
-TRUE_WITHIN = 1.5
 # Seed of the reference, which differs from the bake's.
 SEED = 1
 REACHED, REPORTED, EXCEEDED = "reached", "reported", "exceeded"
@@ -109,17 +107,12 @@ QUICK_CYCLES = CyclesEffort(QUICK_CASES, points=400, paths=256, noise=np.inf, ju
 
 @dataclass(frozen=True)
 class BakeRow:
-    """The bake of a case: its statistics, its estimate before, and its error as found.
-
-    before: an Estimate of the bake; found: RMS in percent over all isosurfaces judged, the noise of
-    Cycles taken out.
-    """
+    """The bake of a case: its statistics, and the Estimate before it."""
 
     case: Case
     nodes: tuple
     before: Estimate
     statistics: Statistics
-    found: float
 
     @property
     def after(self):
@@ -130,11 +123,6 @@ class BakeRow:
     def reported(self):
         """True if the bake reported an error above the target before and afterwards."""
         return min(self.before.error, self.after) > DEFAULT_ERROR
-
-    @property
-    def true(self):
-        """True if the final estimate is within a factor TRUE_WITHIN of the measured error."""
-        return 1 / TRUE_WITHIN <= self.after / max(self.found, 1e-9) <= TRUE_WITHIN
 
 
 @dataclass(frozen=True)
@@ -187,13 +175,7 @@ def _rows(case, volumes, effort):
         for number in range(len(volumes))
         for isovalue in case.isovalues
     ]
-    # The mean has no noise of Cycles, even if chance makes a term negative.
-    squares = [
-        errors["rms_percent"] ** 2 - errors["reference_noise_percent"] ** 2
-        for _, _, _, errors, _ in judged
-    ]
-    found = float(np.sqrt(max(np.mean(squares), 0.0)))
-    of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics, found)
+    of_bake = BakeRow(case, tuple(volumes[0].field().dims), before, baked.statistics)
     names = [volume.name for volume in volumes] if len(volumes) > 1 else [None]
     return [
         CyclesRow(of_bake, names[number], isovalue, paths, errors, parts, effort.judged)

@@ -48,6 +48,11 @@ class IsosurfaceSide:
                 f"Isovalue {isovalue:g} has no surface inside the data: choose another isovalue."
             )
 
+    def area(self) -> float:
+        """Returns the area of the mesh, in the square of the world's unit."""
+        a, b, c = (self._vertices[corner] for corner in self._triangles.T)
+        return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
     def path_traced(
         self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
     ) -> Truth:

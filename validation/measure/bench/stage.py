@@ -23,13 +23,17 @@ SCRIPT = Path(__file__).with_name("stage_scene.py")
 
 @dataclass(frozen=True)
 class Case:
-    """A stage to bake. walls: True to light its walls, too; isovalue: in data units."""
+    """A stage to bake.
+
+    walls: True to light its walls, too; isovalue: in data units; quality: its identifier.
+    """
 
     name: str
     path: Path
     stage: str
     walls: bool
     isovalue: float
+    quality: str = "GOOD"
 
 
 CASES = (
@@ -62,7 +66,7 @@ def stage_section(options):
         "click and ends when its result is in the scene.",
         "- The isovalue steps ten times, and the row has the median: *at rest* with all detail, "
         "*while it moves* as under the mouse, both before drawing.",
-        "- *Lamp* is moved once with *Live* on.",
+        "- With *Live* on, the lamp and then the clip box of a cut are moved once.",
         *absent_text(absent),
         "",
         *table(rows),
@@ -73,14 +77,13 @@ def small_case(folder):
     path = folder / "bumps.nii.gz"
     image = nibabel.Nifti1Image(bump_box(24).values.T.astype(np.float32), np.eye(4))
     nibabel.save(image, path)
-    return Case("bump box, 24^3", path, "STUDIO", True, 47.0)
+    return Case("bump box, 24^3", path, "STUDIO", True, 47.0, "DRAFT")
 
 
 def measured(blender, case, folder):
     """Returns a row for each step of a case."""
-    steps = blender.in_window(
-        SCRIPT, case.path, case.stage, int(case.walls), case.isovalue, folder / "bakes"
-    )["steps"]
+    arguments = case.path, case.stage, int(case.walls), case.isovalue, case.quality
+    steps = blender.in_window(SCRIPT, *arguments, folder / "bakes")["steps"]
     return [
         {
             "case": case.name,

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clicks and times the steps of stage.py in a window of Blender.
 
-Arguments: volume, stage, 1 for lit walls, isovalue, folder of bakes.
+Arguments: volume, stage, 1 for lit walls, isovalue, quality, folder of bakes.
 """
 
+import json
 import statistics
 import sys
 import time
@@ -15,8 +16,10 @@ from leaflight import blender
 from leaflight_addon.bake import live
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object, whole_detail
+from leaflight_addon.stage import staleness
+from leaflight_addon.store import source_files
 
-VOLUME, STAGE, WALLS, ISOVALUE, FOLDER = sys.argv[-5:]
+VOLUME, STAGE, WALLS, ISOVALUE, QUALITY, FOLDER = sys.argv[-6:]
 # Steps of the isovalue, and the relative change in each.
 STEPS, CHANGE = 10, 1e-3
 
@@ -44,6 +47,8 @@ def clicks():
     # Without a graphics card, other shading takes seconds for each picture.
     view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
     view.region_3d.view_perspective = "CAMERA"
+    # So do the previews of files.
+    bpy.context.preferences.filepaths.file_preview_type = "NONE"
     yield from stepwise.wait(1.0)
     clock = Clock()
     obj = blender.import_volume(VOLUME)
@@ -53,16 +58,21 @@ def clicks():
     clock.add("stage")
     settings = obj.leaflight
     settings.light_walls, settings.bake_folder = WALLS == "1", FOLDER
-    settings.isovalue = float(ISOVALUE)
+    settings.isovalue, settings.quality = float(ISOVALUE), QUALITY
     yield from stepwise.wait(1.0)
     yield from bake()
     yield from isovalues()
     yield from lamp()
+    yield from cut()
     yield from save_and_open()
 
 
 def shown():
     return surface_object.label_of(hand.volume().data)
+
+
+def state():
+    return json.loads(shown())
 
 
 def bake():
@@ -110,6 +120,37 @@ def lamp():
             clock.add("lamp, direct light")
             first = False
     clock.add("lamp, whole")
+
+
+def box():
+    return hand.volume().leaflight_look.box
+
+
+def is_cut():
+    """True if the mesh shows the cut of the present place of the box."""
+    (region,) = source_files.regions_of(hand.volume().leaflight)
+    place = [number for row in box().matrix_world for number in row]
+    follows = max(abs(a - b) for a, b in zip(region["place"], place)) < 1e-5
+    return follows and hand.volume().leaflight.regions in state()["isosurface"]
+
+
+def cut():
+    with hand.in_view():
+        bpy.ops.leaflight.add_clip_box()
+    clock = Clock()
+    hand.press(bpy.ops.leaflight.cut_data)
+    yield from stepwise.until(lambda: jobs.running() is None and is_cut())
+    clock.add("cut")
+    yield from stepwise.until(is_at_rest)
+    clock, left = Clock(), ["cut moved, at once", "cut moved, direct light"]
+    box().location.z += 0.1 * box().scale.z
+    bpy.context.view_layer.update()
+    # The passes of a small volume may end before its direct light is shown.
+    while staleness.change_since_bake(bpy.context, hand.volume()) or not is_at_rest():
+        yield 0.01
+        if left and is_cut() and (len(left) == 2 or state()["moved"]):
+            clock.add(left.pop(0))
+    clock.add("cut moved, whole")
     bpy.context.scene.leaflight_live = False
 
 
