@@ -29,8 +29,8 @@ def main():
         "what",
         choices=SECTIONS,
         help="bake: against Cycles to the same error; scale: by size and threads; rays: against "
-        "Embree; scrub: isovalues against VTK, and in Blender; stage: the clicks of a "
-        "user in a window",
+        "Embree; scrub: isovalues against VTK, and in Blender; stage: clicks in a "
+        "window",
     )
     parser.add_argument("--quick", action="store_true", help="tiny, to see that it works")
     parser.add_argument("--data", type=Path, metavar="DIR", help="folder of real volumes")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`bench stage`: the clicks of a user in a window of Blender, from a file to a lit stage and back.
 
-The window draws without a graphics card. stage_scene.py runs in it.
+stage_scene.py runs in the window.
 """
 
 import tempfile
@@ -61,9 +61,9 @@ def stage_section(options):
         "",
         measured_on(),
         "",
-        f"- Seconds in a window of Blender {blender.about['blender']} that draws without a "
-        "graphics card, and processor seconds of Blender meanwhile. Each step begins with the "
-        "click and ends when its result is in the scene.",
+        f"- Seconds in a window of Blender {blender.about['blender']}, and processor seconds of "
+        "Blender meanwhile. Each step begins with the click and ends when its result is in the "
+        "scene. There is no graphics card, so the window draws boxes in place of surfaces.",
         "- The isovalue steps ten times, and the row has the median: *at rest* with all detail, "
         "*while it moves* as under the mouse, both before drawing.",
         "- With *Live* on, the lamp and then the clip box of a cut are moved once.",

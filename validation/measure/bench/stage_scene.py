@@ -44,10 +44,8 @@ class Clock:
 
 def clicks():
     view = hand.view().spaces.active
-    # Without a graphics card, other shading takes seconds for each picture.
-    view.shading.type, view.shading.light, view.shading.color_type = "SOLID", "FLAT", "VERTEX"
-    view.region_3d.view_perspective = "CAMERA"
-    # So do the previews of files.
+    # Without a graphics card, a picture of the isosurface takes seconds, also that in a file.
+    view.shading.type, view.overlay.show_overlays = "SOLID", False
     bpy.context.preferences.filepaths.file_preview_type = "NONE"
     yield from stepwise.wait(1.0)
     clock = Clock()
@@ -56,6 +54,7 @@ def clicks():
     clock = Clock()
     blender.stage(obj, STAGE)
     clock.add("stage")
+    draw_little()
     settings = obj.leaflight
     settings.light_walls, settings.bake_folder = WALLS == "1", FOLDER
     settings.isovalue, settings.quality = float(ISOVALUE), QUALITY
@@ -65,6 +64,12 @@ def clicks():
     yield from lamp()
     yield from cut()
     yield from save_and_open()
+
+
+def draw_little():
+    """Draws boxes in place of the surfaces."""
+    for obj in bpy.context.scene.objects:
+        obj.display_type = "BOUNDS"
 
 
 def shown():
@@ -84,6 +89,7 @@ def bake():
             clock.add("bake, first light")
             first = False
     clock.add("bake, whole")
+    draw_little()
     yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
 
 
