@@ -314,7 +314,7 @@ DECLARED = {node.name: node.args for node in _BLOCK.body if isinstance(node, ast
 
 
 def test_all_are_declared():
-    assert set(DECLARED) == {"moved", "export_page", "show", "still", "to_xarray"}
+    assert set(DECLARED) == {"moved", "export_page", "show", "still", "to_xarray", "widget"}
 
 
 @pytest.mark.parametrize("name", DECLARED)
