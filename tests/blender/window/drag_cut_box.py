@@ -6,7 +6,6 @@ Prints a line WINDOW and a JSON object, with the states that the viewport showed
 until the cut was lit.
 """
 
-import json
 import sys
 import time
 from pathlib import Path
@@ -14,13 +13,12 @@ from pathlib import Path
 import bpy
 import hand
 import numpy as np
+import seen
 import stepwise
 from leaflight import blender
-from leaflight_addon.bake import live
 from leaflight_addon.operators import jobs
-from leaflight_addon.show import surface_object
 from leaflight_addon.stage import staleness
-from leaflight_addon.store import cache, source_files
+from leaflight_addon.store import cache
 
 VOLUME, FOLDER = sys.argv[-2], Path(sys.argv[-1])
 # Mouse steps in a drag, pixels per step, and steps per second.
@@ -43,25 +41,12 @@ def box():
     return hand.volume().leaflight_look.box
 
 
-def shown():
-    """Returns the state of the volume's mesh."""
-    return json.loads(surface_object.label_of(hand.volume().data))
-
-
 def light():
     """Returns the radiance of the vertices, averaged over the channels."""
     data = hand.volume().data.attributes["radiance"].data
     colors = np.empty(4 * len(data), np.float32)
     data.foreach_get("color", colors)
     return colors.reshape(-1, 4)[:, :3].mean(axis=1)
-
-
-def region_is_shown():
-    """True if the mesh shows the cut of the present place of the box."""
-    (item,) = source_files.regions_of(hand.volume().leaflight)
-    place = [x for row in box().matrix_world for x in row]
-    is_cut = np.allclose(item["place"][:16], place, atol=1e-5)
-    return is_cut and hand.volume().leaflight.regions in shown()["isosurface"]
 
 
 def drive():
@@ -75,7 +60,7 @@ def drive():
     with hand.in_view():
         bpy.ops.leaflight.add_clip_box()
     hand.press(bpy.ops.leaflight.cut_data)
-    yield from stepwise.until(lambda: jobs.running() is None and region_is_shown())
+    yield from stepwise.until(lambda: jobs.running() is None and seen.cut_is_shown())
     for obj in bpy.context.selected_objects:
         obj.select_set(False)
     box().select_set(True)
@@ -85,20 +70,16 @@ def drive():
     found["change"] = staleness.change_since_bake(bpy.context, hand.volume()) == staleness.CUT
     yield from undo()
     bpy.context.scene.leaflight_live = True
-    yield from stepwise.until(at_rest)
+    yield from stepwise.until(seen.at_rest)
     found["with live"] = yield from drag()
-    yield from stepwise.until(at_rest)
+    yield from stepwise.until(seen.at_rest)
     yield from move_and_wait()
-
-
-def at_rest():
-    return live.at_work() is None and not live._has_changed
 
 
 def drag():
     """Drags the box with G and the mouse. Returns the numbers of cuts and of states shown."""
     x, y = hand.region().x + 0.3 * hand.region().width, hand.region().y + 0.6 * hand.region().height
-    place, cuts, moved = tuple(box().location), {shown()["isosurface"]}, set()
+    place, cuts, moved = tuple(box().location), {seen.surface()["isosurface"]}, set()
     hand.event_at("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
     hand.tap("G", x, y)
@@ -106,10 +87,10 @@ def drag():
     for step in range(STEPS):
         hand.event_at("MOUSEMOVE", "NOTHING", x + PIXELS * (step + 1), y)
         yield 1.0 / PER_SECOND
-        cuts.add(shown()["isosurface"])
-        moved.add(shown()["moved"])
+        cuts.add(seen.surface()["isosurface"])
+        moved.add(seen.surface()["moved"])
     hand.tap("LEFTMOUSE", x + PIXELS * STEPS, y)
-    yield from stepwise.until(region_is_shown)
+    yield from stepwise.until(seen.cut_is_shown)
     moved = len(moved - {""})
     length = float(np.linalg.norm(np.subtract(tuple(box().location), place)))
     return {"length": length, "cuts": len(cuts) - 1, "moved": moved}
@@ -120,11 +101,11 @@ def undo():
     after = tuple(box().location)
     with hand.in_view():
         bpy.ops.ed.undo()
-    yield from stepwise.until(region_is_shown)
+    yield from stepwise.until(seen.cut_is_shown)
     before = tuple(box().location)
     with hand.in_view():
         bpy.ops.ed.redo()
-    yield from stepwise.until(region_is_shown)
+    yield from stepwise.until(seen.cut_is_shown)
     found["undone"] = before != after and np.allclose(tuple(box().location), after)
 
 
@@ -134,16 +115,16 @@ def move_and_wait():
     box().location.z += 0.1 * box().scale.z
     start = time.perf_counter()
     bpy.context.view_layer.update()
-    while not at_rest() or "final" not in seconds:
+    while not seen.at_rest() or "final" not in seconds:
         yield 0.01
         now = time.perf_counter() - start
-        if region_is_shown():
+        if seen.cut_is_shown():
             seconds.setdefault("cut", now)
-            if shown()["moved"]:
+            if seen.surface()["moved"]:
                 seconds.setdefault("direct", now)
-        if not staleness.change_since_bake(bpy.context, hand.volume()) and at_rest():
+        if not staleness.change_since_bake(bpy.context, hand.volume()) and seen.at_rest():
             seconds.setdefault("final", now)
-    found["final"] = not shown()["moved"] and shown()["light"].startswith(
+    found["final"] = not seen.surface()["moved"] and seen.surface()["light"].startswith(
         cache.bake_of(hand.volume()).id
     )
 

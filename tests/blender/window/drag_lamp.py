@@ -14,6 +14,7 @@ from pathlib import Path
 import bpy
 import hand
 import numpy as np
+import seen
 import stepwise
 from leaflight import blender
 from leaflight.io.images import write_png
@@ -79,7 +80,7 @@ def drive():
     surface_object.MOVING_TRIANGLES = limit
     yield from picture("baked")
     bpy.context.scene.leaflight_live = True
-    yield from stepwise.until(at_rest)
+    yield from stepwise.until(seen.at_rest)
     for obj in bpy.context.selected_objects:
         obj.select_set(False)
     key_light().select_set(True)
@@ -87,10 +88,6 @@ def drive():
     yield from drag()
     yield from stop()
     yield from move_and_wait()
-
-
-def at_rest():
-    return live.at_work() is None and not live._has_changed
 
 
 def drag():
@@ -131,7 +128,7 @@ def drag():
 def stop():
     """Presses Esc during the passes, and records whether Live stays idle."""
     x, y = hand.region().x + 0.5 * hand.region().width, hand.region().y + 0.5 * hand.region().height
-    yield from stepwise.until(lambda: live.at_work() is not None or at_rest())
+    yield from stepwise.until(lambda: live.at_work() is not None or seen.at_rest())
     hand.event_at("MOUSEMOVE", "NOTHING", x, y)
     yield 0.2
     at_work = live.at_work() is not None
@@ -151,7 +148,7 @@ def move_and_wait():
     start, processor = time.perf_counter(), time.process_time()
     bpy.context.view_layer.update()
     shown = []
-    while not at_rest() or not shown:
+    while not seen.at_rest() or not shown:
         yield 0.01
         now = time.perf_counter() - start
         if label() != before:

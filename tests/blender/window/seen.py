@@ -4,12 +4,15 @@
 SEEN has a function for each; the folder is that of the open .blend.
 """
 
+import json
+
 import bpy
+import numpy as np
 from leaflight_addon.bake import estimate_bake, live, stopped
 from leaflight_addon.operators import jobs
-from leaflight_addon.show import display
+from leaflight_addon.show import display, surface_object
 from leaflight_addon.stage import hidden
-from leaflight_addon.store import frame_bakes
+from leaflight_addon.store import frame_bakes, source_files
 
 
 def volumes():
@@ -22,6 +25,24 @@ def volume():
 
 def displays(kind):
     return sorted(obj.name for obj in bpy.context.scene.objects if display.is_display(obj, kind))
+
+
+def at_rest():
+    """True if Live has nothing to do."""
+    return live.at_work() is None and not live._has_changed
+
+
+def surface():
+    """Returns the state of the first volume's mesh: its isosurface, its light and what moved."""
+    return json.loads(surface_object.label_of(volume().data))
+
+
+def cut_is_shown():
+    """True if the mesh shows the cut of the present place of the box."""
+    (region,) = source_files.regions_of(volume().leaflight)
+    place = [x for row in volume().leaflight_look.box.matrix_world for x in row]
+    is_cut = np.allclose(region["place"][:16], place, atol=1e-5)
+    return is_cut and volume().leaflight.regions in surface()["isosurface"]
 
 
 def folder():

@@ -4,20 +4,18 @@
 Arguments: volume, stage, 1 for lit walls, isovalue, quality, folder of bakes.
 """
 
-import json
 import statistics
 import sys
 import time
 
 import bpy
 import hand
+import seen
 import stepwise
 from leaflight import blender
-from leaflight_addon.bake import live
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object, whole_detail
 from leaflight_addon.stage import staleness
-from leaflight_addon.store import source_files
 
 VOLUME, STAGE, WALLS, ISOVALUE, QUALITY, FOLDER = sys.argv[-6:]
 # Steps of the isovalue, and the relative change in each.
@@ -76,10 +74,6 @@ def shown():
     return surface_object.label_of(hand.volume().data)
 
 
-def state():
-    return json.loads(shown())
-
-
 def bake():
     before, clock, first = shown(), Clock(), True
     hand.press(bpy.ops.leaflight.bake)
@@ -115,12 +109,12 @@ def isovalues():
 
 def lamp():
     bpy.context.scene.leaflight_live = True
-    yield from stepwise.until(is_at_rest)
+    yield from stepwise.until(seen.at_rest)
     before, clock, first = shown(), Clock(), True
     light = hand.lamp()
     light.location.x -= 0.3 * abs(light.location.x) + 0.1
     bpy.context.view_layer.update()
-    while first or not is_at_rest():
+    while first or not seen.at_rest():
         yield 0.01
         if first and shown() != before:
             clock.add("lamp, direct light")
@@ -132,36 +126,24 @@ def box():
     return hand.volume().leaflight_look.box
 
 
-def is_cut():
-    """True if the mesh shows the cut of the present place of the box."""
-    (region,) = source_files.regions_of(hand.volume().leaflight)
-    place = [number for row in box().matrix_world for number in row]
-    follows = max(abs(a - b) for a, b in zip(region["place"], place)) < 1e-5
-    return follows and hand.volume().leaflight.regions in state()["isosurface"]
-
-
 def cut():
     with hand.in_view():
         bpy.ops.leaflight.add_clip_box()
     clock = Clock()
     hand.press(bpy.ops.leaflight.cut_data)
-    yield from stepwise.until(lambda: jobs.running() is None and is_cut())
+    yield from stepwise.until(lambda: jobs.running() is None and seen.cut_is_shown())
     clock.add("cut")
-    yield from stepwise.until(is_at_rest)
+    yield from stepwise.until(seen.at_rest)
     clock, left = Clock(), ["cut moved, at once", "cut moved, direct light"]
     box().location.z += 0.1 * box().scale.z
     bpy.context.view_layer.update()
     # The passes of a small volume may end before its direct light is shown.
-    while staleness.change_since_bake(bpy.context, hand.volume()) or not is_at_rest():
+    while staleness.change_since_bake(bpy.context, hand.volume()) or not seen.at_rest():
         yield 0.01
-        if left and is_cut() and (len(left) == 2 or state()["moved"]):
+        if left and seen.cut_is_shown() and (len(left) == 2 or seen.surface()["moved"]):
             clock.add(left.pop(0))
     clock.add("cut moved, whole")
     bpy.context.scene.leaflight_live = False
-
-
-def is_at_rest():
-    return live.at_work() is None and not live._has_changed
 
 
 def save_and_open():
