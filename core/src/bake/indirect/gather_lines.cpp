@@ -62,7 +62,7 @@ struct Walk {
   Rgb sky;
   int stretch;  // plane after the last masked one
   std::optional<MeshHit> wall;
-  double wall_z;  // z of the nearest mesh behind
+  double wall_z, next_wall_z;  // z of the nearest mesh behind, and of the next one ahead
 };
 
 // The point of a line at z where a ray back hits the isosurface of value h.
@@ -146,7 +146,7 @@ void Gathering<D>::add(const LineBundle<D>& lines, GatherLines<D>& scratch) cons
       const Rgb sky = from.sky ? from.sky->radiance(to_origin) : Rgb(0);
       const int first = lines.first(lane), last = lines.last(lane);
       const int begin = step > 0 ? first : last, end = step > 0 ? last : first;
-      walk(lines, {lane, step, begin, end, length, to_origin, sky, begin, {}, 0}, scratch);
+      walk(lines, {lane, step, begin, end, length, to_origin, sky, begin, {}, 0, 0}, scratch);
     }
   }
 }
@@ -179,11 +179,17 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
   }
 }
 
+// Finds the mesh behind z. It stays the nearest one until the walk passes the next mesh, so few
+// samples trace rays.
 template <int D>
 void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk) const {
-  walk.wall = tracer.mesh_bvh().intersect(to_frame.point(line.position(walk.lane, z)),
-                                          walk.to_origin, std::numeric_limits<double>::infinity());
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  const Vec<D> start = to_frame.point(line.position(walk.lane, z));
+  walk.wall = tracer.mesh_bvh().intersect(start, walk.to_origin, endless);
   if (walk.wall) walk.wall_z = z - walk.step * walk.wall->t / walk.length;
+  if (!within) return;
+  const auto next = tracer.mesh_bvh().intersect(start, -walk.to_origin, endless);
+  walk.next_wall_z = z + walk.step * (next ? next->t / walk.length : endless);
 }
 
 // Adds the radiance that reaches the isosurface at plane k from behind.
@@ -195,7 +201,7 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   const float climb = line.slope(k, walk.lane) * static_cast<float>(walk.step / walk.length);
   const bool front = climb > 0;
   if (!front && !(back && climb < 0)) return;
-  if (within) find_wall(line, line.z(k), walk);
+  if (within && (line.z(k) - walk.next_wall_z) * walk.step >= 0) find_wall(line, line.z(k), walk);
   const Stack& stack = front ? scratch.higher : scratch.lower;
   int crossing = stack.entries[stack.top].plane;
   if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(scratch, walk, h, front);
