@@ -53,7 +53,7 @@ class Blender:
         for name in ("config", "scripts", "datafiles", "extensions"):
             self.environment[f"BLENDER_USER_{name.upper()}"] = str(folder / name)
             (folder / name).mkdir()
-        self._addons = []
+        self._addons, self._named = [], ()
         output = self.run("--python-expr", ABOUT)
         line = next(line for line in output.splitlines() if line.startswith("ABOUT "))
         self.about = json.loads(line.removeprefix("ABOUT "))
@@ -62,6 +62,7 @@ class Blender:
     def install(self, package):
         """Installs the package and the add-on; returns one line for each installed part."""
         installed = self.run("--python", HERE / "install.py", "--", package)
+        self._named = NAMED
         if self.about["module"]:
             # Name the add-on, because program.py starts without the saved preferences.
             self._addons = ["--addons", "bl_ext.user_default.leaflight"]
@@ -128,7 +129,7 @@ class Blender:
         program += ["--enable-event-simulate", "--python-exit-code", "1"]
         script = HERE / "window" / script
         process = subprocess.Popen(
-            list(map(str, [*screen, *program, *NAMED, "--python", script, "--", *arguments])),
+            list(map(str, [*screen, *program, *self._named, "--python", script, "--", *arguments])),
             env={**self.environment, "LIBGL_ALWAYS_SOFTWARE": "1"},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -139,3 +139,16 @@ def test_older_blenders_are_refused(bare, bake, tmp_path):
         tmp_path / "box.blend",
     )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_its_slider_is_dragged_in_a_window(bare, bake, tmp_path):
+    if bare.about["version"] < [5, 0]:
+        pytest.skip("this Blender has no volume grids in Geometry Nodes")
+    if bare.no_window():
+        pytest.skip(bare.no_window())
+    leaflight.export(bake, tmp_path / "box.blend")
+    seen = bare.in_window("drag_blend.py", tmp_path / "box.blend")
+    isovalues, vertices = np.transpose(seen)
+    assert len(set(isovalues)) > 5 and len(set(vertices)) > 5
+    # The mouse crosses part of a slider that shows the whole range.
+    assert 0.05 < np.ptp(isovalues) / np.ptp(bake.isovalues) < 0.5

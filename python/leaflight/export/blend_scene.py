@@ -126,6 +126,7 @@ def _isosurface(scene: bpy.types.Scene, settings: Mapping[str, Any]) -> bpy.type
     scene.collection.objects.link(obj)
     nodes = Nodes("Leaflight Isosurface")
     slider = nodes.socket("Isovalue", "INPUT", "NodeSocketFloat")
+    slider.subtype = "FACTOR"  # drawn as a slider over the whole range
     slider.min_value, slider.max_value = settings["range"]
     slider.default_value = settings["isovalue"]
     geometry, isovalue = nodes("NodeGroupInput")[:2]
