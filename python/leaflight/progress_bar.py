@@ -45,7 +45,7 @@ class _Display(Protocol):
 def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
     """Decorates a function with a Progress parameter `progress`, to accept other values, too.
 
-    None shows a bar on stderr, in a terminal or a notebook. False shows no bar. A function is
+    None shows a bar in a terminal, on stderr, or in the output of a notebook. False shows no bar. A function is
     called with the fraction and the stage, ten times a second, in the thread of the caller.
     """
 
@@ -158,14 +158,16 @@ def _display(label: str) -> _Display:
     is_notebook = ipython is not None and hasattr(ipython.get_ipython(), "kernel")
     if not (is_notebook or (sys.stderr is not None and sys.stderr.isatty())):
         return _Nothing()
+    # Notebooks color stderr red, also the blanks that erase a bar.
+    stream = sys.stdout if is_notebook else sys.stderr
     try:
         with warnings.catch_warnings():
             # Ignore tqdm's warning about a notebook without ipywidgets; it then prints text.
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:
-        return _Bar(label, sys.stderr, redraws=True)
-    return _Tqdm(tqdm, label)
+        return _Bar(label, stream, redraws=True)
+    return _Tqdm(tqdm, label, stream)
 
 
 class _Nothing:
@@ -187,8 +189,9 @@ class _Calls(_Nothing):
 
 
 class _Tqdm:
-    def __init__(self, tqdm: Any, label: str) -> None:
+    def __init__(self, tqdm: Any, label: str, stream: TextIO) -> None:
         self._bar = tqdm(
+            file=stream,
             total=100,
             desc=label,
             delay=PATIENCE_SECONDS,

@@ -29,6 +29,8 @@ OTHER_PAGE = PAGE.replace("[0]", "[1]")
 ISOVALUE = "leaflight?.panel.isovalue"
 # Text of the output of the cell with this number.
 OUTPUT = "document.querySelector('.jp-Cell:nth-child({}) .jp-OutputArea-output')?.textContent ?? ''"
+# Output that JupyterLab shows on red.
+STDERR = '[data-mime-type="application/vnd.jupyter.stderr"]'
 
 pytestmark = pytest.mark.slow
 
@@ -89,6 +91,7 @@ def test_python_and_the_slider_move_the_same_isovalue(browser, bakes, lab, tmp_p
     browser.evaluate(RUN_CELL)
     browser.awaits(f"{PAGE}?.document.querySelector('[data-state=rest]')")
     assert browser.evaluate(f"{PAGE}.{ISOVALUE}") == 60.0
+    assert browser.evaluate(f"document.querySelectorAll({STDERR!r}).length") == 0
 
     # Python moves the page, exactly.
     browser.evaluate(RUN_CELL)
