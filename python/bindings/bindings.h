@@ -11,7 +11,6 @@ void bind_direct_light(pybind11::module_& module);
 void bind_radiance_grid(pybind11::module_& module);
 void bind_walls(pybind11::module_& module);
 void bind_bake(pybind11::module_& module);
-void bind_thesis(pybind11::module_& module);
 void bind_photons(pybind11::module_& module);
 void bind_rays(pybind11::module_& module);
 void bind_reference(pybind11::module_& module);

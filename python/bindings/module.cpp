@@ -59,7 +59,6 @@ PYBIND11_MODULE(_core, module) {
   python::bind_walls(module);
   python::bind_bake(module);
   python::bind_memory(module);
-  python::bind_thesis(module);
   python::bind_workers(module);
   python::bind_photons(module);
   python::bind_rays(module);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.h"
 #include "bindings.h"
-#include "thesis/photon_map.h"
+#include "transport/stored_photons.h"
 
 namespace leaflight::python {
 namespace {

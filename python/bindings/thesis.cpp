@@ -1,11 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.h"
 #include "baked_object.h"
-#include "bindings.h"
 #include "thesis/fixed_samples.h"
 
 namespace leaflight::python {
 namespace {
+
+// Returns a copy for this module. Each module counts its own large arrays, so bounds for rays,
+// which the first ray computes, must begin and end here.
+template <int D>
+Scene<D> own(const Scene<D>& scene) {
+  Scene<D> copy = scene;
+  for (Volume<D>& volume : copy.volumes) {
+    volume.field.cell_bounds_once = std::make_shared<CellBoundsOnce<D>>();
+  }
+  return copy;
+}
 
 template <int D>
 void bind_fixed_samples(py::module_& module, const std::string& suffix) {
@@ -68,7 +78,7 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
                Baked<D> baked;
                {
                  const py::gil_scoped_release unlocked;
-                 baked = bake_with_fixed_samples(scene, settings, progress);
+                 baked = bake_with_fixed_samples(own(scene), settings, progress);
                }
                return BakedObjects<D>(std::move(baked));
              },
@@ -78,10 +88,12 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
 }
 
 }  // namespace
-
-void bind_thesis(py::module_& module) {
-  bind_fixed_samples<3>(module, "");
-  bind_fixed_samples<2>(module, "2");
-}
-
 }  // namespace leaflight::python
+
+// Scenes, Progress, bakes and errors are those of _core, which registers their types.
+PYBIND11_MODULE(_thesis, module) {
+  module.doc() = "The methods of the thesis, for comparison with the bakes of leaflight.";
+  pybind11::module_::import("leaflight._core");
+  leaflight::python::bind_fixed_samples<3>(module, "");
+  leaflight::python::bind_fixed_samples<2>(module, "2");
+}

@@ -10,7 +10,7 @@ bake.save("brain.vdb")
 """
 
 from . import self_check  # noqa: F401 - first: it refuses a broken installation
-from . import flatland, thesis
+from . import flatland
 from ._core import Cancelled, LeaflightError, Progress
 from .bake.bake import bake
 from .bake.baked import Bake, Surface
@@ -76,7 +76,6 @@ __all__ = [
     "slices_of",
     "still",
     "texture_of",
-    "thesis",
 ]
 
 # Functions of layers above bakes become methods. Bake declares their signatures for type checkers.

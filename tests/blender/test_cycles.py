@@ -16,6 +16,7 @@ from leaflight.measure.cycles import measure
 from leaflight.measure.sampling import Sampling, Target
 from leaflight.measure.truth import Truth, errors_of
 from leaflight.scene.scene import core_scene, fit_scene, match_isosurfaces
+from thesis import bake as bake_fixed_samples
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 SAMPLES = 512
@@ -31,7 +32,7 @@ def baked(scene, sources, n, **settings):
     volumes = [open_volume(source, dims=[n]) for source in sources]
     scene = leaflight.load_scene(SCENES / scene)
     settings = {"samples": 16, "photons": 500_000, "walls": True, **settings}
-    return leaflight.thesis.bake(volumes, scene, **settings)
+    return bake_fixed_samples(volumes, scene, **settings)
 
 
 def assert_agrees(bake, c, most, **where):

@@ -126,6 +126,17 @@ def test_no_bytecode_and_no_tests_of_ours(made, kind):
     assert not [name for name in found if name.startswith(("tests/", "leaflight/tests"))]
 
 
+@pytest.mark.parametrize("kind", ["wheel", "legacy"])
+def test_no_methods_of_the_thesis(made, kind):
+    """Checks files, and a message of core/thesis in the compiled module."""
+    with zipfile.ZipFile(made[kind]) as archive:
+        found = archive.namelist()
+        (module,) = (name for name in found if "leaflight/_core." in name and ".pyi" not in name)
+        code = archive.read(module)
+    assert not [name for name in found if "thesis" in name]
+    assert b"LeaflightError" in code and b"There is no estimator named" not in code
+
+
 def test_blender_gets_the_package_without_numpy(made, extension):
     assert extension[1]["leaflight"] == made["wheel"].read_bytes()
     assert "numpy" not in extension[1]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fixtures of all tests: small volumes, one small bake, and two ways to call the command line."""
 
+import importlib
 import math
 import signal
 import subprocess
@@ -70,6 +71,14 @@ def colin27():
     if not COLIN27.exists():
         pytest.skip("the Debian package mricron-data is not installed")
     return COLIN27
+
+
+@pytest.fixture(scope="session")
+def thesis():
+    """Returns the package validation/thesis, whose module only the build tree has."""
+    if not Path(leaflight.__file__).is_relative_to(ROOT / "build"):
+        pytest.skip("no package contains the methods of the thesis")
+    return importlib.import_module("thesis")
 
 
 @pytest.fixture

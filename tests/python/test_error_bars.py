@@ -27,13 +27,13 @@ def volumes(bump_scene):
     }
 
 
-def deviations_over_errors(volume, scene, **settings):
+def deviations_over_errors(bake, volume, scene, **settings):
     """Returns the deviation of each seed and lit texel from the mean of the others, over the
     reported error of the texel.
     """
     values, errors = [], []
     for seed in range(1000, 1000 + SEEDS):
-        grid = leaflight.thesis.bake(volume, scene, seed=seed, **settings).grid
+        grid = bake(volume, scene, seed=seed, **settings).grid
         active = grid.mask().astype(bool)
         values.append(grid.dense("radiance")[active].mean(axis=-1, dtype=np.float64))
         errors.append(np.float64(grid.dense("radiance_error")[active]))
@@ -58,10 +58,10 @@ def deviations_over_errors(volume, scene, **settings):
         ("nucleons", "path"),
     ],
 )
-def test_intervals_hold(volumes, name, estimator):
+def test_intervals_hold(thesis, volumes, name, estimator):
     volume, scene, isovalues = volumes[name]
     settings = {"estimator": estimator, "photons": 100_000, "isovalues": isovalues}
-    z = deviations_over_errors(volume, scene, **settings)
+    z = deviations_over_errors(thesis.bake, volume, scene, **settings)
     assert z.size > 3000
     allowance = ALLOWANCE * np.sqrt(0.05 * 0.95 / z.size)
     assert 0.93 - allowance <= (z <= QUANTILE).mean() <= 0.97 + allowance
@@ -69,22 +69,22 @@ def test_intervals_hold(volumes, name, estimator):
     assert 0.6 < (z <= QUANTILE / 2).mean() < 0.8
 
 
-def test_no_texel_is_sure_to_be_dark(volumes):
+def test_no_texel_is_sure_to_be_dark(thesis, volumes):
     """Checks the last texels of an isovalue range, which have few samples, if any. They take light
     of their neighbors.
     """
     volume, scene, isovalues = volumes["nucleons"]
-    grid = leaflight.thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
+    grid = thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
     active = grid.mask().astype(bool)
     assert (grid.dense("radiance_error")[active] == 0).mean() < 0.001
 
 
-def test_estimated_error_of_the_bake(bump_scene):
+def test_estimated_error_of_the_bake(thesis, bump_scene):
     """Checks that it falls with samples as expected, and equals the difference between two
     seeds.
     """
     few, more = (
-        leaflight.thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
+        thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
         for samples in (8, 128)
     )
     estimated = few.statistics.estimated_rms_percent

@@ -124,9 +124,6 @@ def test_points_are_in_bounds(box_bake, lapr_bake, far):
         lambda: box_bake.radiance(points),
         lambda: box_bake.radiance_error(points),
         lambda: box_bake.reference(points, 47.0, spp=1),
-        lambda: leaflight.thesis.bake(
-            box_bake.volume, isovalues=(30, 70), samples=1, estimator="path", only_at=points
-        ),
         lambda: lapr_bake.mesh_reference(
             0, ([0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far]), 0.5
         ),

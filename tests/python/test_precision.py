@@ -17,11 +17,12 @@ BAKES = """
 import sys
 import leaflight
 import numpy as np
+import thesis
 
 scene = leaflight.load_scene(sys.argv[1])
 grids = {}
 for estimator in sys.argv[3:]:
-    baked = leaflight.thesis.bake(
+    baked = thesis.bake(
         leaflight.bump_box(20), scene, samples=4, photons=20_000, isovalues=(30.0, 70.0),
         estimator=estimator, both_sides=True,
     )
@@ -38,7 +39,7 @@ def bakes(root, preset, folder):
         pytest.skip(f"the preset {preset} is not built")
     path = folder / f"{preset}.npz"
     arguments = ("-c", BAKES, root / "scenes" / "bump_box.json", path, *ESTIMATORS)
-    run_python(*arguments, paths=[package], check=True)
+    run_python(*arguments, paths=[package, root / "validation"], check=True)
     return np.load(path)
 
 

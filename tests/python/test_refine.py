@@ -9,7 +9,6 @@ import pytest
 from cone import FINE, cone, stopping
 from leaflight import load_bake, refine
 from leaflight.volume.setting_error import SettingError
-from outcomes import refused
 from same_bytes import assert_same_light
 
 
@@ -118,11 +117,6 @@ def test_what_is_good_enough_is_not_continued(box):
     with pytest.raises(SettingError, match="already") as caught:
         refine(baked)
     assert caught.value.settings == ("error",)
-
-
-def test_a_fixed_amount_of_work_is_not_continued(bump_scene, fixed_work):
-    baked = leaflight.thesis.bake(leaflight.bump_box(8), bump_scene, **fixed_work)
-    refused("fixed amount", refine, baked, error=0.1)
 
 
 def test_the_command_line(cli, root, tmp_path):

@@ -48,7 +48,7 @@ def test_volumes_shade_each_other(lapr_scene):
 
 
 @pytest.mark.slow
-def test_near_isosurfaces_do_not_look_each_other_up():
+def test_near_isosurfaces_do_not_look_each_other_up(thesis):
     """Checks that glowing nucleons light each other as path tracing does.
 
     Texels between them contain light of isosurfaces that face away; using these made neutrons 19 %
@@ -58,10 +58,7 @@ def test_near_isosurfaces_do_not_look_each_other_up():
     volumes = [open_volume(f"nucleons:{k}", dims=[32]) for k in (0, 1)]
     settings = {"samples": 16, "photons": 500_000}
     gathered, traced = (
-        [
-            grid.dense("radiance").sum()
-            for grid in leaflight.thesis.bake(volumes, scene, **work).grids
-        ]
+        [grid.dense("radiance").sum() for grid in thesis.bake(volumes, scene, **work).grids]
         for work in (settings, {"estimator": "path", **settings})
     )
     np.testing.assert_allclose(gathered, traced, rtol=0.06)

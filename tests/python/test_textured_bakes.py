@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import Checkpoint, Volume, thesis
+from leaflight import Checkpoint, Volume
 from leaflight.flatland import bake_flatland, bump_box_2d, flat_box
 from leaflight.io.scene_file import cornell_box
 from leaflight.measure.sides import IsosurfaceSide, MeshSide
@@ -88,7 +88,7 @@ def test_each_of_several_volumes_has_its_texture(tmp_path):
 
 
 @pytest.mark.parametrize("estimator", ["path", "gather", "volumetric", "thesis"])
-def test_fixed_samples_and_photons_have_the_color(estimator, tmp_path):
+def test_fixed_samples_and_photons_have_the_color(thesis, estimator, tmp_path):
     """Checks a red half beside path tracing, and that a file holds the color once."""
     bake = thesis.bake(
         on_box(wavy, 16),

@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests bakes with fixed samples: estimators and strategies by their names."""
 
-from dataclasses import asdict
+import gc
+from dataclasses import asdict, fields
+from typing import get_type_hints
 
 import leaflight
 import numpy as np
 import pytest
-from leaflight import thesis
+from leaflight import _core
 from leaflight.bake.statistics import outcome
 from leaflight.flatland import bump_box_2d
-from leaflight.thesis import PhotonMap, Scattered, bake_flatland
 from outcomes import refused
 from same_bytes import assert_same_bake
+
+# No package contains them; the fixture `thesis` of other tests wants them in the build tree.
+thesis = pytest.importorskip("thesis")
+from thesis.settings import FixedSamples, PhotonMap, SampleOptions, Scattered  # noqa: E402
 
 STRATEGIES = ("uniform", "stratified", "importance", "level_set", "letters", "slabs", "regular")
 
@@ -28,7 +33,7 @@ def bake_box(bump_scene, fixed_work):
 def bake_flat():
     def bake(**arguments):
         settings = {"samples": 8, "photons": 20_000, **arguments}
-        return bake_flatland(bump_box_2d(24), **settings)
+        return thesis.bake_flatland(bump_box_2d(24), **settings)
 
     return bake
 
@@ -132,6 +137,36 @@ def test_only_some_texels(bump_scene, fixed_work):
     assert not whole.provenance.fixed["only_at_sha256"]
     refused("only_at is empty", thesis.bake, volume, bump_scene, only_at=points[:0], **settings)
     refused("all texels", thesis.bake, volume, bump_scene, only_at=points, **fixed_work)
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e19, -1e308])
+def test_points_are_in_bounds(bump_scene, fixed_work, far):
+    points = np.full((3, 3), 0.5)
+    points[1, 2] = far
+    settings = {**fixed_work, "estimator": "path", "only_at": points}
+    refused("1e18", thesis.bake, leaflight.bump_box(8), bump_scene, **settings)
+
+
+def test_a_fixed_amount_of_work_is_neither_continued_nor_relit_nor_moved(bump_scene, fixed_work):
+    volume = leaflight.bump_box(8)
+    baked = thesis.bake(volume, bump_scene, **fixed_work)
+    refused("fixed amount", leaflight.refine, baked, error=0.1)
+    refused("no exact direct light", baked.relit, {bump_scene.lights[0].name: 2})
+    refused("no exact direct light", baked.moved, volume, bump_scene)
+
+
+def test_large_arrays_are_counted_right(bump_scene, fixed_work):
+    """Checks that no array of one compiled module ends in the other."""
+    volume, before = leaflight.bump_box(100), _core.large_memory()
+    thesis.bake(volume, bump_scene, **{**fixed_work, "samples": 1, "resolution": 8})
+    del volume
+    gc.collect()
+    assert _core.large_memory() == before
+
+
+def test_options_are_the_settings_by_their_names():
+    types = {one.name: one.type for one in fields(FixedSamples)}
+    assert types == get_type_hints(SampleOptions)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ MUTATIONS = (
     ),
     Mutation(
         "missing 1 / kappa of the clipped sphere (thesis Eq. 4.10)",
-        "src/thesis/density_region.cpp",
+        "thesis/density_region.cpp",
         "return (below(high) - below(low)) / kappa;",
         "return below(high) - below(low);",
         "NumericsUnits.DimLightChangesNothing",

@@ -21,11 +21,11 @@ from leaflight.bake.bake import bake
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.cycles import bake_vertices
 from leaflight.scene.scene import fit_scene, match_isosurfaces
-from leaflight.thesis import Scattered
-from leaflight.thesis import bake as bake_fixed_samples
 from leaflight.volume.volume import bump_box
 
+from .bake import bake as bake_fixed_samples
 from .isosurfaces import isosurfaces
+from .settings import Scattered
 
 ISOVALUES = (20.0, 47.0, 100.0)
 # Photons per ray of a texel, as in the defaults of `thesis.bake`.

@@ -11,12 +11,14 @@ from leaflight.bake.color_error import rms_percent
 from leaflight.flatland.flatland import BRIGHTNESS_CORRECTION, bump_box_2d
 from leaflight.io.scene_file import cornell_box, packaged_scene
 from leaflight.scene.scene import fit_scene, match_isosurfaces
-from leaflight.thesis import Scattered, bake, bake_flatland
 from leaflight.volume.particles import neuron
 from leaflight.volume.volume import bump_box
 
+from .bake import bake
+from .flatland import bake_flatland
 from .isosurfaces import isosurfaces
 from .pictures import slice_picture, surface_picture, texture_picture
+from .settings import Scattered
 
 # Strategies that leave gaps, whose errors must be several times those of uniform samples.
 BAD = ("letters", "slabs", "level_set")

@@ -185,7 +185,7 @@ class Bake:
         lamps alike, are changed. Emission of meshes and isosurfaces is unchanged. Texels are shared
         with this bake.
         Raises LeaflightError for a name that no lamp has, and if the bake has no exact direct
-        light: bakes of mirrors, of glass, of backs of several volumes, or of thesis.bake().
+        light: bakes of mirrors, of glass, of backs of several volumes, or of fixed samples.
         """
         return relit(self, lamps)
 

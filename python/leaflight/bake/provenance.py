@@ -19,9 +19,9 @@ from ..scene.scene import Color, Isosurfaces
 from ..version import __version__
 from ..volume.regions import cuts_to_record, frozen
 from ..volume.volume import Volume
+from .settings import CoreSettings
 
 _IN_PASSES = (_core.BakeSettings, _core.BakeSettings2)
-_Settings = _core.BakeSettings | _core.BakeSettings2 | _core.FixedSettings | _core.FixedSettings2
 
 # Version of the file, as in core/src/io/bake_file.cpp.
 _VERSION = "2"
@@ -65,7 +65,7 @@ class Provenance:
     passes, blocks: Numbers of passes and blocks of indirect light in the averages. Fixed settings
         have none.
     continued: Id of the bake that this one resumed, or "".
-    fixed: Settings of a fixed number of samples (../thesis), or None.
+    fixed: Settings of a fixed number of samples (validation/thesis), or None.
     lamps: Strength (r, g, b) of each lamp of a bake that relit() made, which is never saved; else
         None.
     """
@@ -136,7 +136,7 @@ def provenance_of(
     isosurfaces: Sequence[Isosurfaces],
     scene: str,
     isovalue_range: tuple[float, float],
-    settings: _Settings,
+    settings: CoreSettings,
     fixed: Mapping[str, Any] | None = None,
 ) -> Provenance:
     """Returns the Provenance of a bake before its first pass.

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypedDict, TypeVar
+from typing import Any, Protocol, TypedDict, TypeVar
 
 import leaflight._core as _core
 import numpy as np
@@ -16,16 +16,20 @@ from ..volume.volume import Volume
 from ..words import figures
 
 _InPasses = TypeVar("_InPasses", _core.BakeSettings, _core.BakeSettings2)
-_Settings = TypeVar(
-    "_Settings",
-    _core.BakeSettings,
-    _core.BakeSettings2,
-    _core.FixedSettings,
-    _core.FixedSettings2,
-)
+_Settings = TypeVar("_Settings", bound="CoreSettings")
 
 # Default target error, as rms_percent of compare().
 DEFAULT_ERROR = 1.5
+
+
+class CoreSettings(Protocol):
+    """Settings of the core for any bake, with fixed samples, too (validation/thesis)."""
+
+    resolution: Any
+    seed: Any
+    threads: Any
+    both_sides: bool
+    walls: bool
 
 
 class UnusedSetting(UserWarning):

@@ -23,7 +23,7 @@ class SkippedPass(NamedTuple):
 
 @dataclass(frozen=True)
 class Statistics:
-    """The cost of a bake in passes, or of one with a fixed number of samples (../thesis).
+    """The cost of a bake in passes, or of one with a fixed number of samples (validation/thesis).
 
     A fixed number of samples has no passes and no estimated errors: 0 and None.
 

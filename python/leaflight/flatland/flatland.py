@@ -19,7 +19,13 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.checkpoint import Checkpoint
 from ..bake.provenance import Provenance, provenance_of
-from ..bake.settings import BakeOptions, BakeSettings, CommonSettings, range_to_bake
+from ..bake.settings import (
+    BakeOptions,
+    BakeSettings,
+    CommonSettings,
+    CoreSettings,
+    range_to_bake,
+)
 from ..bake.statistics import Statistics, statistics_of
 from ..io.images import display_colors, luminance, read_pixels
 from ..paths import AnyPath
@@ -165,7 +171,7 @@ def flat_provenance(
     volume: Volume,
     scene: FlatScene,
     isovalue_range: tuple[float, float],
-    settings: _core.BakeSettings2 | _core.FixedSettings2,
+    settings: CoreSettings,
     fixed: Mapping[str, Any] | None = None,
 ) -> Provenance:
     """Returns the Provenance of a FlatBake before its first pass, as provenance_of()."""

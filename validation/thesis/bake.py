@@ -4,16 +4,17 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import _thesis
 import leaflight._core as _core
+from leaflight.bake.bake import placed
+from leaflight.bake.baked import Bake
+from leaflight.bake.color_error import estimated_rms_percent
+from leaflight.bake.provenance import provenance_of
+from leaflight.bake.statistics import cost_of
+from leaflight.io.scene_file import scene_to_json
+from leaflight.progress_bar import with_progress
+from leaflight.scene.scene import SceneDescription, core_scene
 
-from ..bake.bake import placed
-from ..bake.baked import Bake
-from ..bake.color_error import estimated_rms_percent
-from ..bake.provenance import provenance_of
-from ..bake.statistics import cost_of
-from ..io.scene_file import scene_to_json
-from ..progress_bar import with_progress
-from ..scene.scene import SceneDescription, core_scene
 from .settings import FixedSamples, SampleOptions
 
 if TYPE_CHECKING:
@@ -47,9 +48,9 @@ def bake(
     fixed = FixedSamples(**settings)
     volumes, description, isovalue_range = placed(volumes, scene, fixed.isovalues)
     fields = [volume.field() for volume in volumes]
-    of_core = fixed.core(_core.FixedSettings, fields[0].dims)
+    of_core = fixed.core(_thesis.FixedSettings, fields[0].dims)
     core = core_scene(description, fields, isovalue_range)
-    baked = _core.bake_with_fixed_samples(core, of_core, progress or _core.Progress())
+    baked = _thesis.bake_with_fixed_samples(core, of_core, progress or _core.Progress())
     noise = estimated_rms_percent(baked.grids, description.exposure)
     statistics = replace(cost_of(baked), estimated_rms_percent=noise)
     text = scene_to_json(description)

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The methods of the thesis: bakes with a fixed number of samples, to compare with leaflight.bake.
 
-import leaflight
+PYTHONPATH=build/release/python:validation python3
 
-bake = leaflight.thesis.bake(volume, samples=64, estimator="path")
+import thesis
+
+bake = thesis.bake(volume, samples=64, estimator="path")
 """
 
 from .bake import bake

@@ -5,15 +5,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, astuple, dataclass
 from typing import Any, TypeVar
 
-import leaflight._core as _core
+import _thesis
 import numpy as np
+from leaflight import LeaflightError
+from leaflight.bake.provenance import sha256
+from leaflight.bake.settings import CommonOptions, CommonSettings, whole
 from numpy.typing import ArrayLike
 
-from .._core import LeaflightError
-from ..bake.settings import CommonOptions, CommonSettings, whole
-from ..bake.provenance import sha256
-
-_Settings = TypeVar("_Settings", _core.FixedSettings, _core.FixedSettings2)
+_Settings = TypeVar("_Settings", _thesis.FixedSettings, _thesis.FixedSettings2)
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ class FixedSamples(CommonSettings):
     only_at: ArrayLike | None = None
 
     def core(self, kind: Callable[[], _Settings], dims: Sequence[int]) -> _Settings:
-        """Returns core settings, a kind (_core.FixedSettings or FixedSettings2), for nodes dims.
+        """Returns core settings, a kind (_thesis.FixedSettings or FixedSettings2), for nodes dims.
 
         Raises LeaflightError.
         """
