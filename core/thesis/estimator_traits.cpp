@@ -11,11 +11,11 @@ namespace {
 
 // The order is that of EstimatorName.
 const std::array<EstimatorTraits, 4> estimators{{
-    // {name, photons, walls, caustics}, estimator, rays, caches, density
-    {{"volumetric", true, false, false}, EstimatorName::volumetric, 0, true, true},
-    {{"gather", true, true, false}, EstimatorName::gather, 1, true, false},
-    {{"path", false, false, true}, EstimatorName::path, 6, false, false},
-    {{"thesis", true, false, true}, EstimatorName::thesis, 0, false, false},
+    // {name, photons, walls, caustics}, estimator, rays, caches
+    {{"volumetric", true, false, false}, EstimatorName::volumetric, 0, true},
+    {{"gather", true, true, false}, EstimatorName::gather, 1, true},
+    {{"path", false, false, true}, EstimatorName::path, 6, false},
+    {{"thesis", true, false, true}, EstimatorName::thesis, 0, false},
 }};
 
 }  // namespace

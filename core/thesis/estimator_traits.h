@@ -12,7 +12,6 @@ struct EstimatorTraits : IndirectMethod {
   EstimatorName estimator;
   double rays_per_sample;  // on average
   bool caches;             // true if photons go to the caches of isosurfaces
-  bool density;            // true if lookups use the photon density itself, with its noise
 };
 
 const EstimatorTraits& traits_of(EstimatorName estimator);

@@ -8,6 +8,7 @@
 #include "bake/walls/light_walls.h"
 #include "bake/walls/wall_light.h"
 #include "base/platform.h"
+#include "base/sampling.h"
 #include "thesis/isosurface_passes.h"
 #include "thesis/thesis_estimator.h"
 #include "transport/placement.h"
@@ -16,6 +17,9 @@ namespace leaflight {
 namespace {
 
 constexpr int wall_samples = 8;
+// Ratio of the samples of a wall's vertex to those of a texel. Vertices are fewer and farther
+// apart.
+constexpr int walls_share = 2;
 
 template <int D>
 double expected_rays(const FixedBake<D>& bake, const std::vector<SubdividedMesh<D>>& walls) {
@@ -45,9 +49,27 @@ std::vector<PhotonMap<D>> trace_into_maps(FixedBake<D>& bake) {
   return make_photon_maps(bake.tracer, photons, settings.photon_map);
 }
 
+// Returns the radiance that one side of a volume's texels reflects, with the albedo of the
+// isosurface in each texel. `direct`: direct light; empty if photons include it.
+template <int D>
+std::vector<Rgb> side_radiance(const Volume<D>& volume, const IsosurfaceRadiance<D>& isosurface,
+                               const std::vector<Average>& direct, bool back) {
+  const TexelLattice<D>& lattice = *isosurface.lattice;
+  std::vector<Rgb> radiance(lattice.active.size());
+  for (std::size_t s = 0; s < radiance.size(); ++s) {
+    const Vec<D> center = lattice.center(lattice.active[s]);
+    const Rgb albedo = albedo_near(volume, center) * volume.texture_at(center);
+    radiance[s] = albedo / static_cast<Real>(projected_hemisphere<D>) *
+                  isosurface.photons->irradiance(static_cast<std::int32_t>(s), back);
+    if (!direct.empty()) radiance[s] += direct[s].mean;
+  }
+  return radiance;
+}
+
 // Makes the estimator, which looks up light of the bake; null if there is no indirect light.
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
+std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake,
+                                                     const std::vector<SideAverages>& direct) {
   if (!bake.plan.indirect) return nullptr;
   const SurfaceCache<D>* walls = bake.photons.walls.get();
   switch (bake.settings.estimator) {
@@ -58,6 +80,12 @@ std::unique_ptr<IndirectEstimator<D>> make_estimator(FixedBake<D>& bake) {
     case EstimatorName::thesis:
       return make_thesis_estimator(trace_into_maps(bake), walls);
     default:
+      for (std::size_t v = 0; v < direct.size(); ++v) {
+        for (const bool back : {false, true}) {
+          bake.isosurfaces[v].radiance[back] = side_radiance(
+              bake.tracer.scene().volumes[v], bake.isosurfaces[v], direct[v][back], back);
+        }
+      }
       return make_gather_estimator(bake.tracer, bake.lights, bake.isosurfaces, *walls);
   }
 }
@@ -86,9 +114,6 @@ std::vector<SideAverages> light_directly(FixedBake<D>& bake) {
     isosurface.lattice = &bake.lattices[v];
     isosurface.photons =
         bake.photons.isosurfaces.empty() ? nullptr : bake.photons.isosurfaces[v].get();
-    for (int side = 0; side < bake.sides(); ++side) {
-      for (const Average& a : direct[v][side]) isosurface.direct[side].push_back(a.mean);
-    }
   }
   return direct;
 }
@@ -102,6 +127,19 @@ SideAverages light_indirectly(FixedBake<D>& bake, std::size_t volume,
     indirect[side] = indirect_pass(bake, texels_of(bake, volume, side), estimator);
   }
   return indirect;
+}
+
+// Makes a grid whose errors include those of direct light.
+template <int D>
+RadianceGrid<D> grid_of(const SideAverages& direct, SideAverages indirect) {
+  std::array<std::vector<Rgb>, 2> means;
+  for (const bool back : {false, true}) {
+    for (std::size_t s = 0; s < direct[back].size(); ++s) {
+      means[back].push_back(direct[back][s].mean);
+      indirect[back][s].variance += direct[back][s].variance;
+    }
+  }
+  return make_grid<D>({}, means, std::move(indirect));
 }
 
 template <int D>
@@ -124,17 +162,16 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
   // Trace photons into caches.
   const EstimatorTraits& traits = traits_of(settings.estimator);
   if ((plan.photons && traits.caches) || plan.caustics || plan.wall_cache) {
-    const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons,
-                                 traits.density, traits.walls ? wall_samples : 0};
+    const PhotonSettings photons{settings.seed, settings.photons, settings.caustic_photons, true,
+                                 traits.walls ? wall_samples : 0};
     bake.photons = trace_into_caches(tracer, lights, bake.lattices, photons, plan, progress);
   }
   // Light the isosurfaces: direct light first, because indirect light looks it up.
   std::vector<SideAverages> direct = light_directly(bake);
-  const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake);
+  const std::unique_ptr<IndirectEstimator<D>> estimator = make_estimator(bake, direct);
   Baked<D> baked;
   for (std::size_t v = 0; v < direct.size(); ++v) {
-    baked.grids.push_back(
-        make_grid<D>({}, std::move(direct[v]), light_indirectly(bake, v, estimator.get())));
+    baked.grids.push_back(grid_of<D>(direct[v], light_indirectly(bake, v, estimator.get())));
   }
   // Light the walls.
   if (plan.walls) {

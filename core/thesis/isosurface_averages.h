@@ -7,7 +7,7 @@
 #include "bake/texels/pooled_variance.h"
 #include "bake/texels/texel_samples.h"
 #include "base/parallel.h"
-#include "base/sample_average.h"
+#include "thesis/moments.h"
 
 namespace leaflight {
 
@@ -22,6 +22,8 @@ struct IsosurfaceSamples {
 };
 
 inline constexpr std::size_t texels_per_piece = 64;
+// Number of blocks in which a texel's samples are averaged (see Moments).
+inline constexpr int blocks_per_texel = 4;
 
 // Averages radiance(point, keys, i, rays) over the samples of every active texel. The weight |grad
 // c| dV = dA dc makes it a mean over the area of the isosurfaces, which lookups see. Otherwise

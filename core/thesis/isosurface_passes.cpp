@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "thesis/isosurface_passes.h"
 
+#include "thesis/photon_estimator.h"
 #include "thesis/scattered_averages.h"
 
 namespace leaflight {
@@ -26,7 +27,7 @@ std::vector<Average> average_isosurfaces(FixedBake<D>& bake, const IsosurfaceTex
 // Adds the variance that all samples of a texel share, which their spread cannot show.
 template <int D>
 void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& texels,
-                         const IndirectEstimator<D>* estimator, std::vector<Average>& averages) {
+                         const PhotonEstimator<D>* estimator, std::vector<Average>& averages) {
   const Volume<D>& scene_volume = bake.tracer.scene().volumes[texels.volume];
   for (std::size_t s = 0; s < averages.size(); ++s) {
     const Vec<D> center = texels.lattice.center(texels.lattice.active[s]);
@@ -54,15 +55,16 @@ std::vector<Average> indirect_pass(FixedBake<D>& bake, const IsosurfaceTexels<D>
                                    const IndirectEstimator<D>* estimator) {
   const PointSampler<D> from = bake.sampler();
   std::vector<Average> averages(texels.lattice.active.size());
+  const auto* of_photons = dynamic_cast<const PhotonEstimator<D>*>(estimator);
   const bool glows = bake.tracer.scene().volumes[texels.volume].emission.largest() > 0;
   if (estimator || bake.plan.caustics || glows) {
     averages = average_isosurfaces(
-        bake, texels, estimator ? bake.indirect_rays() : 0, estimator && estimator->is_random(),
+        bake, texels, estimator ? bake.indirect_rays() : 0, estimator && !of_photons,
         [&](const SurfacePoint<D>& point, const SampleKeys& keys, int i, std::uint64_t& rays) {
           return from.indirect(point, estimator, keys, i, rays);
         });
   }
-  add_shared_variance(bake, texels, estimator, averages);
+  add_shared_variance(bake, texels, of_photons, averages);
   return averages;
 }
 

@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/sample_average.h"
 #include "thesis/kd_tree.h"
+#include "thesis/moments.h"
 
 namespace leaflight {
 namespace {

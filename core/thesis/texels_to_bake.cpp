@@ -10,6 +10,24 @@ bool is_stored(const Volume<D>& volume) {
   return volume.scattering == Scattering::diffuse;
 }
 
+// Leaves active only the texels that lookups at these index positions may use.
+template <int D>
+void restrict_to_lookups(TexelLattice<D>& lattice, const std::vector<Vec<D>>& index_positions) {
+  std::vector<bool> used(lattice.texels(), false);
+  for (const Vec<D>& position : index_positions) {
+    const Index<D> low = lattice.cell_point(position).cell;
+    Index<D> high = low;
+    for (int& n : high) n += 2;
+    for_each_index<D>(low, high,
+                      [&](const Index<D>& texel) { used[lattice.linear(texel)] = true; });
+  }
+  std::vector<std::uint32_t> active;
+  for (const std::uint32_t texel : lattice.active) {
+    if (used[texel]) active.push_back(texel);
+  }
+  lattice.activate(std::move(active));
+}
+
 template <int D>
 TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueRange& isosurfaces,
                            const FixedSettings<D>& settings) {
@@ -17,14 +35,14 @@ TexelLattice<D> lattice_of(const Volume<D>& volume, const IsovalueRange& isosurf
   const Index<D> resolution = settings.resolution == Index<D>{} ? field.dims : settings.resolution;
   if (!is_stored(volume)) return inactive_lattice<D>(field.dims, resolution);
   const IsovalueRange isovalue_range = volume.isovalues(isosurfaces);
-  if (settings.only_at.empty())
-    return make_lattice(field, resolution, isovalue_range.min, isovalue_range.max);
+  TexelLattice<D> lattice = make_lattice(field, resolution, isovalue_range.min, isovalue_range.max);
+  if (settings.only_at.empty()) return lattice;
   std::vector<Vec<D>> positions;
   for (const Vec<D>& point : settings.only_at) {
     positions.push_back(field.world_to_index.point(point));
   }
-  const std::vector<bool> considered = texels_around<D>(field.dims, resolution, positions);
-  return make_lattice(field, resolution, isovalue_range.min, isovalue_range.max, &considered);
+  restrict_to_lookups(lattice, positions);
+  return lattice;
 }
 
 }  // namespace

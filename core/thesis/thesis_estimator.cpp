@@ -7,7 +7,7 @@ namespace leaflight {
 namespace {
 
 template <int D>
-class ThesisEstimator final : public IndirectEstimator<D> {
+class ThesisEstimator final : public PhotonEstimator<D> {
  public:
   ThesisEstimator(std::vector<PhotonMap<D>> photons, const SurfaceCache<D>* walls)
       : photons_(std::move(photons)), walls_(walls) {}
@@ -21,7 +21,6 @@ class ThesisEstimator final : public IndirectEstimator<D> {
                       point.position, point.c, isosurface.back,
                       point.geometric_normal * isosurface.gradient_length);
   }
-  bool is_random() const override { return false; }
   float shared_variance(const IsosurfaceTexel<D>& texel, const Rgb& radiance) const override {
     const double mean = average(radiance);
     return static_cast<float>(mean * mean / photons_[texel.volume].settings().k);
@@ -55,8 +54,8 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
 }
 
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
-                                                            const SurfaceCache<D>* walls) {
+std::unique_ptr<PhotonEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
+                                                          const SurfaceCache<D>* walls) {
   return std::make_unique<ThesisEstimator<D>>(std::move(photons), walls);
 }
 
@@ -66,9 +65,9 @@ template std::vector<PhotonMap<2>> make_photon_maps(const SceneTracer<2>&,
 template std::vector<PhotonMap<3>> make_photon_maps(const SceneTracer<3>&,
                                                     const std::vector<StoredPhoton<3>>&,
                                                     const PhotonMapSettings&);
-template std::unique_ptr<IndirectEstimator<2>> make_thesis_estimator(std::vector<PhotonMap<2>>,
-                                                                     const SurfaceCache<2>*);
-template std::unique_ptr<IndirectEstimator<3>> make_thesis_estimator(std::vector<PhotonMap<3>>,
-                                                                     const SurfaceCache<3>*);
+template std::unique_ptr<PhotonEstimator<2>> make_thesis_estimator(std::vector<PhotonMap<2>>,
+                                                                   const SurfaceCache<2>*);
+template std::unique_ptr<PhotonEstimator<3>> make_thesis_estimator(std::vector<PhotonMap<3>>,
+                                                                   const SurfaceCache<3>*);
 
 }  // namespace leaflight

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "thesis/photon_estimator.h"
 #include "thesis/photon_map.h"
-#include "transport/indirect_estimator.h"
 
 namespace leaflight {
 
@@ -17,7 +17,7 @@ std::vector<PhotonMap<D>> make_photon_maps(const SceneTracer<D>& tracer,
 // the surface cache, which must outlive the estimator and is null if there are no walls. `photons`:
 // maps, one per volume.
 template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
-                                                            const SurfaceCache<D>* walls);
+std::unique_ptr<PhotonEstimator<D>> make_thesis_estimator(std::vector<PhotonMap<D>> photons,
+                                                          const SurfaceCache<D>* walls);
 
 }  // namespace leaflight

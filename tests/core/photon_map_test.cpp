@@ -205,7 +205,7 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
                   if (photon.point.kind() == HitKind::isosurface) cache.deposit(photon);
                 });
   cache.finish(progress);
-  const std::vector<IsosurfaceRadiance<D>> isosurfaces{{&lattice, &cache, {}}};
+  const std::vector<IsosurfaceRadiance<D>> isosurfaces{{&lattice, &cache}};
   const auto volumetric = make_volumetric_estimator<D>(isosurfaces, nullptr);
   const std::vector<StoredPhoton<D>> photons = photons_of(tracer, count);
   for (const Expected& expected : stated) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tests reported variances against the true variances over many random keys.
-#include "base/sample_average.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "bake/texels/texel_moments.h"
 #include "base/low_discrepancy.h"
 #include "statistics.h"
+#include "thesis/moments.h"
 #include "transport/flux_accumulator.h"
 
 namespace leaflight {

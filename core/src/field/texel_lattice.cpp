@@ -106,7 +106,7 @@ void check_resolution(const Index<D>& resolution) {
 
 template <int D>
 TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
-                             double high, const std::vector<bool>* considered) {
+                             double high) {
   check_resolution<D>(resolution);
   const std::size_t texels = cell_count<D>(resolution);
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
@@ -116,7 +116,6 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
   tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
     const std::size_t end = std::min<std::size_t>((p + 1) * piece, texels);
     for (std::size_t i = p * piece; i < end; ++i) {
-      if (considered && !(*considered)[i]) continue;
       if (reached(field, lattice, i, low, high)) {
         pieces[p].push_back(static_cast<std::uint32_t>(i));
       }
@@ -201,21 +200,6 @@ TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& ind
 }
 
 template <int D>
-std::vector<bool> texels_around(const Index<D>& dims, const Index<D>& resolution,
-                                const std::vector<Vec<D>>& index_positions) {
-  const TexelLattice<D> lattice = inactive_lattice<D>(dims, resolution);
-  std::vector<bool> around(lattice.texels(), false);
-  for (const Vec<D>& position : index_positions) {
-    const Index<D> low = lattice.cell_point(position).cell;
-    Index<D> high = low;
-    for (int& n : high) n += 2;
-    for_each_index<D>(low, high,
-                      [&](const Index<D>& texel) { around[lattice.linear(texel)] = true; });
-  }
-  return around;
-}
-
-template <int D>
 std::int32_t nearest_active_slot(const TexelLattice<D>& lattice, const Vec<D>& index_position) {
   constexpr int reach = 3;
   const Vec<D> position = index_position / lattice.voxels_per_texel;
@@ -244,19 +228,13 @@ template TexelLattice<2> inactive_lattice<2>(const Index<2>&, const Index<2>&);
 template TexelLattice<3> inactive_lattice<3>(const Index<3>&, const Index<3>&);
 template void check_resolution<2>(const Index<2>&);
 template void check_resolution<3>(const Index<3>&);
-template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double,
-                                         const std::vector<bool>*);
-template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double,
-                                         const std::vector<bool>*);
+template TexelLattice<2> make_lattice<2>(const Field<2>&, const Index<2>&, double, double);
+template TexelLattice<3> make_lattice<3>(const Field<3>&, const Index<3>&, double, double);
 template std::size_t active_texels<2>(const Field<2>&, const Index<2>&, double, double);
 template std::size_t active_texels<3>(const Field<3>&, const Index<3>&, double, double);
 template std::int32_t nearest_active_slot<2>(const TexelLattice<2>&, const Vec<2>&);
 template std::int32_t nearest_active_slot<3>(const TexelLattice<3>&, const Vec<3>&);
 template TexelWeights<2> linear_weights<2>(const TexelLattice<2>&, const Vec<2>&);
 template TexelWeights<3> linear_weights<3>(const TexelLattice<3>&, const Vec<3>&);
-template std::vector<bool> texels_around<2>(const Index<2>&, const Index<2>&,
-                                            const std::vector<Vec<2>>&);
-template std::vector<bool> texels_around<3>(const Index<3>&, const Index<3>&,
-                                            const std::vector<Vec<3>>&);
 
 }  // namespace leaflight

@@ -77,11 +77,10 @@ template <int D>
 void check_resolution(const Index<D>& resolution);
 
 // Makes a lattice. A texel is active if h crosses a value of [low, high] within one texel of it.
-// `considered`: true for each texel that may be active. Throws Error if the lattice does not fit in
-// memory.
+// Throws Error if the lattice does not fit in memory.
 template <int D>
 TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, double low,
-                             double high, const std::vector<bool>* considered = nullptr);
+                             double high);
 
 // Counts the texels that make_lattice() would activate.
 template <int D>
@@ -99,10 +98,5 @@ struct TexelWeights {
 };
 template <int D>
 TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position);
-
-// Returns, for each texel, if lookups at these index positions may use it.
-template <int D>
-std::vector<bool> texels_around(const Index<D>& dims, const Index<D>& resolution,
-                                const std::vector<Vec<D>>& index_positions);
 
 }  // namespace leaflight

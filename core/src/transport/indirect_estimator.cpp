@@ -114,45 +114,6 @@ class PathEstimator final : public IndirectEstimator<D> {
   const CausticPhotons<D>* photons_;  // may be null
 };
 
-// Returns the variance of the radiance that the photon density of a texel gives.
-template <int D>
-float density_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
-                       const IsosurfaceTexel<D>& texel,
-                       float (IsosurfaceCache<D>::*variance)(std::int32_t, bool) const) {
-  const IsosurfaceRadiance<D>& isosurface = isosurfaces[texel.volume];
-  const std::int32_t slot = isosurface.lattice->nearest_slot(texel.center);
-  if (!isosurface.photons || slot == TexelLattice<D>::inactive) return 0;
-  const auto brdf = static_cast<float>(average(texel.albedo) / projected_hemisphere<D>);
-  return brdf * brdf * (isosurface.photons->*variance)(slot, texel.back);
-}
-
-template <int D>
-class VolumetricEstimator final : public IndirectEstimator<D> {
- public:
-  VolumetricEstimator(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
-                      const SurfaceCache<D>* walls)
-      : isosurfaces_(isosurfaces), walls_(walls) {}
-
-  Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>&, Random&,
-                        std::uint64_t&) const override {
-    const Rgb brdf = point.albedo / static_cast<Real>(projected_hemisphere<D>);
-    if (point.kind() == HitKind::mesh) return brdf * walls_->indirect_irradiance(point);
-    const IsosurfaceRadiance<D>& isosurface = isosurfaces_[point.isosurface().volume];
-    const std::int32_t slot =
-        isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
-    if (slot == TexelLattice<D>::inactive) return Rgb(0);
-    return brdf * isosurface.photons->indirect(slot, point.isosurface().back);
-  }
-  bool is_random() const override { return false; }
-  float shared_variance(const IsosurfaceTexel<D>& texel, const Rgb&) const override {
-    return density_variance<D>(isosurfaces_, texel, &IsosurfaceCache<D>::indirect_variance);
-  }
-
- private:
-  const std::vector<IsosurfaceRadiance<D>>& isosurfaces_;
-  const SurfaceCache<D>* walls_;
-};
-
 template <int D>
 class GatherEstimator final : public IndirectEstimator<D> {
  public:
@@ -162,19 +123,11 @@ class GatherEstimator final : public IndirectEstimator<D> {
       : tracer_(tracer), lights_(lights), isosurfaces_(isosurfaces), walls_(walls) {
     for (std::size_t v = 0; v < isosurfaces.size(); ++v) {
       const IsosurfaceRadiance<D>& isosurface = isosurfaces[v];
-      lattices_.push_back(isosurface.lattice);
       Affine<D> texel_to_frame = tracer.index_to_frame(static_cast<int>(v));
       for (int a = 0; a < D; ++a)
         texel_to_frame.column[a] *= isosurface.lattice->voxels_per_texel[a];
       frame_to_texels_.push_back(inverse(texel_to_frame));
       emissive_.push_back(tracer.scene().volumes[v].emission.largest() > 0);
-      std::array<std::vector<Rgb>, 2> sides;
-      for (int side = 0; side < 2 && isosurface.photons; ++side) {
-        sides[side] = isosurface.radiance[side].empty()
-                          ? side_radiance(tracer.scene().volumes[v], isosurface, side)
-                          : isosurface.radiance[side];
-      }
-      radiance_.push_back(std::move(sides));
     }
   }
 
@@ -223,22 +176,6 @@ class GatherEstimator final : public IndirectEstimator<D> {
            near * near;
   }
 
-  // Returns the reflected radiance of one side of a volume's texels, with the albedo of the
-  // isosurface in each texel.
-  static std::vector<Rgb> side_radiance(const Volume<D>& volume,
-                                        const IsosurfaceRadiance<D>& isosurface, int side) {
-    const TexelLattice<D>& lattice = *isosurface.lattice;
-    std::vector<Rgb> radiance(lattice.active.size());
-    for (std::size_t s = 0; s < radiance.size(); ++s) {
-      const Vec<D> center = lattice.center(lattice.active[s]);
-      const Rgb albedo = albedo_near(volume, center) * volume.texture_at(center);
-      radiance[s] = albedo / static_cast<Real>(projected_hemisphere<D>) *
-                    isosurface.photons->irradiance(static_cast<std::int32_t>(s), side);
-      if (!isosurface.direct[side].empty()) radiance[s] += isosurface.direct[side][s];
-    }
-    return radiance;
-  }
-
   // Returns incident light. A ray through mirrors or glass to a light is a caustic, which photons
   // carry.
   Rgb incident(Hit<D> hit, const Vec<D>& towards, double c, Random& random,
@@ -275,9 +212,10 @@ class GatherEstimator final : public IndirectEstimator<D> {
     }
     const Volume<D>& volume = tracer_.scene().volumes[hit.volume];
     const Rgb emission = emissive_[hit.volume] ? volume.emission.at(c) : Rgb(0);
-    const std::vector<Rgb>& radiance = radiance_[hit.volume][hit.isosurface.from_above];
-    const std::int32_t slot = slot_before(*lattices_[hit.volume], volume.field, hit.isosurface);
-    return slot == TexelLattice<D>::inactive ? emission : emission + radiance[slot];
+    const IsosurfaceRadiance<D>& known = isosurfaces_[hit.volume];
+    const std::int32_t slot = slot_before(*known.lattice, volume.field, hit.isosurface);
+    if (slot == TexelLattice<D>::inactive) return emission;
+    return emission + known.radiance[hit.isosurface.from_above][slot];
   }
 
   // Returns the slot of the texel half a texel in front of the hit. Texels in a thin shell contain
@@ -300,10 +238,8 @@ class GatherEstimator final : public IndirectEstimator<D> {
   const LightSampler<D>& lights_;
   const std::vector<IsosurfaceRadiance<D>>& isosurfaces_;
   const SurfaceCache<D>& walls_;
-  std::vector<const TexelLattice<D>*> lattices_;
   std::vector<Affine<D>> frame_to_texels_;
   std::vector<char> emissive_;
-  std::vector<std::array<std::vector<Rgb>, 2>> radiance_;  // per volume and side
 };
 
 }  // namespace
@@ -321,12 +257,6 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& 
                                                           const LightSampler<D>& lights,
                                                           const CausticPhotons<D>* photons) {
   return std::make_unique<PathEstimator<D>>(tracer, lights, photons);
-}
-
-template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
-    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>* walls) {
-  return std::make_unique<VolumetricEstimator<D>>(isosurfaces, walls);
 }
 
 template <int D>
@@ -348,12 +278,6 @@ Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
   return brdf * isosurface.photons->caustic(slot, point.isosurface().back);
 }
 
-template <int D>
-float caustic_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
-                       const IsosurfaceTexel<D>& texel) {
-  return density_variance<D>(isosurfaces, texel, &IsosurfaceCache<D>::caustic_variance);
-}
-
 template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
 template Rgb albedo_near<3>(const Volume<3>&, const Vec<3>&);
 template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTracer<2>&,
@@ -362,10 +286,6 @@ template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTr
 template std::unique_ptr<IndirectEstimator<3>> make_path_estimator(const SceneTracer<3>&,
                                                                    const LightSampler<3>&,
                                                                    const CausticPhotons<3>*);
-template std::unique_ptr<IndirectEstimator<2>> make_volumetric_estimator(
-    const std::vector<IsosurfaceRadiance<2>>&, const SurfaceCache<2>*);
-template std::unique_ptr<IndirectEstimator<3>> make_volumetric_estimator(
-    const std::vector<IsosurfaceRadiance<3>>&, const SurfaceCache<3>*);
 template std::unique_ptr<IndirectEstimator<2>> make_gather_estimator(
     const SceneTracer<2>&, const LightSampler<2>&, const std::vector<IsosurfaceRadiance<2>>&,
     const SurfaceCache<2>&);
@@ -376,9 +296,5 @@ template Rgb caustic_radiance<2>(const std::vector<IsosurfaceRadiance<2>>&, cons
                                  const SurfacePoint<2>&);
 template Rgb caustic_radiance<3>(const std::vector<IsosurfaceRadiance<3>>&, const SurfaceCache<3>*,
                                  const SurfacePoint<3>&);
-template float caustic_variance(const std::vector<IsosurfaceRadiance<2>>&,
-                                const IsosurfaceTexel<2>&);
-template float caustic_variance(const std::vector<IsosurfaceRadiance<3>>&,
-                                const IsosurfaceTexel<3>&);
 
 }  // namespace leaflight

@@ -9,15 +9,6 @@
 
 namespace leaflight {
 
-// A texel on one side of a volume's isosurfaces.
-template <int D>
-struct IsosurfaceTexel {
-  int volume;
-  bool back;
-  Vec<D> center;  // index position
-  Rgb albedo;
-};
-
 // A one-sample estimator of the radiance that a point reflects of indirect light. The point is on
 // an isosurface or a wall. Indirect light has bounced diffusely before, and may have passed mirrors
 // and glass. It is the indirect part of thesis Eq. 1.5. Caustics are excluded unless the estimator
@@ -30,13 +21,6 @@ class IndirectEstimator {
   // or point. `random`: for all further choices. Adds the traced rays to `rays`.
   virtual Rgb indirect_radiance(const SurfacePoint<D>& point, const std::array<double, 2>& u,
                                 Random& random, std::uint64_t& rays) const = 0;
-  // True if samples of one point differ.
-  virtual bool is_random() const { return true; }
-  // Returns the variance that all samples of a texel share, averaged over the channels. It is the
-  // variance of the photon density. `radiance`: mean of all samples.
-  virtual float shared_variance(const IsosurfaceTexel<D>&, const Rgb& /*radiance*/) const {
-    return 0;
-  }
 };
 
 // The light of each volume's isosurfaces after photon tracing. `photons` is null if nothing looks
@@ -45,9 +29,7 @@ template <int D>
 struct IsosurfaceRadiance {
   const TexelLattice<D>* lattice = nullptr;
   const IsosurfaceCache<D>* photons = nullptr;
-  // Direct radiance of the active texels, front and back; empty if photons include it.
-  std::array<std::vector<Rgb>, 2> direct{};
-  // All radiance of the active texels if it is already known; then photons are ignored.
+  // All radiance of the active texels, front and back, for gather rays.
   std::array<std::vector<Rgb>, 2> radiance{};
 };
 
@@ -72,12 +54,6 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
 template <int D>
 Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position);
 
-// Makes an estimator that uses the photon density at the point (Eq. E(R) of IsosurfaceCache),
-// without rays. `walls` is null if no point is on a wall.
-template <int D>
-std::unique_ptr<IndirectEstimator<D>> make_volumetric_estimator(
-    const std::vector<IsosurfaceRadiance<D>>& isosurfaces, const SurfaceCache<D>* walls);
-
 // Makes an estimator with one final-gather ray, which looks up stored light at its hit. A ray of
 // isosurface c hits only points y with h(y) = c. So the baked texture is its own radiance cache.
 template <int D>
@@ -90,10 +66,5 @@ std::unique_ptr<IndirectEstimator<D>> make_gather_estimator(
 template <int D>
 Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
                      const SurfaceCache<D>* walls, const SurfacePoint<D>& point);
-
-// Returns the variance that all caustics of a texel share.
-template <int D>
-float caustic_variance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
-                       const IsosurfaceTexel<D>& texel);
 
 }  // namespace leaflight

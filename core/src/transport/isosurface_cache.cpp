@@ -122,7 +122,7 @@ std::vector<float> smooth(const TexelLattice<D>& lattice, int radius, Progress& 
 template <int D>
 IsosurfaceCache<D>::IsosurfaceCache(const SceneTracer<D>& tracer, int volume,
                                     const TexelLattice<D>& lattice, SideContents back,
-                                    bool indirect_variance, bool caustics, double photon_flux,
+                                    bool variance, bool caustics, double photon_flux,
                                     std::uint64_t photons)
     : tracer_(tracer), volume_(volume), lattice_(lattice) {
   sides_[0].contents = SideContents::indirect;
@@ -130,8 +130,8 @@ IsosurfaceCache<D>::IsosurfaceCache(const SceneTracer<D>& tracer, int volume,
   for (Side& side : sides_) {
     if (side.contents == SideContents::nothing) continue;
     const std::size_t texels = lattice.active.size();
-    side.indirect.flux = FluxAccumulator(texels, photon_flux, photons, indirect_variance);
-    if (caustics) side.caustic.flux = FluxAccumulator(texels, photon_flux, photons, true);
+    side.indirect.flux = FluxAccumulator(texels, photon_flux, photons, variance);
+    if (caustics) side.caustic.flux = FluxAccumulator(texels, photon_flux, photons, variance);
   }
 }
 

@@ -21,9 +21,9 @@ enum class SideContents { nothing, indirect, all };
 template <int D>
 class IsosurfaceCache {
  public:
-  // `indirect_variance`: true if that variance is needed.
+  // `variance`: true if the variances are needed.
   IsosurfaceCache(const SceneTracer<D>& tracer, int volume, const TexelLattice<D>& lattice,
-                  SideContents back, bool indirect_variance, bool caustics, double photon_flux,
+                  SideContents back, bool variance, bool caustics, double photon_flux,
                   std::uint64_t photons);
 
   void deposit(const PhotonHit<D>& photon);

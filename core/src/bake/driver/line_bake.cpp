@@ -207,27 +207,27 @@ std::vector<RadianceGrid<D>> LineBake<D>::grids() {
 template <int D>
 RadianceGrid<D> LineBake<D>::grid() {
   progress_.begin("Lighting texels");
-  SideAverages direct, indirect;
+  SideAverages indirect;
   UnfilteredLight<D> unfiltered;
   const std::size_t sides = plan_.back ? 2 : 1;
   std::array<NoisyLight, 2> light = filtered_light(unfiltered);
   for (std::size_t side = 0; side < sides; ++side) {
     const bool back = side != 0;
-    direct[side] = direct_averages(back);
+    if (direct_texels_[side].empty()) direct_texels_[side] = direct_at(texels_.lattice, back);
     if (indirect_) {
       indirect[side] = interpolated(indirect_->texels().lattice, light[side].averages,
                                     texels_.lattice, progress_);
     } else {
-      indirect[side].resize(direct[side].size());
+      indirect[side].resize(direct_texels_[side].size());
     }
     light[side] = {};
     finish(indirect[side]);
   }
   progress_.check();
-  measure_noise(direct[0], indirect[0]);
+  measure_noise(indirect[0]);
   progress_.check();
   RadianceGrid<D> result =
-      make_grid<D>(texels_.lattice, std::move(direct), std::move(indirect), direct_);
+      make_grid<D>(texels_.lattice, direct_texels_, std::move(indirect), direct_);
   result.texture = volume_.volume().texture;
   result.unfiltered = std::move(unfiltered);
   return result;
@@ -322,16 +322,6 @@ std::vector<Rgb> LineBake<D>::direct_at(const TexelLattice<D>& lattice, bool bac
   return found;
 }
 
-// Returns direct light, which has no variance.
-template <int D>
-std::vector<Average> LineBake<D>::direct_averages(bool back) {
-  std::vector<Rgb>& known = direct_texels_[back];
-  if (known.empty()) known = direct_at(texels_.lattice, back);
-  std::vector<Average> averages(known.size());
-  for (std::size_t s = 0; s < known.size(); ++s) averages[s].mean = known[s];
-  return averages;
-}
-
 template <int D>
 void LineBake<D>::compute_direct_lookup() {
   if (direct_lookup_.sources() == 0) {
@@ -405,8 +395,7 @@ void LineBake<D>::finish(std::vector<Average>& indirect) const {
 }
 
 template <int D>
-void LineBake<D>::measure_noise(const std::vector<Average>& direct,
-                                const std::vector<Average>& indirect) {
+void LineBake<D>::measure_noise(const std::vector<Average>& indirect) {
   const double exposure2 = settings_.exposure * settings_.exposure;
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, settings_.seed)) {
@@ -414,8 +403,8 @@ void LineBake<D>::measure_noise(const std::vector<Average>& direct,
     double color = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
-      const Average &d = direct[near.slot[i]], &m = indirect[near.slot[i]];
-      color += w * average(d.mean + m.mean);
+      const Average& m = indirect[near.slot[i]];
+      color += w * average(direct_texels_[0][near.slot[i]] + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
     const double texture = average(volume_.volume().texture_at(point.position));

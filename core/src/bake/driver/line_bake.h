@@ -63,7 +63,6 @@ class LineBake final : public Integrator<D> {
   void compute_texture();
   void trace_photons(const BakeTexels<D>& texels);
   void serialize_indirect(Archive& archive);
-  std::vector<Average> direct_averages(bool back);
   std::vector<Rgb> indirect_of_photons(bool back) const;
   void compute_indirect_sides();
   void gather_bounces();
@@ -74,7 +73,7 @@ class LineBake final : public Integrator<D> {
   void finish(std::vector<Average>& indirect) const;
   std::vector<Rgb> looked_up(const std::vector<Average>& averages);
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
-  void measure_noise(const std::vector<Average>& direct, const std::vector<Average>& indirect);
+  void measure_noise(const std::vector<Average>& indirect);
 
   LitScene<D>& scene_;
   LineVolume<D> volume_;

@@ -37,7 +37,7 @@ PhotonCaches<D> trace_into_caches(const SceneTracer<D>& tracer, const LightSampl
   PhotonCaches<D> caches;
   for (std::size_t v = 0; v < lattices.size(); ++v) {
     caches.isosurfaces.push_back(std::make_unique<IsosurfaceCache<D>>(
-        tracer, static_cast<int>(v), lattices[v], back, settings.density, plan.caustics,
+        tracer, static_cast<int>(v), lattices[v], back, settings.variance, plan.caustics,
         photon_flux, photons));
   }
   if (plan.wall_cache || lights_walls) {

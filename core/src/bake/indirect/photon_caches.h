@@ -23,8 +23,7 @@ struct PhotonCaches {
 struct PhotonSettings {
   std::uint64_t seed = 0;
   std::uint64_t photons = 0, caustic_photons = 0;  // numbers of photons
-  // True if lookups use the photon density itself, with its noise.
-  bool density = false;
+  bool variance = false;                           // true if the variances of the caches are needed
   int wall_samples = 0;       // shadow rays per side of a wall's patch; 0: no lookups
   bool smooth_walls = false;  // true for finer entries, where photons spread over several
 };

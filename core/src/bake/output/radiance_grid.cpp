@@ -33,10 +33,10 @@ Colors rounded_means(const std::vector<Average>& averages) {
 }
 
 // Adds direct light. `derived`: the sum is not stored, and therefore not rounded.
-Colors sums(const std::vector<Average>& direct, const Colors& indirect, bool derived) {
+Colors sums(const std::vector<Rgb>& direct, const Colors& indirect, bool derived) {
   Colors sums(direct.size());
   for_each_texel(sums.size(), [&](std::size_t s) {
-    sums[s] = Vec<3, float>(direct[s].mean + Rgb(indirect[s]));
+    sums[s] = Vec<3, float>(direct[s] + Rgb(indirect[s]));
     if (!derived) sums[s] = light_precision.rounded(sums[s]);
   });
   return sums;
@@ -45,15 +45,15 @@ Colors sums(const std::vector<Average>& direct, const Colors& indirect, bool der
 }  // namespace
 
 template <int D>
-RadianceGrid<D> make_grid(TexelLattice<D> lattice, SideAverages direct, SideAverages indirect,
+RadianceGrid<D> make_grid(TexelLattice<D> lattice, const std::array<std::vector<Rgb>, 2>& direct,
+                          SideAverages indirect,
                           std::shared_ptr<const DirectLight<D>> exact_direct) {
   RadianceGrid<D> grid;
   grid.lattice = std::move(lattice);
   grid.direct = std::move(exact_direct);
-  grid.radiance_error.resize(direct[0].size());
-  for_each_texel(direct[0].size(), [&](std::size_t s) {
-    grid.radiance_error[s] =
-        error_precision.rounded(std::sqrt(direct[0][s].variance + indirect[0][s].variance));
+  grid.radiance_error.resize(indirect[0].size());
+  for_each_texel(indirect[0].size(), [&](std::size_t s) {
+    grid.radiance_error[s] = error_precision.rounded(std::sqrt(indirect[0][s].variance));
   });
   // Free the averages, which take most of the memory of a large bake here.
   for (const bool back : {false, true}) {
@@ -62,7 +62,6 @@ RadianceGrid<D> make_grid(TexelLattice<D> lattice, SideAverages direct, SideAver
     release(indirect[back]);
     (back ? grid.radiance_back : grid.radiance) =
         sums(direct[back], indirect_light, grid.derives_radiance(back));
-    release(direct[back]);
   }
   return grid;
 }
@@ -252,10 +251,10 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
   return std::sqrt(variance);
 }
 
-template RadianceGrid<2> make_grid(TexelLattice<2>, SideAverages, SideAverages,
-                                   std::shared_ptr<const DirectLight<2>>);
-template RadianceGrid<3> make_grid(TexelLattice<3>, SideAverages, SideAverages,
-                                   std::shared_ptr<const DirectLight<3>>);
+template RadianceGrid<2> make_grid(TexelLattice<2>, const std::array<std::vector<Rgb>, 2>&,
+                                   SideAverages, std::shared_ptr<const DirectLight<2>>);
+template RadianceGrid<3> make_grid(TexelLattice<3>, const std::array<std::vector<Rgb>, 2>&,
+                                   SideAverages, std::shared_ptr<const DirectLight<3>>);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<2>&, const Field<2>&, std::size_t,
                                          bool);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&, std::size_t,

@@ -56,9 +56,11 @@ struct RadianceGrid {
 // Averages of the front and the back; the back is empty if it is not baked.
 using SideAverages = std::array<std::vector<Average>, 2>;
 
-// Makes a grid from averages of the active texels, and rounds it to the precision of its file.
+// Makes a grid of the active texels' light, and rounds it to the precision of its file. `direct`:
+// the front and the back.
 template <int D>
-RadianceGrid<D> make_grid(TexelLattice<D> lattice, SideAverages direct, SideAverages indirect,
+RadianceGrid<D> make_grid(TexelLattice<D> lattice, const std::array<std::vector<Rgb>, 2>& direct,
+                          SideAverages indirect,
                           std::shared_ptr<const DirectLight<D>> exact_direct = nullptr);
 
 // Returns all light of a texel, on one side. The field must be the one that was lit.

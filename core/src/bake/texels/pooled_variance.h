@@ -9,9 +9,6 @@
 
 namespace leaflight {
 
-// Number of blocks in which a texel's samples are averaged (see Moments).
-inline constexpr int blocks_per_texel = 4;
-
 // Pools the variance of a sample over each active texel and its neighbors, 3^D texels in all, and
 // divides it by the texel's samples. Neighboring texels have similar light. Four blocks alone would
 // give a Student's t of three degrees of freedom. A texel whose few samples all missed the light

@@ -91,7 +91,7 @@ class TexelMoments {
       all.add(halves[1]);
       if (!(all.weight > 0 && weight2 > 0)) return {};
       const float m = all.mean() / all.weight, all2 = all.weight * all.weight;
-      // Residuals of the ratio of sums (Cochran 1977, 6.4), see Moments.
+      // Residuals of the ratio of sums (Cochran 1977, 6.4).
       const float residuals = sum2 - 2 * m * mixed + m * m * weight2, left = 1 - weight2 / all2;
       const float variance = left > 1e-3f ? std::max(0.0f, residuals) / (all2 * left) : 0;
       return {Rgb(all.radiance / all.weight), variance, all2 / weight2};

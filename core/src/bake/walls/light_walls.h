@@ -7,10 +7,6 @@
 
 namespace leaflight {
 
-// Ratio of the samples of a wall's vertex to those of a texel. Vertices are fewer and farther
-// apart.
-inline constexpr int walls_share = 2;
-
 // Computes the radiance of both sides of the diffuse walls (wall_light.h). `samples`: per vertex
 // and node. The estimator is null if there is no indirect light. `meshes` and `direct`: of the same
 // scene.
