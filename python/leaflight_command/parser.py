@@ -6,6 +6,7 @@ It does not import the package, because loading that would take most of the time
 
 import argparse
 
+from .numbers import number
 from .shared_options import (
     MACHINES,
     Parser,
@@ -163,6 +164,13 @@ def _add_export(subparsers: "argparse._SubParsersAction[Parser]") -> None:
     value(parser, "--out", "X.EXT", text + "a sequence: .glb, .usda, .usdc, .usd", required=True)
     isovalue_option(parser, "C ...")
     side_options(parser)
+    parser.add_argument(
+        "--explode",
+        type=number,
+        nargs=3,
+        metavar=("X", "Y", "Z"),
+        help="meshes: move the outermost parts apart by this vector, and others in proportion",
+    )
     text = ".html: halve voxels and texels N times along each axis, 1 to 3 (0)"
     value(parser, "--coarser", "N", text, default=0)
     switch(parser, "--embed", ".html: write a folder for an iframe on a web server")

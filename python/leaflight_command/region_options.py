@@ -51,6 +51,12 @@ def _box(keep: str) -> Callable[[list[float]], Record]:
     return make
 
 
+def _sphere(numbers: list[float]) -> Record:
+    rows = [[numbers[3] if a == b else 0.0 for b in range(3)] + [numbers[a]] for a in range(3)]
+    rows.append([0.0, 0.0, 0.0, 1.0])
+    return {"kind": "ball", "matrix": rows, "keep": "outside", "cut": "capped"}
+
+
 def _half_space(numbers: list[float]) -> Record:
     return {"kind": "half_space", "point": numbers[:3], "normal": numbers[3:], "cut": "capped"}
 
@@ -75,6 +81,10 @@ def add_region_options(parser: argparse._ArgumentGroup) -> None:
         (
             *("--cut-plane", 6, ("X", "Y", "Z", "NX", "NY", "NZ"), _half_space),
             "remove what a normal points to, from a point on",
+        ),
+        (
+            *("--remove-sphere", 4, ("X", "Y", "Z", "RADIUS"), _sphere),
+            "remove a sphere about a point",
         ),
         (
             *("--keep-largest", 1, "ISOVALUE"),

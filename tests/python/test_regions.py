@@ -376,3 +376,10 @@ def test_readers_and_the_command_take_a_mask(tmp_path):
     assert found == [record, {**record, "labels": []}]
     with pytest.raises(LeaflightError, match="^nowhere.nrrd: there is no such file"):
         leaflight.read_volume(paths[0], regions=[WithinLabels("nowhere.nrrd")])
+
+
+def test_the_command_line_removes_a_sphere():
+    parser = argparse.ArgumentParser()
+    add_region_options(parser)
+    (record,) = parser.parse_args(["--remove-sphere", "0.4", "0", "-0.1", "0.3"]).regions
+    assert regions.region_of(record) == sphere((0.4, 0, -0.1), 0.3)

@@ -15,7 +15,7 @@ from .. import session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
-from ..show import isovalues, lamps, texture
+from ..show import exploded, isovalues, lamps, texture
 from ..store import cache, source_files
 from ..translations import draw_wrapped, iface_
 
@@ -41,7 +41,7 @@ class ExportJob(jobs.Job):
     """Writes an export in the background, because large volumes take long."""
 
     def __init__(self, obj, path, values, **page):
-        """Stores the bake and the isovalues to write. page: the options of a web page."""
+        """Stores the bake and the isovalues to write. page: Other options of export()."""
         if not obj.leaflight.bake_id:
             raise LeaflightError(f'"{obj.name}" has no bake: bake it first.')
         self._bake, self._index = lamps.whole_of(obj), obj.leaflight.bake_index
@@ -197,6 +197,13 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
                 column.prop(self, name)
         elif self.isovalues == "LIST":
             layout.prop(self, "listed")
+
+    def page_options(self, obj):
+        axis = exploded.axis_of(obj)
+        if axis is None or self.file_type in OF_VOLUME:
+            return {}
+        to_world = np.array(obj.leaflight.bake_matrix).reshape(4, 4)[:3, :3]
+        return {"explode": obj.leaflight_look.explode_distance * to_world @ axis}
 
     def chosen(self):
         # Ignore the isovalues that were chosen for another format.

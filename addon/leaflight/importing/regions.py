@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 from bpy_extras import view3d_utils
 from leaflight import LeaflightError
-from leaflight.volume.regions import Box, record_of
+from leaflight.volume.regions import Box, record_of, sphere
 
 from ..operators import background, checks
 from ..operators.checks import active_volume
-from ..props import EnumProperty, IntProperty, StringProperty
-from ..show import look
+from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from ..show import exploded, look
 from ..stage import camera
 from ..store import cache, source_files
 from ..translations import iface_
@@ -27,6 +27,7 @@ from . import box_cuts, read_again
 # Names of kinds of regions in panels.
 _TITLES = {
     "box": "Cut",
+    "ball": "Removed Sphere",
     "largest_part": "Largest Part",
     "part": "Removed Part",
     "dust": "Removed Dust",
@@ -41,6 +42,8 @@ def title(item):
         return f"{text}: {item['object']}"
     if item["kind"] == "box":
         return iface_("Crop")
+    if "isovalue" not in item:
+        return text
     return iface_("%s at %s") % (text, f"{item['isovalue']:g}")
 
 
@@ -66,6 +69,12 @@ def _with_region_of(obj, other, region):
     return [*kept, {**region, "object": other.name, "on": True}]
 
 
+_CUTS = [
+    ("capped", "Capped", "Isosurfaces are closed by a face on the cut, which is lit as such"),
+    ("open", "Open", "Isosurfaces are open, so light falls in and their backs are seen"),
+]
+
+
 class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     bl_label = "Cut Data"
     bl_description = (
@@ -79,13 +88,7 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
         ),
     )
 
-    cut: EnumProperty(
-        "Cut",
-        items=[
-            ("capped", "Capped", "Isosurfaces are closed by a flat face, which is lit as such"),
-            ("open", "Open", "Isosurfaces are open, so light falls in and their backs are seen"),
-        ],
-    )
+    cut: EnumProperty("Cut", items=_CUTS)
 
     def start(self, context):
         obj = active_volume(context)
@@ -246,14 +249,63 @@ class LEAFLIGHT_OT_remove_part(background.BackgroundOperator, bpy.types.Operator
 
 
 def _surface_point(context, event):
-    """Returns the world point of the volume's isosurface under the mouse, or None."""
+    """Returns surface_point() of the active volume under the mouse."""
     at = event.mouse_region_x, event.mouse_region_y
     origin = view3d_utils.region_2d_to_origin_3d(context.region, context.region_data, at)
     direction = view3d_utils.region_2d_to_vector_3d(context.region, context.region_data, at)
-    obj = active_volume(context)
+    return surface_point(active_volume(context), origin, direction)
+
+
+def surface_point(obj, origin, direction):
+    """Returns where a ray hits an isosurface, in the world and as in the data, or None."""
     from_world = obj.matrix_world.inverted_safe()
     hit, place, *_ = obj.ray_cast(from_world @ origin, from_world.to_3x3() @ direction)
-    return tuple(obj.matrix_world @ place) if hit else None
+    return tuple(obj.matrix_world @ exploded.closed_place(obj, place)) if hit else None
+
+
+# Radius of the first sphere, as a share of the volume's longest side.
+_RADIUS = 0.1
+
+
+class LEAFLIGHT_OT_remove_sphere(background.AskingOperator, bpy.types.Operator):
+    bl_label = "Remove Sphere"
+    bl_description = (
+        "Remove a sphere about the 3D cursor from the data, with its shadow. Shift and the right "
+        "mouse button put the cursor on a surface"
+    )
+    conditions = read_again.CONDITIONS
+
+    radius: FloatProperty(
+        "Radius",
+        "Radius of the sphere in the unit of the data; 0 is a tenth of the volume",
+        min=0.0,
+    )
+    cut: EnumProperty("Cut", items=_CUTS)
+
+    def ask(self, context, event):
+        self.radius = self.radius or _first_radius(active_volume(context))
+        return super().ask(context, event)
+
+    def start(self, context):
+        obj = active_volume(context)
+        place = obj.matrix_world.inverted_safe() @ context.scene.cursor.location
+        place = exploded.closed_place(obj, place)
+        radius = self.radius or _first_radius(obj)
+        if np.linalg.norm(np.clip(place, *_bounds(obj)) - place) >= radius:
+            raise LeaflightError(
+                f'"{obj.name}" is farther than {radius:g} from the 3D cursor: put the cursor on it.'
+            )
+        center = np.array(place, np.float64) + obj.leaflight.origin
+        region = {**record_of(sphere(center, radius, cut=self.cut)), "on": True}
+        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "sphere removed")
+
+
+def _first_radius(obj):
+    return _RADIUS * float(np.ptp(_bounds(obj), axis=0).max())
+
+
+def _bounds(obj):
+    return np.asarray(cache.volume_of(obj).field().bounds, np.float64)
 
 
 class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operator):
@@ -290,5 +342,6 @@ CLASSES = (
     LEAFLIGHT_OT_crop_to_shown,
     LEAFLIGHT_OT_clean_data,
     LEAFLIGHT_OT_remove_part,
+    LEAFLIGHT_OT_remove_sphere,
     LEAFLIGHT_OT_switch_region,
 )

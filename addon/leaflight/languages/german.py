@@ -95,6 +95,17 @@ MESSAGES = {
     "Removed Part": "Entfernter Teil",
     "Removed Dust": "Entfernter Staub",
     "%s at %s": "%s bei %s",
+    "Remove Sphere": "Kugel entfernen",
+    "Removed Sphere": "Entfernte Kugel",
+    "Remove a sphere about the 3D cursor from the data, with its shadow. Shift and the right mouse "
+    "button put the cursor on a surface": (
+        "Eine Kugel um den 3D-Cursor aus den Daten entfernen, mit ihrem Schatten. Umschalt und die "
+        "rechte Maustaste setzen den Cursor auf eine Fläche"
+    ),
+    "Radius of the sphere in the unit of the data; 0 is a tenth of the volume": (
+        "Radius der Kugel in der Einheit der Daten; 0 ist ein Zehntel des Volumens"
+    ),
+    "sphere removed": "Kugel entfernt",
     "Click on the part to remove. Esc: cancel": "Teil anklicken, der weg soll. Esc: abbrechen",
     "cut; bake to light the cut": "geschnitten; zum Beleuchten des Schnitts backen",
     "small parts removed": "kleine Teile entfernt",
@@ -154,6 +165,20 @@ MESSAGES = {
     "Isosurfaces": "Isoflächen",
     "Capped": "Geschlossen",
     "Hide Dust": "Staub ausblenden",
+    "Explode": "Auseinanderziehen",
+    "Closed": "Geschlossen",
+    "Distance": "Abstand",
+    "Parts as they are in the data": "Teile wie in den Daten",
+    "Move connected parts apart along an axis of the data. Each keeps its baked light, that of the "
+    "closed arrangement": (
+        "Zusammenhängende Teile entlang einer Achse der Daten auseinanderziehen. Jedes behält sein "
+        "berechnetes Licht, das der geschlossenen Anordnung"
+    ),
+    "Distance by which the two outermost parts move apart, in the unit of the data. The parts "
+    "between move in proportion": (
+        "Abstand, um den die beiden äußersten Teile auseinanderrücken, in der Einheit der Daten. "
+        "Die Teile dazwischen rücken im Verhältnis"
+    ),
     "Gloss": "Glanz",
     "Slices": "Schnitte",
     "Sagittal": "Sagittal",

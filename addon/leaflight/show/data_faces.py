@@ -15,7 +15,7 @@ from mathutils import Color
 
 from .. import versions
 from ..store import cache
-from . import display, fill, look, shader
+from . import display, exploded, fill, look, shader
 
 
 def _linear(hexadecimal):
@@ -185,7 +185,9 @@ def update_cut(volume, depsgraph=None):
 
 def _cut_of(volume):
     """Returns the shader_graph.Cut of the isosurfaces, None without a cut or if it stays open."""
-    if volume.leaflight_look.cut_colors == OPEN:
+    # A face would stay where its part was.
+    is_exploded = exploded.axis_of(volume) is not None
+    if is_exploded or volume.leaflight_look.cut_colors == OPEN:
         return None
     cuts = (look.view_of(obj).cut for obj in display.surfaces_of(volume))
     return next((cut for cut in cuts if cut is not None), None)

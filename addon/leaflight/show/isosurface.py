@@ -6,16 +6,20 @@ from dataclasses import dataclass
 import leaflight._core as _core
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.volume.exploded import explode_offsets
 
 from ..store import cache, source_files
 from ..store.reading import StillReading
-from . import changed_data, display, preview, texture
+from . import changed_data, display, exploded, preview, texture
 
 # Color attributes: radiance that leaves the front of the surface, and the back if it is baked.
 RADIANCE = "radiance"
 RADIANCE_BACK = "radiance_back"
 # Color attribute: factor of a texture on the albedo.
 TEXTURE = "texture"
+
+# Key of the offsets that move parts apart by the distance 1 (exploded.py).
+OFFSETS = "offsets"
 
 # Approximate number of voxels for an estimate of the size of an isosurface.
 _COUNTED = 1 << 20
@@ -32,6 +36,7 @@ class Isosurface:
         adds vertices.
     dust: Length below which connected parts are left out.
     colors: A VolumeTexture, or None.
+    explode: Axis (3,) along which parts are moved apart, or None.
     """
 
     volume: object
@@ -41,6 +46,7 @@ class Isosurface:
     halvings: int = None
     dust: float = 0.0
     colors: object = None
+    explode: np.ndarray | None = None
 
     def mesh(self):
         """Returns (vertices, normals, triangles), in any thread. Raises LeaflightError."""
@@ -68,6 +74,7 @@ class Isosurface:
     def made(self):
         """Returns (vertices, triangles, {name of an attribute: radiance}, count).
 
+        With `explode` the dictionary has OFFSETS, too.
         count: approximate number of triangles at the full resolution of the volume. Works in any
         thread. Raises LeaflightError.
         """
@@ -76,17 +83,24 @@ class Isosurface:
             vertices, normals, triangles = _core.contour(self._field(), self.isovalue, is_projected)
             count = len(triangles) * 4 ** (self.halvings or 0)
             vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
+            offsets = self._offsets(vertices, triangles)
             if is_projected:
                 # Move vertices to the isosurface of the light, on the same side of a thin shell.
                 field, reach = self.volume.field(), 2.0 * 2**self.halvings
                 vertices = _core.project_along(field, vertices, normals, self.isovalue, reach)
-            return vertices, triangles, self.radiance(vertices), count
+            return vertices, triangles, self.radiance(vertices) | offsets, count
         vertices, _, triangles, *sides, count = self._lit_contour()
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
         named = zip((RADIANCE, RADIANCE_BACK), sides)
         radiance = {name: side for name, side in named if side is not None}
-        radiance |= self._texture(vertices)
+        radiance |= self._texture(vertices) | self._offsets(vertices, triangles)
         return vertices, triangles, radiance, count
+
+    def _offsets(self, vertices, triangles):
+        if self.explode is None:
+            return {}
+        found = explode_offsets(self._volume(), self.isovalue, vertices, triangles, self.explode)
+        return {OFFSETS: found}
 
     def is_coarse(self):
         """True if mesh() has less than the full detail."""
@@ -113,14 +127,20 @@ class Isosurface:
         )
 
     def _field(self):
+        return self._volume().field()
+
+    def _volume(self):
+        if not self.is_coarse():
+            return self.volume
         volume = self.volume
         try:
             for _ in range(self.halvings or 0):
                 volume = volume.coarser()
-            return volume.field()
+            volume.field()
+            return volume
         except LeaflightError:
             # The coarser volume has no contrast left, so use the full one.
-            return self.volume.field()
+            return self.volume
 
 
 def isosurface_of(obj, isovalue, halvings=None):
@@ -141,14 +161,14 @@ def isosurface_of(obj, isovalue, halvings=None):
     except LeaflightError:
         lit = False
     shape = halvings, obj.leaflight_look.dust * _voxel_size(volume)
-    colors = texture.local_texture(display.volume_object(obj))
+    looks = texture.local_texture(display.volume_object(obj)), exploded.axis_of(obj)
     if not lit:
-        return Isosurface(volume, isovalue, None, np.inf, *shape, colors)
+        return Isosurface(volume, isovalue, None, np.inf, *shape, *looks)
     bake, index = lit_by(obj)
     # The texture may have changed since the bake, or be gone.
-    shown = None if colors is None else colors.core().on(volume.field())
+    shown = None if looks[0] is None else looks[0].core().on(volume.field())
     grid = bake.grids[index].with_texture(shown)
-    return Isosurface(volume, isovalue, grid, bake.largest_step, *shape, colors)
+    return Isosurface(volume, isovalue, grid, bake.largest_step, *shape, *looks)
 
 
 def estimate_triangles(volume, isovalue):

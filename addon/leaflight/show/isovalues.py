@@ -128,6 +128,8 @@ def update(scene, depsgraph, moving=False):
     moved = _show(scene, {obj: e.leaflight.isovalue for obj, e in evaluated.items()}, moving)
     for obj in found:
         surface_material.show_opacity(obj, evaluated[obj].leaflight_look.opacity)
+        look = display.volume_object(evaluated[obj]).leaflight_look
+        surface_object.explode(obj, look.explode_distance)
     return moved
 
 

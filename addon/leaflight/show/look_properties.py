@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The display of a volume or an added isosurface: Object.leaflight_look."""
 
-import bpy
+from contextlib import suppress
 
-from . import data_faces, display, surface_object
+import bpy
+import numpy as np
+from leaflight import LeaflightError
+
+from ..store import cache
+from . import data_faces, display, exploded, surface_object
 from .overridable import (
     BoolProperty,
     BoolVectorProperty,
@@ -37,6 +42,25 @@ def _shape_changed(look, _context):
     obj = look.id_data
     if display.is_isosurface(obj):
         surface_object.update(obj, surface_object.shown_isovalue(obj))
+
+
+def _axis_chosen(look, _context):
+    volume = look.id_data
+    if not volume.leaflight.is_volume:
+        return
+    axis = exploded.axis_of(volume)
+    if axis is not None and look.explode_distance == 0:
+        with suppress(LeaflightError):
+            low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
+            look.explode_distance = float((high - low) @ axis)
+    surface_object.update_all(volume)
+    _all_changed(look, None)
+
+
+def _distance_changed(look, _context):
+    if look.id_data.leaflight.is_volume:
+        for obj in display.surfaces_of(look.id_data):
+            surface_object.explode(obj, look.explode_distance)
 
 
 def _color_chosen(look, _context):
@@ -77,6 +101,22 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
         precision=1,
         update=_shape_changed,
         options=set(),
+    )
+    explode_axis: EnumProperty(
+        "Explode",
+        "Move connected parts apart along an axis of the data. Each keeps its baked light, that "
+        "of the closed arrangement",
+        exploded.AXES,
+        update=_axis_chosen,
+        options=set(),
+    )
+    explode_distance: FloatProperty(
+        "Distance",
+        "Distance by which the two outermost parts move apart, in the unit of the data. The "
+        "parts between move in proportion",
+        0.0,
+        min=0.0,
+        update=_distance_changed,
     )
     gloss: ShareProperty(
         "Gloss",

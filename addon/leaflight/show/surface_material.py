@@ -13,7 +13,7 @@ import bpy
 
 from .. import versions
 from ..store import atlases, bake_files, cache, source_files
-from . import display, isosurfaces, lamps, look, preview, shader, shader_graph, texture
+from . import display, exploded, isosurfaces, lamps, look, preview, shader, shader_graph, texture
 from .isosurface import RADIANCE, RADIANCE_BACK
 
 # Property of a material: the label for which it was built.
@@ -127,6 +127,8 @@ def shading_in_use(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the data as they were baked"
     if lamps.factors_of(settings):
         return "ATTRIBUTE", "Vertex attribute: a volume texture holds the lamps as they were baked"
+    if exploded.axis_of(settings.id_data) is not None:
+        return "ATTRIBUTE", "Vertex attribute: a volume texture does not move with parts"
     if texture.is_colored(settings.id_data):
         return "ATTRIBUTE", "Vertex attribute: a volume texture would blur the colors"
     if settings.atlas_columns > 0:

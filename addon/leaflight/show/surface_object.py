@@ -16,7 +16,7 @@ from leaflight import LeaflightError
 from .. import session
 from ..store import bake_files
 from ..store.reading import StillReading
-from . import display, isosurface, lamps, preview, surface_material, texture
+from . import display, exploded, isosurface, lamps, preview, surface_material, texture
 from .fill import color, fill
 
 # Approximate limit of the triangles of a surface while its isovalue moves.
@@ -151,9 +151,7 @@ def _color(obj, label, surface):
     """Gives the present vertices of an object's mesh the light of an Isosurface."""
     _own_mesh(obj)
     mesh = obj.data
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    for name, radiance in surface.radiance(vertices.reshape(-1, 3)).items():
+    for name, radiance in surface.radiance(exploded.closed_positions(mesh)).items():
         color(mesh, name, radiance)
     mesh[_SHOWN] = label
     mesh.update()
@@ -212,12 +210,22 @@ def _put(obj, label, isovalue, surface, made):
     _own_mesh(obj)
     mesh = obj.data
     vertices, triangles, radiance, count = made
+    offsets = radiance.pop(isosurface.OFFSETS, None)
     fill(mesh, vertices, triangles, radiance)
+    distance = display.volume_object(obj).leaflight_look.explode_distance
+    exploded.store(mesh, vertices, offsets, distance)
     mesh[_SHOWN] = label
     mesh[_ISOVALUE] = isovalue
     mesh[_COARSE] = surface is not None and surface.is_coarse()
     mesh[_TRIANGLES] = count
     shade(obj)
+
+
+def explode(obj, distance):
+    """Moves the parts of an isosurface apart by a distance, unless they are."""
+    if obj.library is None and not exploded.is_at(obj.data, distance):
+        _own_mesh(obj)
+        exploded.move(obj.data, distance)
 
 
 def forget():
@@ -322,6 +330,8 @@ def _wanted(obj, isovalue):
     volume = f"{settings.source} {part} {settings.downsample} {shape}"
     volume += texture.label_of(volume_object)
     volume += f" without {settings.hide}" if settings.hide else ""
+    axis = volume_object.leaflight_look.explode_axis
+    volume += f" apart along {axis}" if axis != exploded.CLOSED else ""
     isosurface, seen = f"{isovalue!r} of {volume}", preview.of(volume_object)
     if seen is None:
         light = f"{settings.bake_id} {settings.bake_index}"

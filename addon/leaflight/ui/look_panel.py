@@ -9,7 +9,7 @@ from ..compare import render_comparison
 from ..edit import add_isosurface, animation, labels, looks
 from ..importing import regions
 from ..operators.checks import active_volume
-from ..show import data_faces, display, look, surface_material, texture
+from ..show import data_faces, display, exploded, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
 from . import clip_outline, label_panel
@@ -59,6 +59,10 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         row.prop(volume.leaflight_look, "roughness")
         layout.prop(volume.leaflight_look, "opacity")
         layout.prop(volume.leaflight_look, "dust")
+        column = layout.column(align=True)
+        column.row(align=True).prop(volume.leaflight_look, "explode_axis", expand=True)
+        if exploded.axis_of(volume) is not None:
+            column.prop(volume.leaflight_look, "explode_distance")
         if surface_material.is_recolored(volume):
             sentence(context, layout, look.NEW_COLOR, icon="INFO")
 

@@ -150,6 +150,7 @@ def _draw_regions(layout, settings):
     row = layout.row(align=True)
     row.operator_menu_enum(regions.LEAFLIGHT_OT_clean_data.bl_idname, "kind", text="Clean Data")
     row.operator(regions.LEAFLIGHT_OT_remove_part.bl_idname, icon="EYEDROPPER")
+    layout.operator(regions.LEAFLIGHT_OT_remove_sphere.bl_idname, icon="PIVOT_CURSOR")
     for name in regions.label_maps(bpy.context.scene):
         text = f"{iface_('Mask Data')}: {name}"
         mask = layout.operator(regions.LEAFLIGHT_OT_mask_data.bl_idname, text=text, translate=False)

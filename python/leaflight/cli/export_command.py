@@ -17,7 +17,7 @@ def run_export(options: Namespace) -> Output:
     baked = load_bake(options.bake)
 
     def work(progress: Progress) -> dict[float, Surface]:
-        how = picked(options, "volume back coarser embed")
+        how = picked(options, "volume back explode coarser embed")
         return export(baked, options.out, options.isovalue, progress=progress, **how)
 
     surfaces = run_with_progress(work, "export", writes=True)

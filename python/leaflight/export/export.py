@@ -2,10 +2,13 @@
 """export() writes a bake in the format of a file's suffix; export_page() writes a web page."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 import leaflight._core as _core
 
@@ -15,6 +18,7 @@ from ..io.output import check_writable
 from ..paths import AnyPath
 from ..progress_bar import with_progress
 from ..stills.first_view import default_isovalue_of
+from ..volume.exploded import explode_offsets
 from ..volume.setting_error import SettingError
 from .page import PageOptions, write_page
 
@@ -60,6 +64,7 @@ def export(
     *,
     volume: int = 0,
     back: bool = False,
+    explode: Sequence[float] | None = None,
     progress: _core.Progress | None = None,
     **page: "Unpack[PageOptions]",
 ) -> dict[float, Surface]:
@@ -72,13 +77,15 @@ def export(
         .html shows the given one first.
     volume: Number of the volume, if there are several.
     back: True writes the back.
+    explode: Direction and distance (x, y, z) by which the outermost parts move apart. Each part
+        keeps the light of the closed arrangement.
     page: Options coarser, embed and lengths of an .html, see write_page().
     Returns {isovalue: Surface} of the written surfaces, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
     path, suffix = Path(path), Path(path).suffix.lower()
     isovalues = None if isovalues is None else [float(isovalue) for isovalue in isovalues]
-    _check(path, suffix, isovalues, back)
+    _check(path, suffix, isovalues, back, explode)
     if suffix != PAGE and any(page.values()):
         raise SettingError(
             f"{path}: coarser and embed apply only to a web page (.html): leave them out.",
@@ -103,6 +110,15 @@ def export(
             raise LeaflightError(
                 f"{path}: the isosurface at {isovalue:g} is empty: choose another isovalue."
             )
+        if explode is not None:
+            moved = explode_offsets(
+                bake.volumes[volume],
+                bake.isovalue_of(volume, isovalue),
+                surface.vertices,
+                surface.triangles,
+                np.asarray(explode),
+            )
+            surface = replace(surface, vertices=surface.vertices + moved)
         surfaces[isovalue] = surface
     exposure = bake.scene.exposure
     if suffix in OF_SEQUENCE:
@@ -135,7 +151,13 @@ def absent_package(suffix: str) -> str | None:
     return package if module and find_spec(module) is None else None
 
 
-def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: bool) -> None:
+def _check(
+    path: Path,
+    suffix: str,
+    isovalues: Sequence[float] | None,
+    back: bool,
+    explode: Sequence[float] | None,
+) -> None:
     """Raises LeaflightError unless the format exists and supports these options."""
     if suffix not in SUFFIXES:
         raise LeaflightError(
@@ -144,7 +166,8 @@ def _check(path: Path, suffix: str, isovalues: Sequence[float] | None, back: boo
         )
     if suffix in OF_VOLUME or suffix == PAGE:
         of_one = ("isovalue", isovalues if suffix in OF_VOLUME else None)
-        given = [name for name, value in (of_one, ("back", back)) if value not in (None, False)]
+        options = (of_one, ("back", back), ("explode", explode))
+        given = [name for name, value in options if value not in (None, False)]
         if given:
             raise SettingError(
                 f"{path}: a {suffix} holds the baked light of all isosurfaces: leave out the "

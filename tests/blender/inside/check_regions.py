@@ -309,6 +309,38 @@ def check_a_part_is_removed_by_a_point_on_it(balls):
     assert balls.leaflight.isovalue == pytest.approx(40.0)
 
 
+def check_a_sphere_about_the_cursor_is_removed(balls):
+    whole, name = vertices_of(balls), balls.name
+    bpy.ops.ed.undo_push(message="whole")
+    place = mathutils.Vector(whole[np.argmin(whole[:, 0])])
+    bpy.context.scene.cursor.location = balls.matrix_world @ place
+    bpy.ops.leaflight.remove_sphere(radius=3.0)
+    bpy.ops.ed.undo_push(message="removed")
+    left = vertices_of(balls)
+    away = np.linalg.norm(left - place, axis=1)
+    # The cap is within a voxel of the sphere.
+    assert away.min() >= 3.0 and np.sum(away < 4.0) > 20
+    assert regions.title(_records(balls)[0]) == "Removed Sphere"
+    # The file, read with this region, has the values that are shown.
+    again = source_files.read(balls.leaflight)
+    np.testing.assert_array_equal(again.values, cache.volume_of(balls).values)
+    assert again.source.endswith("balls.npy, ball")
+    bpy.ops.ed.undo()
+    balls = bpy.data.objects[name]
+    close(vertices_of(balls), whole, 0)
+    # An exploded part is cut where it is shown.
+    balls.leaflight_look.explode_axis, balls.leaflight_look.explode_distance = "X", 30.0
+    bpy.context.view_layer.update()
+    end = vertices_of(balls)[:, 0].argmin()
+    bpy.context.scene.cursor.location = balls.matrix_world @ balls.data.vertices[end].co
+    bpy.ops.leaflight.remove_sphere(radius=3.0)
+    balls.leaflight_look.explode_axis = "NONE"
+    close(vertices_of(balls), left, 1e-4)
+    bpy.context.scene.cursor.location = (9.0, 0.0, 0.0)
+    with pytest.raises(RuntimeError, match="from the 3D cursor: put the cursor on it"):
+        bpy.ops.leaflight.remove_sphere()
+
+
 def check_what_leaves_nothing_is_refused(balls, boxed_with_clip_box):
     obj, box = boxed_with_clip_box
     vertices = vertices_of(obj)

@@ -174,6 +174,7 @@ ROWS = (
     Row("crop_to_shown", "imported", "regions", held="work"),
     Row("clean_data", "parts", "regions", {"kind": "largest_part"}, held="work"),
     Row("remove_part", "parts", "regions", held="modal", clicks=True),
+    Row("remove_sphere", "aimed", "regions", asks="dialog", held="work"),
     Row("switch_region", "cleaned", "regions", {"index": 0}, held="work"),
     _instant("isosurface_preset", "baked", "look", options={"preset": "COPPER"}, short=True),
     _instant("show_labels", "labeled", "hidden labels", options={"which": "ACTIVE"}),

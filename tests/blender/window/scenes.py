@@ -117,6 +117,11 @@ def _parts(scenes):
     _import(scenes, "parts.nii.gz")
 
 
+def _aim(_scenes):
+    """Puts the 3D cursor into the volume."""
+    bpy.context.scene.cursor.location = seen.volume().matrix_world.translation
+
+
 def _clean(_scenes):
     bpy.ops.leaflight.clean_data(kind="largest_part")
 
@@ -219,6 +224,7 @@ _SCENES = {
     "two": ("imported", _two),
     "colored": ("imported", _color),
     "parts": ("home", _parts),
+    "aimed": ("parts", _aim),
     "cleaned": ("parts", _clean),
     "clipped": ("imported", _add_clip_box),
     "labeled": ("home", _labels),
