@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animations in one click: isovalue sweep, turntable, and a wipe with the clip box."""
+"""Animations in one click: isovalue sweep, turntable, and wipes of the picture or the data."""
 
 import math
 
@@ -7,14 +7,19 @@ import bpy
 import mathutils
 import numpy as np
 from leaflight import LeaflightError, blender
+from leaflight.volume.regions import Box, record_of
 
 from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, IntProperty
 from ..show import display, isosurfaces, isovalues
+from ..stage import camera as stage_camera
+from ..store import frame_bakes, source_files
 
 _PIVOT = "leaflight_turntable"
+# Name of the cut of a lit wipe, in place of a clip box.
+_CUT_NAME = "Lit Wipe"
 # Step in degrees between tested camera positions, and view in degrees to each side of the volume.
 _STEP, _BESIDE = 5, 28
 
@@ -33,6 +38,12 @@ class LEAFLIGHT_OT_animate(checks.VolumeOperator, bpy.types.Operator):
                 "Camera once around the volume, or back and forth between walls",
             ),
             ("WIPE", "Wipe", "Clip box through the volume from one side to the other"),
+            (
+                "LIT_WIPE",
+                "Lit Wipe",
+                "Cut of the data through the isosurface from one side to the other. Bake All "
+                "Frames lights each frame; before, light near the cut is an estimate",
+            ),
         ],
     )
     frames: IntProperty("Frames", "Length of the animation", 120, min=2)
@@ -118,7 +129,7 @@ def _wipe(context, volume, frames):
     look = volume.leaflight_look
     if look.box is None or not look.box.users_scene:
         bpy.ops.leaflight.add_clip_box()
-    box, camera = look.box, context.scene.camera
+    box = look.box
     if box.type != "EMPTY":
         raise LeaflightError(
             f'The clip box "{box.name}" is a mesh, but the animation moves only an Empty: choose '
@@ -126,10 +137,9 @@ def _wipe(context, volume, frames):
         )
     low, high = isosurfaces.world_box(volume)
     half, middle = 0.5 * (high - low), 0.5 * (low + high)
-    across = np.array(camera.matrix_world.col[0])[:3] if camera else np.array([1.0, 0.0, 0.0])
-    axis = int(np.argmax(np.abs(across)))
+    axis, sign = _across(context.scene)
     step = np.zeros(3)
-    step[axis] = 2.1 * half[axis] * (1.0 if across[axis] > 0 else -1.0)
+    step[axis] = 2.1 * half[axis] * sign
     box.animation_data_clear()
     # Extend the box beyond the volume, so that no face lies on its border.
     box.matrix_world = mathutils.Matrix.LocRotScale(
@@ -137,6 +147,51 @@ def _wipe(context, volume, frames):
     )
     places = [tuple(middle - step * (1 - t)) for t in np.linspace(0, 1, frames)]
     _keyframe(box, "location", places, context.scene)
+
+
+# Share of the isosurface that is cut away in the last frame of a lit wipe.
+_CUT_AWAY = 0.8
+
+
+def _lit_wipe(context, volume, frames):
+    """Makes each frame a cut of the data, whose plane moves across the camera's picture."""
+    settings, scene = volume.leaflight, context.scene
+    if not settings.source or volume.library is not None:
+        raise LeaflightError(f'"{volume.name}" has no volume file to cut: import it.')
+    if settings.frames > 1 and not settings.frame_regions:
+        raise LeaflightError(
+            f'"{volume.name}" changes over time: use Wipe, which cuts the picture.'
+        )
+    if settings.frame_regions:
+        frame_bakes.end_wipe(settings)
+    others = [r for r in source_files.regions_of(settings) if r.get("object") != _CUT_NAME]
+    axis, sign = _across(scene)
+    points = stage_camera.shown_points([volume])
+    first, last = points[:, axis].min(), points[:, axis].max()
+    ends = isosurfaces.world_box(volume)
+    middle, reach = ends.mean(axis=0), np.ptp(ends, axis=0)
+    to_file = np.linalg.inv(source_files.place_of_file(volume))
+    regions = []
+    for share in np.linspace(0.0, _CUT_AWAY, frames):
+        low, high = middle - reach, middle + reach
+        cut = share * (last - first)
+        if sign > 0:
+            high[axis] = first + cut
+        else:
+            low[axis] = last - cut
+        box = record_of(Box.between(low, high, "outside").moved(to_file))
+        regions.append([*others, {**box, "object": _CUT_NAME, "on": True}])
+    frame_bakes.begin_wipe(settings, regions)
+    scene.frame_start, scene.frame_end = 1, frames
+    blender.animate_frames(volume, 1)
+    scene.frame_set(1)
+
+
+def _across(scene):
+    """Returns the axis of the world that points most to the right of the picture, and its sign."""
+    across = scene.camera.matrix_world.col[0][:3] if scene.camera else (1.0, 0.0, 0.0)
+    axis = int(np.argmax(np.abs(across)))
+    return axis, 1.0 if across[axis] > 0 else -1.0
 
 
 def _keyframe(obj, path, values, scene):
@@ -151,7 +206,7 @@ def _keyframe(obj, path, values, scene):
     scene.frame_set(1)
 
 
-_ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe}
+_ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe, "LIT_WIPE": _lit_wipe}
 
 
 CLASSES = (LEAFLIGHT_OT_animate,)

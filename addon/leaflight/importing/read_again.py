@@ -8,7 +8,7 @@ from ..operators import checks, jobs
 from ..operators.checks import active_volume
 from ..show import display, isovalues
 from ..stage import staleness
-from ..store import cache, source_files
+from ..store import cache, frame_bakes, source_files
 
 has_file = checks.needs(
     lambda c: active_volume(c).library is None and active_volume(c).leaflight.source,
@@ -37,6 +37,8 @@ class ReadAgainJob(jobs.Job):
         if obj is None or not obj.leaflight.is_volume:
             return self.cancelled
         settings, volume = obj.leaflight, self._volume
+        if self._choice == "regions" and settings.frame_regions:
+            frame_bakes.end_wipe(settings)
         # Set the property without its update, and cache the volume for that update.
         settings[self._choice] = self._value
         cache.keep_volume(obj, volume.capped() if settings.capped else volume)

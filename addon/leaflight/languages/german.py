@@ -185,6 +185,12 @@ MESSAGES = {
     "Coronal": "Koronal",
     "Axial": "Axial",
     "Inside Only": "Nur innen",
+    "Lit Wipe": "Beleuchteter Schnitt",
+    "Cut of the data through the isosurface from one side to the other. Bake All Frames lights "
+    "each frame; before, light near the cut is an estimate": (
+        "Schnitt der Daten durch die Isofläche von einer Seite zur anderen. Alle Bilder beleuchten "
+        "berechnet jedes Bild; bis dahin ist das Licht am Schnitt geschätzt"
+    ),
     "Orientation Cube": "Orientierungswürfel",
     "Bakes: %s": "Beleuchtungen: %s",
     "Bakes: %s (unused: %s)": "Beleuchtungen: %s (unbenutzt: %s)",

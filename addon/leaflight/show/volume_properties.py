@@ -121,6 +121,7 @@ class VolumeSource(ReadingChoices):
         update=_frame_changed,
     )
     frame_bakes: StringProperty("Bakes of the Other Frames")
+    frame_regions: StringProperty("Regions of Each Frame")
     dataset: StringProperty("Dataset")
     brightest: IntVectorProperty("Channels", size=3, default=(-1, -1, -1), min=-1)
     downsample: IntProperty("Downsample", default=1, min=1, max=8)

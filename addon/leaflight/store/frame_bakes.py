@@ -3,9 +3,15 @@
 
 An object shows one frame at a time. Its properties describe that frame's bake. The properties of
 the other frames are stored as JSON.
+
+The frames of a wipe are cuts of one volume: "frame_regions" has the regions of each as JSON. A
+frame without a bake shows the bake of the nearest frame before it, whose light is estimated at the
+cut (show/changed_data.py).
 """
 
 import json
+
+from . import source_files
 
 # Properties that change with the frame, in addition to those that begin with bake_.
 _MORE = ("atlas_columns", "comparison")
@@ -31,21 +37,46 @@ def switch(obj, frame):
     Returns True if the object showed another frame before. Callers update the mesh.
     """
     settings = obj.leaflight
-    if settings.frames < 2 or frame == settings.frame or obj.library is not None:
+    if settings.frames < 2 or frame in (-1, settings.frame) or obj.library is not None:
         return False
     names = _names(settings)
     kept = json.loads(settings.frame_bakes or "{}")
-    if settings.bake_id:
+    if is_baked(settings):
         kept[str(settings.frame)] = {name: _plain(getattr(settings, name)) for name in names}
     found = kept.pop(str(frame), {})
+    regions = json.loads(settings.frame_regions or "[]")
+    if regions and not found and kept:
+        first, *others = sorted(map(int, kept))
+        found = kept[str(max((each for each in others if each < frame), default=first))]
     for name in names:
         if name in found:
             setattr(settings, name, found[name])
-        else:
+        elif not regions:
             settings.property_unset(name)
     settings.frame = frame
     settings.frame_bakes = json.dumps(kept)
+    if regions:
+        settings.regions = json.dumps(regions[frame])
     return True
+
+
+def begin_wipe(settings, regions):
+    """Makes a volume of one frame a wipe. regions: those of each frame."""
+    settings.frames, settings.frame = len(regions), 0
+    settings.frame_regions = json.dumps(regions)
+    settings.regions = json.dumps(regions[0])
+
+
+def end_wipe(settings):
+    """Makes a wipe a volume of one frame again, with its present bake and regions."""
+    for name in ("frame_regions", "frame_bakes", "frame", "frames", "shown_frame"):
+        settings.property_unset(name)
+
+
+def is_baked(settings):
+    """True if the bake of an object is that of its present frame."""
+    is_wipe = bool(settings.frame_regions)
+    return bool(settings.bake_id) and not (is_wipe and source_files.values_changed(settings))
 
 
 def forget(settings):
@@ -72,7 +103,7 @@ def each_baked(obj):
 
 def count_baked(settings):
     """Returns the number of frames that have a bake."""
-    return len(json.loads(settings.frame_bakes or "{}")) + bool(settings.bake_id)
+    return len(json.loads(settings.frame_bakes or "{}")) + is_baked(settings)
 
 
 def bakes_of(settings):

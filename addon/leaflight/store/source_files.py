@@ -66,7 +66,9 @@ def read(settings):
 
 def choices_of(settings):
     """Returns the arguments of read_volume() beside the path, by the names of the properties."""
-    return {name: _plain(getattr(settings, name)) for name in CHOICES}
+    choices = {name: _plain(getattr(settings, name)) for name in CHOICES}
+    # The frames of a wipe are cuts of one volume. Import operators have none.
+    return {**choices, "frame": -1} if getattr(settings, "frame_regions", "") else choices
 
 
 def _plain(value):

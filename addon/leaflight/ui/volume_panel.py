@@ -128,7 +128,7 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
         layout = self.layout
         layout.prop(settings, "shown_frame", text=iface_("Frame (0 to %d)") % (settings.frames - 1))
         baked = frame_bakes.count_baked(settings)
-        if settings.bake_id:
+        if frame_bakes.is_baked(settings):
             text, icon = iface_("Baked (%d of %d frames)"), "CHECKMARK"
         else:
             text, icon = iface_("Not baked (%d of %d frames are)"), "ERROR"

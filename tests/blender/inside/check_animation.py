@@ -7,11 +7,21 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from leaflight import blender
+from blends import reopened
 from leaflight_addon.edit import labels
+from leaflight_addon.store import cache, frame_bakes
 from leaflight_addon.stage import scene_export
 from leaflight_addon.show import isosurface, surface_object
 from mathutils import Vector
-from tools import add_camera, close, error_of, vertices_of
+from tools import (
+    add_camera,
+    close,
+    colors_of,
+    error_of,
+    mesh_arrays,
+    to_world,
+    vertices_of,
+)
 
 
 @pytest.fixture
@@ -41,6 +51,61 @@ def check_a_sweep_shows_the_whole_range(patient, monkeypatch):
         expected = settings.low + part * (settings.high - settings.low)
         assert surface_object.shown_isovalue(patient) == pytest.approx(expected, rel=1e-4)
     assert bpy.context.scene.frame_end == 11
+
+
+def check_a_lit_wipe_cuts_the_data_and_bakes_each_cut(boxed, tmp_path):
+    obj, name, scene = boxed, boxed.name, bpy.context.scene
+    bpy.ops.leaflight.bake()
+    whole, unframed = vertices_of(obj), obj.leaflight.frame
+    bpy.ops.leaflight.animate(kind="LIT_WIPE", frames=4)
+    assert (scene.frame_start, scene.frame_end) == (1, 4) and obj.leaflight.frames == 4
+    low, high = whole[:, 0].min(), whole[:, 0].max()
+
+    def starts(obj, frame):
+        bpy.context.scene.frame_set(frame)
+        return (vertices_of(obj)[:, 0].min() - low) / (high - low)
+
+    # The cut moves evenly from one end of the isosurface to eight tenths.
+    found = [starts(obj, frame) for frame in (1, 2, 3, 4)]
+    close(found, np.linspace(0.0, 0.8, 4), 0.05)
+    # Until it is baked, a frame has an estimate by the bake of the whole.
+    assert frame_bakes.count_baked(obj.leaflight) == 0 and not frame_bakes.is_baked(obj.leaflight)
+    assert colors_of(obj).max() > 0
+    blender.bake_frames(obj, error=20.0)
+    assert frame_bakes.count_baked(obj.leaflight) == 4
+    bakes = set()
+    for is_saved in (False, True):
+        obj = reopened(tmp_path / "scene.blend") if is_saved else obj
+        obj.leaflight.shading = "ATTRIBUTE"
+        for frame in (3, 1, 4, 2):
+            close(starts(obj, frame), found[frame - 1], 1e-6)
+            assert frame_bakes.is_baked(obj.leaflight)
+            vertices, _, radiance = mesh_arrays(obj)
+            expected = cache.bake_of(obj).radiance(to_world(obj, vertices))
+            assert np.quantile(abs(radiance - expected), 0.97) < 1e-4 * expected.max()
+            on_cut = vertices[:, 0] < vertices[:, 0].min() + 1e-3
+            assert frame == 1 or radiance[on_cut].mean() > 0.02
+            bakes.add((frame, obj.leaflight.bake_id))
+    assert len(bakes) == 4
+    bpy.context.scene.frame_set(1)
+    bpy.ops.ed.undo_push(message="wiped")
+    # Without its cut the volume is whole again.
+    bpy.ops.leaflight.switch_region(index=0, action="REMOVE")
+    bpy.ops.ed.undo_push(message="whole")
+    settings = obj.leaflight
+    assert (settings.frames, settings.frame, settings.regions) == (1, unframed, "")
+    close(vertices_of(obj)[:, 0].min(), low, 1e-4)
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects[name]
+    assert obj.leaflight.frames == 4
+    close(starts(obj, 3), found[2], 1e-6)
+
+
+def check_a_lit_wipe_needs_a_file_of_one_frame(boxed):
+    boxed.leaflight.frames = 2
+    assert "changes over time: use Wipe" in error_of(bpy.ops.leaflight.animate, kind="LIT_WIPE")
+    boxed.leaflight.frames, boxed.leaflight.source = 1, ""
+    assert "has no volume file to cut" in error_of(bpy.ops.leaflight.animate, kind="LIT_WIPE")
 
 
 def check_a_turntable_looks_at_the_volume_from_all_sides(patient):

@@ -194,6 +194,7 @@ ROWS = (
     _instant("animate", "baked", "keyframes", options={"kind": "SWEEP"}, short=True),
     _instant("animate", "baked", "keyframes", options={"kind": "TURNTABLE"}, also="turntable"),
     _instant("animate", "baked", "keyframes", options={"kind": "WIPE"}, also="wipe"),
+    _instant("animate", "baked", "baked frames", options={"kind": "LIT_WIPE"}, also="lit wipe"),
     _instant("copy_report", "home", "clipboard"),
     _instant("add_scale_bar", "baked", "labels"),
     _instant("add_letters", "baked", "labels"),
