@@ -9,7 +9,8 @@ from leaflight_addon import session, versions
 from leaflight_addon.show import isovalues, properties
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache
-from tools import assert_shows, close, mesh_arrays
+from mathutils import Matrix
+from tools import assert_shows, close, duplicate, mesh_arrays
 
 
 @pytest.fixture
@@ -164,3 +165,69 @@ def check_undo_brings_both_back(pair):
     close([o.leaflight.isovalue for o in pair], [40.0, 115.0], 1e-5)
     for obj in pair:
         assert_shows(obj, obj.leaflight.isovalue)
+
+
+@pytest.fixture
+def nested(tmp_path, bumps):
+    """Returns three copies of a ball in one place, at isovalues from the outside to the inside.
+
+    The first two have clip boxes of their own, and all isovalues have the common isovalue one half.
+    """
+    bpy.data.objects.remove(bumps)
+    z, y, x = np.mgrid[-1:1:24j, -1:1:24j, -1:1:24j]
+    np.save(tmp_path / "ball.npy", np.float32(100 - 80 * np.sqrt(x**2 + y**2 + z**2)))
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "ball.npy"))
+    skin = bpy.context.object
+    skin.leaflight.bake_folder, skin.leaflight.error = str(tmp_path / "bakes"), 20.0
+    skin.leaflight.resolution, skin.leaflight.shading = 24, "ATTRIBUTE"
+    build_cornell_box()
+    found = (skin, duplicate(skin), duplicate(skin))
+    for obj, isovalue in zip(found, (30.0, 50.0, 70.0)):
+        obj.leaflight.low, obj.leaflight.high = isovalue - 5.0, isovalue + 5.0
+        obj.leaflight.isovalue = isovalue
+    size = np.array(skin.dimensions)
+    for obj, start in zip(found[:2], (0.0, 0.15)):
+        _activate(obj)
+        bpy.ops.leaflight.add_clip_box()
+        # From a share of the size on, towards the camera.
+        box = obj.leaflight_look.box
+        box.matrix_world = obj.matrix_world.normalized() @ Matrix.Diagonal((*size, 1.0))
+        box.location = obj.location
+        box.location.x += size[0] + start * size[0]
+        bpy.context.view_layer.update()
+    return found
+
+
+def check_each_volume_has_its_cut_in_one_bake(nested, tmp_path):
+    whole = [np.ptp(mesh_arrays(obj)[0], axis=0)[0] for obj in nested]
+    for obj in nested[:2]:
+        _activate(obj)
+        bpy.ops.leaflight.cut_data(cut="capped")
+    bpy.ops.leaflight.bake()
+    assert len({obj.leaflight.bake_id for obj in nested}) == 1
+    names = [obj.name for obj in nested]
+    path = str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    nested = [bpy.data.objects[name] for name in names]
+    lights = []
+    for obj, size in zip(nested, whole):
+        assert staleness.change_since_bake(bpy.context, obj) == ""
+        vertices, _, radiance = mesh_arrays(obj)
+        on_cut = vertices[:, 0] > vertices[:, 0].max() - 1e-3
+        lights.append(radiance[on_cut].mean())
+        is_cut = obj != nested[2]
+        assert (np.ptp(vertices[:, 0]) < 0.9 * size) == is_cut
+        assert (on_cut.sum() > 20) == is_cut
+    assert min(lights) > 0.02
+    # The second stands out of the cut of the first, and is dark deep within it.
+    reach = [mesh_arrays(obj)[0][:, 0].max() for obj in nested]
+    assert reach[0] < reach[1] and reach[0] < reach[2]
+    vertices, _, radiance = mesh_arrays(nested[1])
+    is_out, is_deep = vertices[:, 0] > reach[0] + 0.5, vertices[:, 0] < reach[0] - 5.0
+    assert radiance[is_out].mean() > 0.3 and radiance[is_deep].mean() < 0.03
+    # One box moves its own cut alone.
+    nested[0].leaflight_look.box.location.x -= 0.1
+    bpy.context.view_layer.update()
+    moved = [mesh_arrays(obj)[0][:, 0].max() for obj in nested]
+    assert moved[0] < reach[0] - 0.3 and moved[1:] == reach[1:]
