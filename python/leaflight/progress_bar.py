@@ -45,8 +45,9 @@ class _Display(Protocol):
 def with_progress(label: str) -> Callable[[Callable[P, T]], WithProgress[P, T]]:
     """Decorates a function with a Progress parameter `progress`, to accept other values, too.
 
-    None shows a bar in a terminal, on stderr, or in the output of a notebook. False shows no bar. A function is
-    called with the fraction and the stage, ten times a second, in the thread of the caller.
+    None shows a bar in a terminal, on stderr, or in the output of a notebook. False shows no bar. A
+    function is called with the fraction and the stage, ten times a second, in the thread of the
+    caller.
     """
 
     def decorate(function: Callable[P, T]) -> WithProgress[P, T]:

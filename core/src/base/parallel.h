@@ -23,4 +23,12 @@ void parallel_range(std::size_t n, std::size_t grain, double work, Progress& pro
   progress.check();
 }
 
+// Calls body(i) for each i of [0, n), in parallel.
+template <class Body>
+void parallel_each(std::size_t n, Body body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) body(i);
+  });
+}
+
 }  // namespace leaflight

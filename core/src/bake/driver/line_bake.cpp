@@ -10,6 +10,7 @@
 #include "bake/texels/pooled_variance.h"
 #include "bake/walls/light_walls.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/release.h"
 #include "base/sampling.h"
 
@@ -35,11 +36,9 @@ Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
 // Returns NaN for texels without samples.
 std::vector<Vec<3, float>> known_means(const std::vector<Average>& averages) {
   std::vector<Vec<3, float>> means(averages.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, means.size(), 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s) {
-      const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
-      means[s] = averages[s].samples > 0 ? Vec<3, float>(averages[s].mean) : unknown;
-    }
+  parallel_each(means.size(), [&](std::size_t s) {
+    const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
+    means[s] = averages[s].samples > 0 ? Vec<3, float>(averages[s].mean) : unknown;
   });
   return means;
 }
@@ -135,9 +134,8 @@ void LineBake<D>::gather_bounces() {
       bounce[side] = looked_up(indirect_->averages(side != 0));
       const bool is_last = i + 1 == bounces;
       const Rgb share = is_last ? Rgb(1) + later_bounces(before[side], bounce[side]) : Rgb(1);
-      for (std::size_t s = 0; s < bounce[side].size(); ++s) {
-        indirect_sides_[side][s] += bounce[side][s] * share;
-      }
+      parallel_each(bounce[side].size(),
+                    [&](std::size_t s) { indirect_sides_[side][s] += bounce[side][s] * share; });
     }
     indirect_->clear();
     std::swap(before, bounce);
@@ -268,10 +266,10 @@ WallRadiance<D> LineBake<D>::walls() {
       if (side == 0 || plan_.back) {
         all = direct_at(lattice, side != 0);
       }
-      for (std::size_t s = 0; s < indirect_sides_[side].size(); ++s) {
+      parallel_each(indirect_sides_[side].size(), [&](std::size_t s) {
         all[s] += indirect_sides_[side][s] *
                   albedo_near(volume_.volume(), lattice.center(lattice.active[s]));
-      }
+      });
       for (std::size_t s = 0; s < texture_.size(); ++s) all[s] *= texture_[s];
     }
     estimator = make_gather_estimator(volume_.tracer, lights_, isosurfaces, *photons_.walls);
@@ -300,12 +298,12 @@ std::vector<Rgb> LineBake<D>::indirect_of_photons(bool back) const {
   const TexelLattice<D>& texels = lattices_[0];
   const auto brdf = static_cast<Real>(1 / projected_hemisphere<D>);
   std::vector<Average> known(texels.active.size());
-  for (std::size_t s = 0; s < known.size(); ++s) {
+  parallel_each(known.size(), [&](std::size_t s) {
     known[s].mean = photons_.isosurfaces[0]->irradiance(static_cast<std::int32_t>(s), back) * brdf;
-  }
+  });
   known = interpolated(texels, known, indirect_->texels().lattice, progress_);
   std::vector<Rgb> indirect(known.size());
-  for (std::size_t s = 0; s < known.size(); ++s) indirect[s] = known[s].mean;
+  parallel_each(known.size(), [&](std::size_t s) { indirect[s] = known[s].mean; });
   return indirect;
 }
 
@@ -384,14 +382,14 @@ template <int D>
 void LineBake<D>::finish(std::vector<Average>& indirect) const {
   const Volume<D>& volume = volume_.volume();
   const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
-  for (std::size_t s = 0; s < indirect.size(); ++s) {
+  parallel_each(indirect.size(), [&](std::size_t s) {
     const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
     const Rgb albedo = albedo_near(volume, center);
     indirect[s].mean *= albedo;
     const auto scale = static_cast<float>(average(albedo));
     indirect[s].variance *= scale * scale;
     indirect[s].mean += emission_near(volume, isovalue_range, center);
-  }
+  });
 }
 
 template <int D>

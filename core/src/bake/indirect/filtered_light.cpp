@@ -37,9 +37,9 @@ struct Texel {
 
 std::vector<Texel> texels_of(const NoisyLight& light) {
   std::vector<Texel> texels(light.averages.size());
-  for (std::size_t s = 0; s < texels.size(); ++s) {
+  parallel_each(texels.size(), [&](std::size_t s) {
     texels[s] = {light.averages[s].mean, light.halves[s]};
-  }
+  });
   return texels;
 }
 
@@ -161,7 +161,8 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
       });
       shrink(neighbors, offsets, filtered, light.averages, progress);
     }
-    for (std::size_t s = 0; s < filtered.size(); ++s) light.averages[s].mean = filtered[s].light;
+    parallel_each(filtered.size(),
+                  [&](std::size_t s) { light.averages[s].mean = filtered[s].light; });
   }
 }
 

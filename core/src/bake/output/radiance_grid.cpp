@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/output/radiance_grid.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "base/release.h"
 
 namespace leaflight {
@@ -16,17 +14,9 @@ namespace {
 
 using Colors = std::vector<Vec<3, float>>;
 
-// Calls body(slot) for all texels, in parallel.
-template <class Body>
-void for_each_texel(std::size_t count, Body body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
-    for (std::size_t s = range.begin(); s < range.end(); ++s) body(s);
-  });
-}
-
 Colors rounded_means(const std::vector<Average>& averages) {
   Colors means(averages.size());
-  for_each_texel(means.size(), [&](std::size_t s) {
+  parallel_each(means.size(), [&](std::size_t s) {
     means[s] = light_precision.rounded(Vec<3, float>(averages[s].mean));
   });
   return means;
@@ -35,7 +25,7 @@ Colors rounded_means(const std::vector<Average>& averages) {
 // Adds direct light. `derived`: the sum is not stored, and therefore not rounded.
 Colors sums(const std::vector<Rgb>& direct, const Colors& indirect, bool derived) {
   Colors sums(direct.size());
-  for_each_texel(sums.size(), [&](std::size_t s) {
+  parallel_each(sums.size(), [&](std::size_t s) {
     sums[s] = Vec<3, float>(direct[s] + Rgb(indirect[s]));
     if (!derived) sums[s] = light_precision.rounded(sums[s]);
   });
@@ -52,7 +42,7 @@ RadianceGrid<D> make_grid(TexelLattice<D> lattice, const std::array<std::vector<
   grid.lattice = std::move(lattice);
   grid.direct = std::move(exact_direct);
   grid.radiance_error.resize(indirect[0].size());
-  for_each_texel(indirect[0].size(), [&](std::size_t s) {
+  parallel_each(indirect[0].size(), [&](std::size_t s) {
     grid.radiance_error[s] = error_precision.rounded(std::sqrt(indirect[0][s].variance));
   });
   // Free the averages, which take most of the memory of a large bake here.

@@ -63,12 +63,12 @@ class TexelMoments {
   }
   std::vector<Average> averages() const {
     std::vector<Average> result(blocks_.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].average();
+    parallel_each(result.size(), [&](std::size_t i) { result[i] = blocks_[i].average(); });
     return result;
   }
   std::vector<HalfDifference> halves() const {
     std::vector<HalfDifference> result(blocks_.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = blocks_[i].difference();
+    parallel_each(result.size(), [&](std::size_t i) { result[i] = blocks_[i].difference(); });
     return result;
   }
 
