@@ -147,7 +147,7 @@ def test_its_slider_is_dragged_in_a_window(bare, bake, tmp_path):
     if bare.no_window():
         pytest.skip(bare.no_window())
     leaflight.export(bake, tmp_path / "box.blend")
-    seen = bare.in_window("drag_blend.py", tmp_path / "box.blend")
+    seen = bare.in_window("drag_blend.py", tmp_path / "box.blend")["steps"]
     isovalues, vertices = np.transpose(seen)
     assert len(set(isovalues)) > 5 and len(set(vertices)) > 5
     # The mouse crosses part of a slider that shows the whole range.

@@ -146,7 +146,7 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
 
 
 class LEAFLIGHT_OT_crop_to_shown(background.BackgroundOperator, bpy.types.Operator):
-    bl_label = "Crop to What Is Shown"
+    bl_label = "Crop to Isosurface"
     bl_description = "Crop the data to a box around the shown isosurfaces, so that a bake is faster"
     conditions = read_again.CONDITIONS
 

@@ -87,7 +87,7 @@ MESSAGES = {
     "Mask Data": "Daten maskieren",
     "Within Labels": "Innerhalb von Labels",
     "Crop": "Zuschnitt",
-    "Crop to What Is Shown": "Auf Gezeigtes zuschneiden",
+    "Crop to Isosurface": "Auf die Isofläche zuschneiden",
     "cropped": "zugeschnitten",
     "Cropped to %s voxels": "Zugeschnitten auf %s Voxel",
     "Remove Part": "Teil entfernen",

@@ -13,13 +13,14 @@ import time
 import bpy
 import hand
 import leaflight
+import mouse
 import numpy as np
 import stepwise
 from leaflight_addon.operators import jobs
 from leaflight_addon.show import surface_object
 
-# Steps of the mouse per drag, pixels per step, steps per second, and turns back and forth per drag.
-STEPS, PIXELS, PER_SECOND, TURNS = 16, 4, 30, 1
+# Steps of the mouse per drag, pixels per step, and turns back and forth per drag.
+STEPS, PIXELS, TURNS = 16, 4, 1
 
 found = {}
 pictures = []
@@ -80,7 +81,10 @@ def drive():
     window = bpy.context.window_manager.windows[0]
     yield from stepwise.wait(1.0)
     yield from choose_last_tab(window)
-    place = yield from find_slider(window)
+    region, obj = hand.region("UI"), bpy.context.object
+    x, top = region.x + region.width // 3, region.y + region.height
+    rows = range(top - 30, top - 160, -8)
+    place = yield from mouse.find_slider(window, x, rows, lambda: obj.leaflight.isovalue)
     settings = bpy.context.object.leaflight
     settings.isovalue = 0.5 * (settings.low + settings.high)
     limit = surface_object.MOVING_TRIANGLES
@@ -107,33 +111,7 @@ def choose_last_tab(window):
     region = hand.region("UI")
     x, top = region.x + region.width - 14, region.y + region.height
     for y in range(top - 20, top - 200, -12):
-        yield from gesture(window, [(x, y)])
-
-
-def find_slider(window):
-    """Presses and drags slightly in each row until the isovalue moves; returns the position."""
-    region = hand.region("UI")
-    x = region.x + region.width // 3
-    obj = bpy.context.object
-    for y in range(region.y + region.height - 30, region.y + region.height - 160, -8):
-        before = obj.leaflight.isovalue
-        yield from gesture(window, [(x, y), *((x + 3 * k, y) for k in range(1, 6))])
-        yield from stepwise.wait(0.3)
-        if obj.leaflight.isovalue != before:
-            return x, y
-    raise RuntimeError("There is no slider of the isovalue in the sidebar.")
-
-
-def gesture(window, places):
-    """Presses the mouse at the first position, and releases it at the last."""
-    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=places[0][0], y=places[0][1])
-    yield 0.05
-    window.event_simulate(type="LEFTMOUSE", value="PRESS", x=places[0][0], y=places[0][1])
-    for x, y in places[1:]:
-        yield 1.0 / PER_SECOND
-        window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=x, y=y)
-    yield 1.0 / PER_SECOND
-    window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=places[-1][0], y=places[-1][1])
+        yield from mouse.gesture(window, [(x, y)])
 
 
 def drag(window, place, name):
@@ -144,7 +122,7 @@ def drag(window, place, name):
     pictures.clear()
     values, triangles, times = set(), [], []
     start, processor = time.perf_counter(), time.process_time()
-    for pause in gesture(window, [(at, y) for at in there_and_back]):
+    for pause in mouse.gesture(window, [(at, y) for at in there_and_back]):
         values.add(obj.leaflight.isovalue)
         triangles.append(len(obj.data.polygons))
         times.append(surface_object.is_coarse(obj.data))

@@ -3,13 +3,13 @@
 
 import json
 import os
+import sys
 import time
 import traceback
 
 import bpy
 import gpu
 import numpy as np
-from leaflight_addon.operators import jobs
 
 
 def run(script, found):
@@ -38,7 +38,10 @@ def run(script, found):
 
 def _leave(found, status):
     print("WINDOW", json.dumps(found), flush=True)
-    jobs.cancel_running()
+    # A Blender without the add-on has none.
+    jobs = sys.modules.get("leaflight_addon.operators.jobs")
+    if jobs is not None:
+        jobs.cancel_running()
     os._exit(status)
 
 
