@@ -62,8 +62,7 @@ def import_volume(path, low, high):
         filepath=raw, dims=values.shape[::-1], value_type=str(values.dtype), spacing=(1, 1, 1)
     )
     bpy.ops.leaflight.stage()
-    # Without a graphics card, a lit viewport takes too much time beside the surface.
-    hand.view().spaces.active.shading.type = "SOLID"
+    draw_unlit()
     hand.view().spaces.active.region_3d.view_perspective = "CAMERA"
     settings = bpy.context.object.leaflight
     settings.light_walls = False
@@ -75,6 +74,11 @@ def import_volume(path, low, high):
     # The bake must last for the whole drag.
     settings.resolution = 192
     settings.error = 0.01
+
+
+def draw_unlit():
+    """Without a graphics card, a lit viewport takes too much time beside the surface."""
+    hand.view().spaces.active.shading.type = "SOLID"
 
 
 def drive():
@@ -156,6 +160,8 @@ def begin_bake(window):
     """Starts a bake, and waits until it has shown a pass."""
     with bpy.context.temp_override(window=window, area=hand.view(), region=hand.region("UI")):
         bpy.ops.leaflight.bake("INVOKE_DEFAULT")
+    # A bake shows its light in the viewport.
+    draw_unlit()
     yield from rest()
     while not bpy.context.object.data.get("leaflight_shown", "").count('"pass '):
         if jobs.running() is None:
