@@ -3,7 +3,7 @@
 
 #include <pybind11/stl/filesystem.h>
 
-#include "bake/driver/pass_blocks.h"
+#include "bake/driver/pass_schedule.h"
 #include "baked_object.h"
 #include "bindings.h"
 #include "io/checkpoint_file.h"

@@ -6,7 +6,6 @@
 
 #include <sstream>
 
-#include "bake/driver/first_pass.h"
 #include "whole_passes.h"
 
 namespace leaflight {
@@ -24,14 +23,6 @@ TEST(TimeLimit, IsOverWhereWhatIsToComeEndsTooLate) {
   EXPECT_TRUE(limit.is_over(3.1));
   EXPECT_FALSE(none.is_given());
   EXPECT_FALSE(none.is_over(1e9));
-}
-
-TEST(TimeLimit, PredictsAFirstPassFromItsPreview) {
-  // Measured for Colin27 and for a bump box of 24^3.
-  EXPECT_NEAR(first_pass_seconds({0.35, 0.18, 1.4}, 57), 15.9, 1.6);
-  EXPECT_NEAR(first_pass_seconds({0.09, 0.12, 0.056}, 302), 2.1, 0.2);
-  // Photons and points of the error estimate take the same time for any number of texels.
-  EXPECT_EQ(first_pass_seconds({1, 2, 0}, 8), first_pass_seconds({1, 2, 0}, 64));
 }
 
 constexpr int voxels = 33, wider = 17, preview = 9;

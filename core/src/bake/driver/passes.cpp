@@ -1,29 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/passes.h"
 
-#include <cmath>
-
-#include "bake/driver/first_pass.h"
 #include "bake/driver/measured_error.h"
-#include "bake/driver/pass_blocks.h"
+#include "bake/driver/pass_schedule.h"
 #include "bake/driver/previous_texels.h"
 #include "bake/driver/ray_bake.h"
-#include "bake/driver/time_limit.h"
 #include "base/error.h"
 
 namespace leaflight {
 namespace {
 
-// Bakes with fewer texels have no first picture.
-constexpr std::size_t most_without_preview = 200'000;
 // Parameters of a first picture: its blocks, the spacing of its visibility sweeps, and the
 // estimates per point of its error. All estimates would delay it.
 constexpr int preview_blocks = 2, preview_spacing = 2, preview_estimates = 2;
-// Predicted ratio of the walls' time in a complete pass to that in the first picture: for shadow
-// rays and for samples.
-constexpr int more_ways = 6, more_samples = 3;
-// A pass that runs out of time ends after at least this many blocks.
-constexpr int least_blocks = 2;
 
 template <int D>
 std::size_t texels_of_indirect_light(const std::vector<BakeTexels<D>>& texels) {
@@ -37,7 +26,7 @@ class Passes {
  public:
   Passes(const Scene<D>& scene, const BakeSettings<D>& settings, const Plan& plan,
          Progress& progress, const BakeHooks<D>& hooks)
-      : limit_(settings.seconds, hooks.clock),
+      : schedule_(TimeLimit(settings.seconds, hooks.clock), settings.error, progress),
         hooks_(hooks),
         scene_(scene, settings, plan, progress),
         progress_(progress),
@@ -52,7 +41,7 @@ class Passes {
     }
     set_texels(Texels::usual);
     progress_.check();
-    if (count_ == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
+    if (schedule_.texels == 0 && !scene_.plan.walls) throw nothing_to_bake(scene_.tracer.scene());
     if (hooks_.previous) {
       const std::optional<Texels> kind = previous_texels(scene_, *hooks_.previous);
       if (kind) previous_ = hooks_.previous;
@@ -82,10 +71,10 @@ class Passes {
 
   void count_texels() {
     shown_.clear();
-    count_ = 0;
+    schedule_.texels = 0;
     for (const BakeTexels<D>& one : texels_) {
       shown_.push_back(one.shown.lattice.resolution);
-      count_ += one.shown.lattice.active.size();
+      schedule_.texels += one.shown.lattice.active.size();
     }
     if (!texels_.empty()) indirect_resolution_ = texels_[0].indirect.lattice.resolution;
   }
@@ -101,20 +90,21 @@ class Passes {
 
   // Shows a first picture if the bake is large. Returns the finest texels that the time allows.
   Texels first_picture() {
-    const bool is_large = count_ > most_without_preview;
+    const bool is_large = schedule_.is_large(), is_limited = schedule_.is_limited();
     if (previous_) return previous_texels_;
-    if (count_ == 0 || !(is_large || limit_.is_given())) return Texels::usual;
+    if (schedule_.texels == 0 || !(is_large || is_limited)) return Texels::usual;
     if (is_large) ++passes_;
-    if (!hooks_.on_pass && !limit_.is_given()) return Texels::usual;
-    const double began = limit_.seconds();
+    if (!hooks_.on_pass && !is_limited) return Texels::usual;
+    PreviewSeconds& took = schedule_.took.preview;
+    const double began = schedule_.now();
     measured_->trace(texels_, preview_estimates);
-    preview_seconds_.points = limit_.seconds() - began;
+    took.points = schedule_.now() - began;
     make_preview();
     preview_->add(preview_blocks);
     Baked<D> baked = bake_so_far(*preview_);
-    preview_seconds_.rest = limit_.seconds() - began - preview_seconds_.all();
+    took.rest = schedule_.now() - began - took.all();
     if (hooks_.on_pass && is_large) hooks_.on_pass(std::move(baked));
-    if (limit_.is_given() && scene_.plan.walls) choose_wall_detail();
+    if (is_limited && scene_.plan.walls) choose_wall_detail();
     return fits(texels_) ? Texels::usual : wider_in_time();
   }
 
@@ -122,19 +112,15 @@ class Passes {
   void choose_wall_detail() {
     scene_.wall_detail = least_wall_detail;
     scene_.subdivided();
-    const double began = limit_.seconds();
+    const double began = schedule_.now();
     scene_.compute_wall_direct_light();
-    const double ways = more_ways * (limit_.seconds() - began);
+    const double direct = schedule_.now() - began;
     preview_walls_ = walls(*preview_);
     // A bake by rays samples walls in the blocks of the volume.
-    const double samples = walls_seconds_ * (scene_.plan.lines ? more_samples : 1);
-    fine_walls_seconds_ = ways + samples;
-    // Fine walls may take at most half of the remaining time.
-    if (over(2 * fine_walls_seconds_)) return;
+    if (!schedule_.has_time_for_fine_walls(direct, scene_.plan.lines)) return;
     preview_walls_.reset();
     scene_.wall_detail = WallDetail();
     scene_.compute_wall_direct_light();
-    walls_seconds_ = samples;
   }
 
   Texels wider_in_time() { return fits(wider()) ? Texels::wide : Texels::preview; }
@@ -148,7 +134,7 @@ class Passes {
   bool fits(const std::vector<BakeTexels<D>>& texels) const {
     const double ratio = static_cast<double>(texels_of_indirect_light(texels)) /
                          static_cast<double>(preview_texels_);
-    return !over(first_pass_seconds(preview_seconds_, ratio) + walls_seconds_);
+    return schedule_.has_time_for(ratio);
   }
 
   void make_preview() {
@@ -160,9 +146,9 @@ class Passes {
     }
     preview_texels_ = std::max<std::size_t>(1, texels_of_indirect_light(texels));
     scene_.compute_visibility_maps(coarse, preview_spacing);
-    const double began = limit_.seconds();
+    const double began = schedule_.now();
     preview_ = integrator(std::move(texels), nullptr, nullptr);
-    preview_seconds_.photons = limit_.seconds() - began;
+    schedule_.took.preview.photons = schedule_.now() - began;
   }
 
   // Makes the integrator of these texels.
@@ -173,7 +159,7 @@ class Passes {
     measured_->trace(texels_, is_preview ? preview_estimates : MeasuredError<D>::most_estimates);
     if (is_preview) {
       if (!preview_) make_preview();
-      count_ = preview_texels_;
+      schedule_.texels = preview_texels_;
       bake_ = std::move(preview_);
     } else {
       if (chosen == Texels::wide) {
@@ -189,9 +175,9 @@ class Passes {
     texels_.clear();
     wider_.clear();
     fine_.clear();
-    if (limit_.is_given() && scene_.plan.walls) scene_.compute_wall_direct_light();
+    if (schedule_.is_limited() && scene_.plan.walls) scene_.compute_wall_direct_light();
     before_ = previous_ ? bake_->blocks() : 0;
-    blocks_ = scene_.plan.indirect ? before_ + first_blocks(count_) : 0;
+    blocks_ = scene_.plan.indirect ? before_ + first_blocks(schedule_.texels) : 0;
   }
 
   // Sets the expected work of the steps before the walls, before the integrator exists.
@@ -201,7 +187,8 @@ class Passes {
     for (const BakeTexels<D>& one : texels_) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
       work += scene_.sides() * all * points * DirectLight<D>::work_of_texel +
-              first_blocks(count_) * IndirectLight<D>::cost(one.indirect.lattice, one.spacing);
+              first_blocks(schedule_.texels) *
+                  IndirectLight<D>::cost(one.indirect.lattice, one.spacing);
     }
     progress_.expect(progress_.work() + work + scene_.cost_of_walls());
   }
@@ -213,18 +200,13 @@ class Passes {
   }
 
   Baked<D> run_passes() {
-    const std::function<bool()> proceed = [this] { return go_on(); };
     for (;;) {
       // The first picture is a complete bake.
-      if (chosen_ == Texels::preview && passes_ <= 1 &&
-          over(preview_seconds_.all() + closing_seconds())) {
+      if (chosen_ == Texels::preview && passes_ <= 1 && schedule_.ends_with_preview()) {
         return last(bake_so_far(*bake_), true);
       }
-      block_began_ = limit_.seconds();
-      expect_pass();
-      bake_->add(blocks_ - bake_->blocks(), proceed);
-      const bool cut = bake_->blocks() < blocks_;
-      if (cut && preview_ && bake_->blocks() - before_ < least_blocks) {
+      add_blocks();
+      if (is_too_short()) {
         if (chosen_ == Texels::fine) return last_of_usual_texels();
         begin(chosen_ == Texels::usual ? wider_in_time() : Texels::preview);
         continue;
@@ -233,21 +215,11 @@ class Passes {
       preview_walls_.reset();
       ++passes_;
       Baked<D> baked = bake_so_far(*bake_);
-      const IsovalueError error = errors_.all();
-      const double noise = noise_to_reach(scene_.settings.error, 100 * std::sqrt(error.bias));
-      const double target = std::pow(noise / 100, 2);
-      const int next = next_blocks(bake_->blocks(), error.noise, target);
-      const bool refines = !cut && !is_late() && has_fine_texels(100 * std::sqrt(error.bias));
-      if (!refines) {
-        if (error.noise <= target) return last(std::move(baked), false);
-        if (cut || is_late()) return last(std::move(baked), true);
-        if (next <= blocks_) return last(std::move(baked), false);
-      }
-      if (hooks_.on_pass) {
-        // If isosurfaces store no light, only the walls are visible.
-        if (count_ == 0) baked.walls = walls(*bake_);
-        hooks_.on_pass(std::move(baked));
-      }
+      const EndedPass pass{bake_->blocks(), blocks_, errors_.all()};
+      const bool refines = schedule_.wants_finer_texels(pass) && has_fine_texels();
+      const Step step = refines ? Step::more_blocks : schedule_.after(pass);
+      if (step != Step::more_blocks) return last(std::move(baked), step == Step::end_unfinished);
+      show(std::move(baked));
       if (refines) {
         // The result if the time ends before the first blocks of fine texels.
         preview_ = std::move(bake_);
@@ -255,9 +227,28 @@ class Passes {
         continue;
       }
       // Out of time: the result is the bake that was shown.
-      if (is_late()) return last(bake_so_far(*bake_), true);
-      blocks_ = next;
+      if (schedule_.is_late()) return last(bake_so_far(*bake_), true);
+      blocks_ = schedule_.blocks_after(pass);
     }
+  }
+
+  void add_blocks() {
+    schedule_.begin_block();
+    expect_pass();
+    bake_->add(blocks_ - bake_->blocks(), [this] { return go_on(); });
+  }
+
+  // True if the time ended so early that another picture is the result, or coarser texels are.
+  bool is_too_short() const {
+    const int blocks = bake_->blocks();
+    return blocks < blocks_ && preview_ && PassSchedule::is_too_short(blocks - before_);
+  }
+
+  void show(Baked<D>&& baked) {
+    if (!hooks_.on_pass) return;
+    // If isosurfaces store no light, only the walls are visible.
+    if (schedule_.texels == 0) baked.walls = walls(*bake_);
+    hooks_.on_pass(std::move(baked));
   }
 
   // Gives up fine texels whose first blocks have no time.
@@ -267,13 +258,9 @@ class Passes {
     return last(bake_so_far(*bake_), true);
   }
 
-  // True if fine texels would lower an error that more blocks cannot lower, and the time suffices.
-  // `bias`: the part of the error in percent that is not noise.
-  bool has_fine_texels(double bias) {
-    if (chosen_ != Texels::usual || previous_ || !scene_.plan.lines ||
-        !is_out_of_reach(scene_.settings.error, bias)) {
-      return false;
-    }
+  // True if there are finer texels, and the time suffices for them.
+  bool has_fine_texels() {
+    if (chosen_ != Texels::usual || previous_ || !scene_.plan.lines) return false;
     // Lines light one volume.
     const LineVolume<D>& volume = scene_.volumes[0];
     const PassResolutions<D> fine = pass_resolutions(volume.volume().field, volume.isovalue_range(),
@@ -287,28 +274,14 @@ class Passes {
 
   // Saves a checkpoint after a block if one is due. True if time is left for another block.
   bool go_on() {
-    const double now = limit_.seconds();
-    block_seconds_ = now - block_began_;
-    block_began_ = now;
+    schedule_.end_block();
     const Checkpoints* checkpoints = hooks_.checkpoints;
-    if (checkpoints && checkpoints->save && now - saved_ + block_seconds_ >= checkpoints->seconds) {
+    if (checkpoints && checkpoints->save &&
+        schedule_.now() - saved_ + schedule_.took.block >= checkpoints->seconds) {
       checkpoints->save([this](std::ostream& stream) { serialize(Archive(stream)); });
-      saved_ = limit_.seconds();
+      saved_ = schedule_.now();
     }
-    const int done = bake_->blocks() - before_;
-    if (done >= least_blocks) return !is_late();
-    // With fewer blocks, only the first picture can be returned. The steps before a first block
-    // take about as long as the least number of blocks.
-    if (done == 0) return !preview_ || !is_late();
-    return !preview_ || !limit_.is_over(block_seconds_ + closing_seconds());
-  }
-
-  // True if another block would end too late. It is assumed to take as long as the last one.
-  bool is_late() const { return over(block_seconds_ + closing_seconds()); }
-  // Estimates the time of the steps after the blocks.
-  double closing_seconds() const {
-    return seconds_a_texel_ * static_cast<double>(std::max<std::size_t>(1, count_)) +
-           walls_seconds_;
+    return schedule_.goes_on(bake_->blocks() - before_, preview_ != nullptr);
   }
 
   void serialize(Archive archive) {
@@ -320,7 +293,7 @@ class Passes {
     archive(chosen_);
     archive(scene_.wall_detail.samples);
     archive(scene_.wall_detail.share);
-    archive(fine_walls_seconds_);
+    archive(schedule_.took.fine_walls);
     if (archive.restores()) begin(chosen_);
     const std::uint64_t before = rays();
     std::uint64_t traced = before;
@@ -333,16 +306,14 @@ class Passes {
 
   std::uint64_t rays() const { return progress_.rays() - first_rays_; }
 
-  bool over(double to_come) const { return progress_.stopped() || limit_.is_over(to_come); }
-
   Baked<D> bake_so_far(Integrator<D>& bake) {
-    const double began = limit_.seconds();
+    const double began = schedule_.now();
     Baked<D> baked;
     baked.grids = bake.grids();
     std::size_t texels = 0;
     for (const RadianceGrid<D>& grid : baked.grids) texels += grid.texels();
-    seconds_a_texel_ =
-        (limit_.seconds() - began) / static_cast<double>(std::max<std::size_t>(1, texels));
+    schedule_.took.texel =
+        (schedule_.now() - began) / static_cast<double>(std::max<std::size_t>(1, texels));
     baked.statistics.rays = rays();
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
@@ -357,22 +328,22 @@ class Passes {
 
   WallRadiance<D> walls(Integrator<D>& bake) {
     scene_.compute_wall_direct_light();
-    const double began = limit_.seconds();
+    const double began = schedule_.now();
     WallRadiance<D> walls = bake.walls();
-    walls_seconds_ = limit_.seconds() - began;
+    schedule_.took.walls = schedule_.now() - began;
     return walls;
   }
 
   // Finishes the last pass, which includes the walls.
   Baked<D> last(Baked<D> baked, bool stopped) {
-    if (!over(fine_walls_seconds_)) scene_.wall_detail = WallDetail();
+    if (!schedule_.is_over(schedule_.took.fine_walls)) scene_.wall_detail = WallDetail();
     const bool is_known = scene_.wall_detail.share > 1 && preview_walls_;
     if (scene_.plan.walls) baked.walls = is_known ? *std::move(preview_walls_) : walls(*bake_);
     BakeStatistics& statistics = baked.statistics;
     statistics.rays = rays();
     statistics.passes = std::max(1, passes_);
     statistics.stopped = stopped;
-    if (!limit_.is_given() || progress_.stopped()) return baked;
+    if (!schedule_.is_limited() || progress_.stopped()) return baked;
     if (chosen_ == Texels::wide || chosen_ == Texels::preview) {
       statistics.stopped = stopped || statistics.error_percent > scene_.settings.error;
       statistics.skipped.push_back(finer_texels<D>(baked.grids[0].lattice.resolution));
@@ -381,7 +352,7 @@ class Passes {
     return baked;
   }
 
-  const TimeLimit limit_;
+  PassSchedule schedule_;
   const BakeHooks<D>& hooks_;
   LitScene<D> scene_;
   Progress& progress_;
@@ -390,14 +361,11 @@ class Passes {
   std::vector<BakeTexels<D>> texels_, wider_, fine_;   // until the integrator has them
   std::vector<Index<D>> shown_;                        // their resolutions
   Index<D> indirect_resolution_{};                     // that of the first volume's indirect light
-  // Number of all texels, and of those of the first picture.
-  std::size_t count_ = 0, preview_texels_ = 1;
+  std::size_t preview_texels_ = 1;                     // number of those of indirect light
   Texels chosen_ = Texels::usual, previous_texels_ = Texels::usual;
   // Number of passes, of blocks of the previous bake, and of blocks after this pass.
   int passes_ = 0, before_ = 0, blocks_ = 0;
-  PreviewSeconds preview_seconds_;
-  double walls_seconds_ = 0, fine_walls_seconds_ = 0, block_seconds_ = 0, seconds_a_texel_ = 0;
-  double block_began_ = 0, saved_ = 0;  // when the block began; when the last checkpoint was saved
+  double saved_ = 0;  // when the last checkpoint was saved
   std::unique_ptr<Integrator<D>> preview_, bake_;
   std::optional<WallRadiance<D>> preview_walls_;
   std::optional<MeasuredError<D>> measured_;
