@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inside Blender: ... -- DATA FOLDER PICTURE.webp. Puts stills of default bakes with lit walls
-beside those of Cycles, and prints their FLIP. DATA contains the volumes other than Colin27.
+"""Inside Blender: ... -- FILE FOLDER ROW.png OPTIONS ISOVALUE. Puts stills of a default bake with
+lit walls beside those of Cycles, and prints their FLIP. OPTIONS: of the reader, as JSON.
 """
 
+import json
 import sys
 from pathlib import Path
 
@@ -14,32 +15,15 @@ from leaflight.measure.flip import flip
 from PIL import Image
 
 SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
-# Size of a crop, which is shown twice as large, and of the gap between pictures, in pixels.
-CROP, GAP = SIZE // 4, 8
-COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
-# File, options to read it, isovalue to show.
-VOLUMES = (
-    (COLIN27, {}, 45.5),
-    (Path("nucleon.raw"), {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
-    (Path("heptane.nii.gz"), {}, 60.5),
-    (Path("aneurism.nrrd"), {}, 60.5),
-    (Path("bunny_ct_half.nrrd"), {}, 800.5),
-)
+# Size of a crop, which is shown twice as large, in pixels.
+CROP = SIZE // 4
 
 
 def main():
-    data, work, out = map(Path, sys.argv[-3:])
-    rows = []
-    print("| volume | isovalue | bake s | FLIP, mean | 95th percentile |")
-    print("|---|---|---|---|---|")
-    for path, options, isovalue in VOLUMES:
-        path = data / path
-        if path.exists():
-            folder = work / path.name.split(".")[0]
-            found = compared(path, options, isovalue, folder)
-            print(line_of(path, found))
-            rows.append(row_of(found, folder))
-    write_rows(rows, out)
+    path, folder, row = map(Path, sys.argv[-5:-2])
+    found = compared(path, json.loads(sys.argv[-2]), float(sys.argv[-1]), folder)
+    print(line_of(path, found))
+    Image.fromarray(row_of(found, folder)).save(row)
 
 
 def compared(path, options, isovalue, folder):
@@ -99,12 +83,6 @@ def largest(seen):
 def enlarged(picture, place):
     y, x = place
     return picture[y : y + CROP, x : x + CROP].repeat(2, axis=0).repeat(2, axis=1)
-
-
-def write_rows(rows, out):
-    gap = np.full((GAP, rows[0].shape[1], 3), 255, np.uint8)
-    sheet = np.concatenate([part for row in rows for part in (gap, row)][1:])
-    Image.fromarray(sheet).save(out, quality=90)
 
 
 main()

@@ -18,6 +18,7 @@ take half an hour.
 """
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
@@ -27,6 +28,7 @@ import driver
 import nibabel
 from leaflight.volume.particles import nucleons
 from PIL import Image
+from volume_recipes import COLIN27
 
 from . import web_page
 from .skull import write_skull
@@ -47,6 +49,16 @@ SCANS = (
     ("shell", SCANS_FOLDER / "shell_225x128x128.tif", "IVORY", 0),
     ("bone", SCANS_FOLDER / "bone_128x128x128.tif", "BONE", 0),
 )
+# File, options to read it, and isovalue of the pairs with Cycles.
+PAIRS = (
+    (COLIN27, {}, 45.5),
+    ("nucleon.raw", {"dims": (41, 41, 41), "value_type": "uint8"}, 100.5),
+    ("heptane.nii.gz", {}, 60.5),
+    ("aneurism.nrrd", {}, 60.5),
+    ("bunny_ct_half.nrrd", {}, 800.5),
+)
+# Gap between pairs, in pixels.
+GAP = 8
 # Names of the pictures of colors_and_cuts.py.
 FIGURES = (
     *("density_by_potential", "orbital", "brain_regions", "microscopy", "tooth_by_gradient"),
@@ -73,7 +85,11 @@ def main():
 def inside(blender, script, *arguments):
     """Runs a script of this folder in background Blender; prints its marked lines."""
     output = blender.run(*driver.NAMED, "--python", HERE / script, "--", *arguments)
-    print(*(line for line in output.splitlines() if line.startswith(("|", "docs/"))), sep="\n")
+    print(
+        *(line for line in output.splitlines() if line.startswith(("|", "docs/"))),
+        sep="\n",
+        flush=True,
+    )
 
 
 def in_window(blender, script, *arguments, size):
@@ -110,8 +126,20 @@ def stills(blender, folder):
 
 
 def against_cycles(blender, folder):
-    folder = Path(folder or "/nonexistent").resolve()
-    inside(blender, "against_cycles.py", folder, WORK, IMAGES / "against_cycles.webp")
+    print("| volume | isovalue | bake s | FLIP, mean | 95th percentile |")
+    print("|---|---|---|---|---|", flush=True)
+    rows = []
+    for file, options, isovalue in PAIRS:
+        path, row = Path(folder or "/nonexistent").resolve() / file, WORK / f"pair_{len(rows)}.png"
+        if path.exists():
+            work = WORK / path.name.split(".")[0]
+            inside(blender, "against_cycles.py", path, work, row, json.dumps(options), isovalue)
+            rows.append(Image.open(row))
+    width, height = rows[0].size
+    sheet = Image.new("RGB", (width, len(rows) * (height + GAP) - GAP), "white")
+    for number, row in enumerate(rows):
+        sheet.paste(row, (0, number * (height + GAP)))
+    sheet.save(IMAGES / "against_cycles.webp", quality=90)
 
 
 def scans(blender, only):
