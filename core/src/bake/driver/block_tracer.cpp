@@ -25,7 +25,7 @@ struct BlockTracer::Parts {
       BakeTexels<3> texels = pass_texels(lit.volumes[0], settings);
       texels.photon_count = 0;
       lit.compute_visibility_maps({texels.shown.lattice.resolution}, 1);
-      bake = std::make_unique<LineBake<3>>(lit, 0, std::move(texels));
+      bake = std::make_unique<LineBake<3>>(lit, std::move(texels));
     });
   }
 };

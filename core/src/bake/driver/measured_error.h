@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/driver/line_bake.h"
+#include "bake/driver/texel_light.h"
 #include "bake/texels/area_points.h"
 
 namespace leaflight {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/passes.h"
 
+#include "bake/driver/line_bake.h"
 #include "bake/driver/measured_error.h"
 #include "bake/driver/pass_schedule.h"
 #include "bake/driver/previous_texels.h"
@@ -85,7 +86,7 @@ class Passes {
       return std::make_unique<RayBake<D>>(scene_, std::move(texels), previous);
     }
     const PreviousLight<D>* light = previous ? &previous->front() : nullptr;
-    return std::make_unique<LineBake<D>>(scene_, 0, std::move(texels[0]), light, workers);
+    return std::make_unique<LineBake<D>>(scene_, std::move(texels[0]), light, workers);
   }
 
   // Shows a first picture if the bake is large. Returns the finest texels that the time allows.

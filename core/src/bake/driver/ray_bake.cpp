@@ -25,9 +25,8 @@ RayBake<D>::RayBake(LitScene<D>& scene, std::vector<BakeTexels<D>> texels,
     lattices_.push_back(texels[v].indirect.lattice);
     stored_.emplace_back();
     if (!scene.stores_light_of(v)) continue;
-    texels[v].photon_count = 0;
-    stored_[v] = std::make_unique<LineBake<D>>(scene, v, std::move(texels[v]),
-                                               previous ? &(*previous)[v] : nullptr);
+    stored_[v] = std::make_unique<TexelLight<D>>(scene, v, texels[v],
+                                                 previous ? &(*previous)[v] : nullptr, 0);
   }
   if (scene.plan.walls) walls_.emplace(scene.tracer, scene.subdivided());
 }
@@ -59,7 +58,7 @@ void RayBake<D>::add(int blocks, const std::function<bool()>& go_on) {
     if (go_on && !go_on()) break;
   }
   for (const auto& one : stored_) {
-    if (one) one->release();
+    if (one) one->indirect()->release();
   }
 }
 
@@ -71,11 +70,12 @@ void RayBake<D>::add_block(int number, bool texels) {
   scene_.progress.begin("Indirect light");
   for (std::size_t v = 0; texels && v < stored_.size(); ++v) {
     if (!stored_[v]) continue;
-    stored_[v]->add_block([&](SideMoments& moments) {
+    const auto fill = [&](SideMoments& moments) {
       for (int side = 0; side < scene_.sides(); ++side) {
         gather(v, side != 0, from(side != 0), paths.estimator(), seed, moments[side]);
       }
-    });
+    };
+    stored_[v]->indirect()->add_block_by(fill, scene_.progress);
   }
   if (walls_) {
     walls_->add(from(false), &paths.estimator(), {seed, vertex_samples}, scene_.progress);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/driver/line_bake.h"
+#include "bake/driver/integrator.h"
+#include "bake/driver/texel_light.h"
 #include "bake/texels/point_sampler.h"
 #include "bake/walls/wall_light.h"
 
@@ -39,9 +40,9 @@ class RayBake final : public Integrator<D> {
   LitScene<D>& scene_;
   LightSampler<D> wide_;  // all lights except the light points
   std::vector<Index<D>> shown_;
-  std::vector<TexelLattice<D>> lattices_;             // of indirect light; one per volume
-  std::vector<std::unique_ptr<LineBake<D>>> stored_;  // one per volume, or null
-  std::uint64_t photons_;                             // per block
+  std::vector<TexelLattice<D>> lattices_;               // of indirect light; one per volume
+  std::vector<std::unique_ptr<TexelLight<D>>> stored_;  // one per volume, or null
+  std::uint64_t photons_;                               // per block
   std::optional<WallLight<D>> walls_;
   int blocks_ = 0, previous_blocks_;
   IsovalueErrors errors_;

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bake/driver/texel_light.h"
+
+#include <cmath>
+#include <limits>
+
+#include "bake/texels/area_points.h"
+#include "bake/texels/pooled_variance.h"
+#include "base/parallel.h"
+#include "transport/indirect_estimator.h"
+
+namespace leaflight {
+namespace {
+
+template <int D>
+Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
+                  const Vec<D>& index_position) {
+  if (!(volume.emission.largest() > 0)) return Rgb(0);
+  const CellPoint<D> at = locate(volume.field, index_position);
+  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+  const double c = std::isnan(h) ? isovalue_range.min : volume.common_isovalue(h);
+  return volume.emission.at(std::clamp(c, isovalue_range.min, isovalue_range.max));
+}
+
+// Returns NaN for texels without samples.
+std::vector<Vec<3, float>> known_means(const std::vector<Average>& averages) {
+  std::vector<Vec<3, float>> means(averages.size());
+  parallel_each(means.size(), [&](std::size_t s) {
+    const Vec<3, float> unknown(std::numeric_limits<float>::quiet_NaN());
+    means[s] = averages[s].samples > 0 ? Vec<3, float>(averages[s].mean) : unknown;
+  });
+  return means;
+}
+
+}  // namespace
+
+template <int D>
+TexelLight<D>::TexelLight(LitScene<D>& scene, std::size_t volume, BakeTexels<D>& texels,
+                          const PreviousLight<D>* previous, int first_block)
+    : scene_(scene),
+      volume_(scene.volumes[volume]),
+      direct_(scene.direct[volume]),
+      previous_(previous),
+      texels_(std::move(texels.shown)),
+      errors_(volume_.tracer.scene().isovalue_range) {
+  if (!scene_.plan.indirect) return;
+  indirect_ =
+      std::make_unique<IndirectLight<D>>(volume_, std::move(texels.indirect), texels.spacing,
+                                         scene_.plan.back, scene_.settings.seed, first_block);
+}
+
+template <int D>
+std::vector<Average> TexelLight<D>::averages(bool back) const {
+  NoisyLight light{indirect_->averages(back), {}};
+  if (previous_) previous_->blend(light, indirect_->blocks(), back);
+  return std::move(light.averages);
+}
+
+template <int D>
+const std::vector<TexelSurface<D>>& TexelLight<D>::surfaces() {
+  if (surfaces_.empty()) surfaces_ = texel_surfaces(volume_, lattice(), scene_.progress);
+  return surfaces_;
+}
+
+template <int D>
+void TexelLight<D>::serialize(Archive& archive) {
+  if (indirect_) indirect_->serialize(archive);
+}
+
+template <int D>
+RadianceGrid<D> TexelLight<D>::grid() {
+  scene_.progress.begin("Lighting texels");
+  SideAverages indirect;
+  UnfilteredLight<D> unfiltered;
+  const std::size_t sides = scene_.plan.back ? 2 : 1;
+  std::array<NoisyLight, 2> light = filtered_light(unfiltered);
+  for (std::size_t side = 0; side < sides; ++side) {
+    const bool back = side != 0;
+    if (direct_texels_[side].empty()) direct_texels_[side] = direct_at(texels_.lattice, back);
+    if (indirect_) {
+      indirect[side] = interpolated(indirect_->texels().lattice, light[side].averages,
+                                    texels_.lattice, scene_.progress);
+    } else {
+      indirect[side].resize(direct_texels_[side].size());
+    }
+    light[side] = {};
+    finish(indirect[side]);
+  }
+  scene_.progress.check();
+  measure_noise(indirect[0]);
+  scene_.progress.check();
+  RadianceGrid<D> result =
+      make_grid<D>(texels_.lattice, direct_texels_, std::move(indirect), direct_);
+  result.texture = volume_.volume().texture;
+  result.unfiltered = std::move(unfiltered);
+  return result;
+}
+
+// Returns the light of white isosurfaces, by side.
+template <int D>
+std::array<NoisyLight, 2> TexelLight<D>::filtered_light(UnfilteredLight<D>& unfiltered) {
+  std::array<NoisyLight, 2> light;
+  if (!indirect_) return light;
+  const IndexedLattice<D>& texels = indirect_->texels();
+  unfiltered.resolution = texels.lattice.resolution;
+  unfiltered.texels = texels.lattice.active;
+  for (std::size_t side = 0; side < (scene_.plan.back ? 2 : 1); ++side) {
+    light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
+    if (previous_) previous_->blend(light[side], indirect_->blocks(), side != 0);
+    unfiltered.sides[side] = packed(known_means(light[side].averages), unfiltered_precision);
+    pool_variances(texels.lattice, light[side].averages, scene_.progress);
+  }
+  filter_along_isosurfaces(texels, surfaces(), light, scene_.progress);
+  return light;
+}
+
+template <int D>
+std::vector<Rgb> TexelLight<D>::direct_at(const TexelLattice<D>& lattice, bool back) const {
+  std::vector<Rgb> found(lattice.active.size(), Rgb(0));
+  if (back && !direct_->has_back()) return found;
+  const Field<D>& field = volume_.volume().field;
+  parallel_range(found.size(), 1024, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      found[s] = direct_->radiance(field, lattice.center(lattice.active[s]), back);
+    }
+  });
+  return found;
+}
+
+// Converts light of white isosurfaces to light of the scene's isosurfaces. Lookups multiply it by
+// the texture at the point itself, which may change within a texel.
+template <int D>
+void TexelLight<D>::finish(std::vector<Average>& indirect) const {
+  const Volume<D>& volume = volume_.volume();
+  const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
+  parallel_each(indirect.size(), [&](std::size_t s) {
+    const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
+    const Rgb albedo = albedo_near(volume, center);
+    indirect[s].mean *= albedo;
+    const auto scale = static_cast<float>(average(albedo));
+    indirect[s].variance *= scale * scale;
+    indirect[s].mean += emission_near(volume, isovalue_range, center);
+  });
+}
+
+template <int D>
+void TexelLight<D>::measure_noise(const std::vector<Average>& indirect) {
+  const double exposure2 = scene_.settings.exposure * scene_.settings.exposure;
+  errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
+  for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, scene_.settings.seed)) {
+    const TexelWeights<D> near = linear_weights(texels_.lattice, point.position);
+    double color = 0, deviation = 0;
+    for (int i = 0; i < near.count; ++i) {
+      const double w = near.weight[i];
+      const Average& m = indirect[near.slot[i]];
+      color += w * average(direct_texels_[0][near.slot[i]] + m.mean);
+      deviation += w * std::sqrt(m.variance);
+    }
+    const double texture = average(volume_.volume().texture_at(point.position));
+    color *= texture;
+    deviation *= texture;
+    // Errors of colors brighter than white are invisible.
+    const bool is_white = color * scene_.settings.exposure > 1;
+    errors_.add_noise(point.c, point.area, is_white ? 0 : exposure2 * deviation * deviation);
+  }
+}
+
+template class TexelLight<2>;
+template class TexelLight<3>;
+
+}  // namespace leaflight
