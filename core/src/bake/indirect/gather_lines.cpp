@@ -39,6 +39,36 @@ struct Stack {
   void push(float h, int plane) { entries[++top] = {h, plane}; }
 };
 
+// The point of a line at z where a ray back hits the isosurface of value h.
+struct Hit {
+  float h;
+  double z;
+  bool on_back;
+};
+
+// A sample whose ray hits the isosurface of value h.
+struct HitSample {
+  std::int32_t receiver;  // slot of the texel that gathers
+  float weight, h;
+  bool front, on_back;  // side of the receiver, and of the hit
+  // The two texels near the hit that may send their light, their slots, and the chosen slot.
+  std::array<std::uint32_t, 2> texels;
+  std::array<std::int32_t, 2> slots;
+  std::int32_t sender;
+};
+
+// The hits of a walk, at most one for each plane.
+struct HitSamples {
+  std::vector<HitSample> samples;
+  std::size_t count = 0;
+
+  explicit HitSamples(std::size_t planes) : samples(planes) {}
+  void clear() { count = 0; }
+  void push(const HitSample& sample) { samples[count++] = sample; }
+  HitSample* begin() { return samples.data(); }
+  HitSample* end() { return begin() + count; }
+};
+
 // Working memory for the lines of a bundle at the planes that they cross.
 template <int D>
 struct GatherLines {
@@ -48,9 +78,14 @@ struct GatherLines {
   // Working memory for one line at a time.
   std::vector<float> h;
   Stack higher, lower;
+  HitSamples hits;
 
   explicit GatherLines(std::size_t planes)
-      : slots(planes), h(planes), higher(planes, infinity), lower(planes, -infinity) {}
+      : slots(planes),
+        h(planes),
+        higher(planes, infinity),
+        lower(planes, -infinity),
+        hits(planes) {}
 };
 
 // A walk along a line from one end to the other. Rays from its points lead back to its start.
@@ -63,13 +98,6 @@ struct Walk {
   int stretch;  // plane after the last masked one
   std::optional<MeshHit> wall;
   double wall_z, next_wall_z;  // z of the nearest mesh behind, and of the next one ahead
-};
-
-// The point of a line at z where a ray back hits the isosurface of value h.
-struct Hit {
-  float h;
-  double z;
-  bool on_back;
 };
 
 template <int D>
@@ -97,18 +125,18 @@ struct Gathering {
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& scratch, const Walk<D>& walk, float h, bool front) const;
   Rgb wall_radiance(const MeshHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
-  std::int32_t slot_at(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
-                       std::int32_t receiver) const;
-  Rgb isosurface_radiance(const LineBundle<D>& lines, const Walk<D>& walk, const Hit& hit,
-                          std::int32_t receiver, std::size_t source) const;
+  std::array<std::uint32_t, 2> texels_near(const LineBundle<D>& lines, const Walk<D>& walk,
+                                           double z, std::int32_t receiver) const;
+  void add_hits(const Walk<D>& walk, GatherLines<D>& scratch) const;
+  std::int32_t sender_of(const HitSample& sample, const Vec<D>& to_origin) const;
+  Rgb isosurface_radiance(const HitSample& sample, std::size_t source) const;
 };
 
-// Finds the lanes whose lines cross active texels within the field. Prefetches the data of the
-// walks, whose speed is limited by memory.
+// Finds the lanes whose lines cross active texels within the field. Prefetches the sums of these
+// texels.
 template <int D>
 typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines,
                                                       GatherLines<D>& scratch) const {
-  const std::vector<Rgb>& indirect = *from.indirect[0];
   Lanes found;
   for (int k = lines.first(); k <= lines.last(); ++k) {
     if (lines.is_empty(k)) {
@@ -125,9 +153,6 @@ typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines
       if (slot == TexelLattice<D>::inactive) continue;
       if (lines.first(lane) <= k && k <= lines.last(lane)) found.set(lane);
       __builtin_prefetch(&moments[0].sums[slot], 1);
-      __builtin_prefetch(&from.surfaces[slot]);
-      if (!indirect.empty()) __builtin_prefetch(&indirect[slot]);
-      from.direct.prefetch(scratch.source, slot);
     }
   }
   return found;
@@ -177,6 +202,7 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
     if (h >= isovalue_range.min) higher.push(h, k);
     if (back && h <= isovalue_range.max) lower.push(h, k);
   }
+  add_hits(walk, scratch);
 }
 
 // Finds the mesh behind z. It stays the nearest one until the walk passes the next mesh, so few
@@ -192,7 +218,7 @@ void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk)
   walk.next_wall_z = z + walk.step * (next ? next->t / walk.length : endless);
 }
 
-// Adds the radiance that reaches the isosurface at plane k from behind.
+// Adds the radiance that reaches the isosurface at plane k from behind, or a hit.
 template <int D>
 void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
                               GatherLines<D>& scratch) const {
@@ -215,7 +241,9 @@ void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
   const std::int32_t slot = scratch.slots[k][walk.lane];
   Rgb radiance = walk.sky;
   if (crossing >= 0 && (!walk.wall || (hit.z - walk.wall_z) * walk.step > 0)) {
-    radiance = isosurface_radiance(line, walk, hit, slot, scratch.source);
+    const auto near = texels_near(line, walk, hit.z, slot);
+    scratch.hits.push({slot, std::abs(climb), hit.h, front, hit.on_back, near, {}, {}});
+    return;
   } else if (walk.wall) {
     radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
@@ -252,25 +280,62 @@ int Gathering<D>::beyond_masked(const GatherLines<D>& scratch, const Walk<D>& wa
   return -1;
 }
 
-// Returns the slot of the texel whose light a hit sends, or inactive. `receiver`: slot of the texel
-// that gathers. Tries two texels at opposite random offsets from the hit; on average this is linear
-// interpolation. The texel must face the line, and of two, the one with the closer value is chosen.
-// Other texels may lie on the far side of a thin shell, or near its crest, where isosurfaces have
-// holes. Their light would stay in a closed cavity for many bounces.
+// Returns two texels at opposite random offsets from a hit. On average over offsets, their light is
+// linearly interpolated.
 template <int D>
-std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& walk, const Hit& hit,
-                                   std::int32_t receiver) const {
-  const Vec<D> position = line.position(walk.lane, hit.z);
+std::array<std::uint32_t, 2> Gathering<D>::texels_near(const LineBundle<D>& line,
+                                                       const Walk<D>& walk, double z,
+                                                       std::int32_t receiver) const {
+  const Vec<D> position = line.position(walk.lane, z);
   const Vec<D> offset = offset_within_texel<D>(Random::mix(key + receiver));
+  std::array<std::uint32_t, 2> found;
+  for (int i = 0; i < 2; ++i) {
+    const Vec<D> place = i == 0 ? position + offset : position - offset;
+    found[i] = static_cast<std::uint32_t>(nearest_texel(texels.lattice, place));
+    __builtin_prefetch(&texels.slots[found[i]]);
+  }
+  return found;
+}
+
+// Adds the hits of a walk. Each step prefetches for all of them what the next one reads, because
+// hits are spread over the memory.
+template <int D>
+void Gathering<D>::add_hits(const Walk<D>& walk, GatherLines<D>& scratch) const {
+  for (HitSample& sample : scratch.hits) {
+    for (int i = 0; i < 2; ++i) {
+      sample.slots[i] = texels.slots[sample.texels[i]];
+      if (sample.slots[i] != TexelLattice<D>::inactive)
+        __builtin_prefetch(&from.surfaces[sample.slots[i]]);
+    }
+  }
+  for (HitSample& sample : scratch.hits) {
+    sample.sender = sender_of(sample, walk.to_origin);
+    if (sample.sender == TexelLattice<D>::inactive) continue;
+    const std::vector<Rgb>& indirect = *from.indirect[sample.on_back];
+    if (!indirect.empty()) __builtin_prefetch(&indirect[sample.sender]);
+    if (!sample.on_back) from.direct.prefetch(scratch.source, sample.sender);
+  }
+  for (const HitSample& sample : scratch.hits) {
+    moments[!sample.front].sums[sample.receiver].add(
+        Imath::V3f(isosurface_radiance(sample, scratch.source)), sample.weight);
+  }
+  scratch.hits.clear();
+}
+
+// Returns the slot of the texel whose light a hit sends, or inactive. The texel must face the line,
+// and of two, the one with the closer value is chosen. Other texels may lie on the far side of a
+// thin shell, or near its crest, where isosurfaces have holes. Their light would stay in a closed
+// cavity for many bounces.
+template <int D>
+std::int32_t Gathering<D>::sender_of(const HitSample& sample, const Vec<D>& to_origin) const {
   std::int32_t found = TexelLattice<D>::inactive;
   float nearest = infinity;
-  for (const Vec<D>& place : {position + offset, position - offset}) {
-    const std::int32_t slot = texels.slot_near(place);
+  for (const std::int32_t slot : sample.slots) {
     if (slot == TexelLattice<D>::inactive) continue;
     const TexelSurface<D>& surface = from.surfaces[slot];
-    const double away = Vec<D>(surface.normal).dot(walk.to_origin);
-    if (!(hit.on_back ? away > 0 : away < 0)) continue;
-    const float distance = std::abs(surface.value - hit.h) / surface.steepness;
+    const double away = Vec<D>(surface.normal).dot(to_origin);
+    if (!(sample.on_back ? away > 0 : away < 0)) continue;
+    const float distance = std::abs(surface.value - sample.h) / surface.steepness;
     if (!(distance < nearest)) continue;
     nearest = distance;
     found = slot;
@@ -279,18 +344,16 @@ std::int32_t Gathering<D>::slot_at(const LineBundle<D>& line, const Walk<D>& wal
 }
 
 template <int D>
-Rgb Gathering<D>::isosurface_radiance(const LineBundle<D>& line, const Walk<D>& walk,
-                                      const Hit& hit, std::int32_t receiver,
-                                      std::size_t source) const {
-  const double c = scene_volume.common_isovalue(hit.h);
+Rgb Gathering<D>::isosurface_radiance(const HitSample& sample, std::size_t source) const {
+  const std::int32_t slot = sample.sender;
+  const double c = scene_volume.common_isovalue(sample.h);
   Rgb radiance(0), back_direct(0);
-  const std::int32_t slot = slot_at(line, walk, hit, receiver);
   if (slot != TexelLattice<D>::inactive) {
-    if (!from.indirect[hit.on_back]->empty()) radiance = (*from.indirect[hit.on_back])[slot];
-    if (!hit.on_back && from.direct.sources() > 0) {
-      radiance += from.direct.reflected(source, slot, hit.h);
+    if (!from.indirect[sample.on_back]->empty()) radiance = (*from.indirect[sample.on_back])[slot];
+    if (!sample.on_back && from.direct.sources() > 0) {
+      radiance += from.direct.reflected(source, slot, sample.h);
     }
-    if (hit.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
+    if (sample.on_back && from.back_direct) back_direct = (*from.back_direct)[slot];
   }
   radiance = radiance * scene_volume.albedo.at(one_albedo ? 0 : c) + back_direct;
   if (slot != TexelLattice<D>::inactive && !from.texture.empty()) radiance *= from.texture[slot];
