@@ -56,6 +56,14 @@ def test_commands_have_the_options_that_pages_give_them(page):
             assert set(re.findall(r"--[a-z-]+", own)) <= known, f"{command}{rest}"
 
 
+def test_pictures_of_the_guide_fill_the_page():
+    """Checks that no picture is enlarged, or has panels that are too small to see."""
+    guide = (ROOT / "docs" / "guide.md").read_text()
+    for name in re.findall(r"\]\((images/[^)]+\.(?:webp|png))\)", guide):
+        with Image.open(ROOT / "docs" / name) as picture:
+            assert picture.width >= 960 and picture.height >= 360, name
+
+
 def test_tests_that_pages_name_are_there():
     readme = ROOT / "tests" / "README.md"
     named = re.findall(r"`([\w./]+\.(?:py|mjs))(?:::(\w+))?`", readme.read_text())

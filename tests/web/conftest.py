@@ -22,6 +22,7 @@ from leaflight.scene.scene import (
 from leaflight.scene.volume_texture import VolumeTexture, label_colors, texture_of
 from leaflight.volume.label_table import labels_of
 from leaflight.volume.particles import lapr
+from leaflight.volume.regions import Box, HalfSpace, changed
 
 ROOT = Path(__file__).resolve().parents[2]
 COLIN27 = Path("/usr/share/mricron/templates/ch2.nii.gz")
@@ -167,9 +168,21 @@ def noisy():
     return leaflight.bake(volume.capped(), isovalues=(100.5, 160.5), resolution=36, **WORK)
 
 
+def halved():
+    """Returns a ball with noise inside, cut by a turned plane and by a box."""
+    z, y, x = (np.mgrid[:36, :36, :36] - 17.5) / 17.5
+    values = 200 - 130 * np.sqrt(x * x + y * y + z * z)
+    values += np.random.default_rng(8).normal(0, 6, values.shape) * (values > 130)
+    volume = leaflight.Volume(values.astype(np.float32), name="halved")
+    box = Box.between((17.0, -9.0, 18.0), (45.0, 20.0, 45.0), keep="outside")
+    plane = HalfSpace((17.5, 12.0, 17.5), (0.3, -0.9, 0.2))
+    cut = changed(volume, [plane, box])
+    return leaflight.bake(cut, isovalues=(100.5, 160.5), resolution=36, **WORK)
+
+
 MAKERS = {
     maker.__name__: maker
-    for maker in (box, brain, oblong, two, shadows, colored, labeled, ball, noisy)
+    for maker in (box, brain, oblong, two, shadows, colored, labeled, ball, noisy, halved)
 }
 
 

@@ -147,6 +147,19 @@ def is_local(url):
     return url.startswith(("data:", "blob:"))
 
 
+def test_cuts_are_flat_as_in_the_core(browser, bakes, pages):
+    """Checks the middle of a face, where the values have dents and the plane has none."""
+    bake, face = bakes("halved"), np.s_[126:156, 112:224]
+    browser.open(pages("halved").as_uri(), SIZE)
+    browser.press(KEYS[0], "#isovalue")
+    picture, camera = browser.picture(), camera_of(browser)
+    still = leaflight.still(
+        bake, browser.evaluate(ISOVALUE), camera, picture.shape[1::-1], samples=1
+    )
+    off, _ = difference_percent(picture[face], still[face], exposure_of(browser, bake))
+    assert off <= 0.5
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["box", "brain", "oblong", "two", "noisy"])
 def test_pictures_are_those_of_the_core(browser, bakes, pages, name):

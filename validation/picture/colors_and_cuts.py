@@ -73,7 +73,7 @@ def main():
         obj.leaflight_look.box = None
     if figure.look:
         bpy.ops.leaflight.isosurface_preset(preset=figure.look)
-    frame(obj, figure)
+    frame(obj, figure.rise, figure.zoom)
     limits = {"error": ERROR, "use_time_limit": True, "time_limit": SECONDS}
     if figure.resolution:
         limits |= {"use_resolution": True, "resolution": figure.resolution}
@@ -87,18 +87,18 @@ def main():
     print("docs/images", name)
 
 
-def frame(obj, figure):
-    """Moves the camera up around the volume, and narrows its angle."""
+def frame(obj, rise, zoom):
+    """Moves the camera up around the volume by degrees, and narrows its angle by a factor."""
     camera = bpy.context.scene.camera
     middle = sum(
         (obj.matrix_world @ mathutils.Vector(c) for c in obj.bound_box), mathutils.Vector()
     )
     middle /= 8
     right = camera.matrix_world.to_3x3().col[0]
-    turn = mathutils.Matrix.Rotation(math.radians(-figure.rise), 4, right)
+    turn = mathutils.Matrix.Rotation(math.radians(-rise), 4, right)
     around = mathutils.Matrix.Translation(middle)
     camera.matrix_world = around @ turn @ around.inverted() @ camera.matrix_world
-    camera.data.angle /= figure.zoom
+    camera.data.angle /= zoom
 
 
 def render(path):

@@ -4,6 +4,8 @@
     validation/run pictures NAME [FILE, DIR or NAME]
 
 guide: lit_walls.png, comparison.png and several_isosurfaces.png
+exploded: exploded.webp of engine.vti in DIR
+several_cuts: several_cuts.webp of Colin27
 first_brain: first_brain_*.png, the window after each click
 live: live.png, a lamp that is dragged over the baked volume FILE
 stills: README.md's pictures, with vessels if DIR holds aneurism.nrrd
@@ -13,7 +15,7 @@ colors_and_cuts: the others of docs/gallery.md, of volumes in DIR and of a molec
     also README.md's first picture
 web_page: web_page*.webp, the page of Colin27 in Chromium
 
-All but the last are made through the add-on in Blender. The first three take minutes. The others
+All but the last are made through the add-on in Blender. The first five take minutes. The others
 take half an hour.
 """
 
@@ -70,7 +72,10 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    made = (guide, first_brain, live, stills, against_cycles, scans, colors_and_cuts)
+    made = (
+        *(guide, exploded, several_cuts, first_brain, live, stills),
+        *(against_cycles, scans, colors_and_cuts),
+    )
     makers = {maker.__name__: maker for maker in made}
     parser.add_argument("name", choices=(*makers, "web_page"))
     parser.add_argument("argument", nargs="?", default="", metavar="FILE, DIR or NAME")
@@ -104,6 +109,14 @@ def guide(blender, _):
     values = nucleons(64)[0]
     nibabel.save(nibabel.Nifti1Image(values.values.T, values.index_to_world), volume)
     inside(blender, "guide.py", volume, WORK / "bakes", IMAGES)
+
+
+def exploded(blender, folder):
+    inside(blender, "parts_and_cuts.py", "exploded", Path(folder).resolve(), WORK, IMAGES)
+
+
+def several_cuts(blender, _):
+    inside(blender, "parts_and_cuts.py", "several_cuts", WORK, WORK, IMAGES)
 
 
 def first_brain(blender, _):

@@ -50,6 +50,15 @@ export interface VolumeData {
   albedo: Stops;
   emission: Stops;
   texture: TextureData | null;
+  cuts: CutsData | null;
+}
+
+// Flat cuts, which lowered the values to a ramp (python/leaflight/volume/cuts.py).
+export interface CutsData {
+  range: [number, number]; // codes at a cut, and a voxel inside
+  slabs: number[][]; // three for each cut: unit normal and offset
+  halfWidths: number[];
+  keeps: number[]; // of each cut, 1: the inside of its slabs; -1: the outside
 }
 
 // Colors that multiply the albedo.

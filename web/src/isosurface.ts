@@ -5,6 +5,7 @@ import * as three from 'three';
 
 import {
   type Bake,
+  type CutsData,
   type Header,
   type LightData,
   type TextureData,
@@ -17,6 +18,7 @@ import { colorsOf } from './color_maps';
 import { colorWords } from './colors';
 import { light, mapTextures, mapUniforms } from './maps';
 import coat from './shaders/coat.glsl';
+import cuts from './shaders/cuts.glsl';
 import direct from './shaders/direct.glsl';
 import display from './shaders/display.glsl';
 import gradient from './shaders/gradient.glsl';
@@ -81,11 +83,12 @@ export class Isosurface {
     const material = new three.RawShaderMaterial({
       glslVersion: three.GLSL3,
       vertexShader: vertex,
-      fragmentShader: [precision, trace, display, gradient, lamps, ...lights, shading, fragment].join('\n'),
+      fragmentShader: [precision, trace, display, cuts, gradient, lamps, ...lights, shading, fragment].join('\n'),
       defines: {
         ...(data.direct && { DIRECT: '' }),
         ...(data.smoothNormals > 0 && { SMOOTH_NORMALS: '' }),
         ...(data.texture && { TEXTURE: '' }),
+        ...(data.cuts && { CUTS: data.cuts.keeps.length }),
       },
       side: three.BackSide,
       transparent: true,
@@ -207,6 +210,7 @@ function uniformsOf(
       toPigment: matrixOf(data.texture.fromIndex),
       pigmentMargin: new three.Vector3(...data.texture.margin),
     }),
+    ...(data.cuts && cutUniforms(data.cuts)),
     backHasMaps: data.direct !== null && data.direct.back !== null,
     backIs: ['baked', 'dark', 'local'].indexOf(data.backIs),
     indexToWorld,
@@ -224,6 +228,11 @@ function uniformsOf(
     ...Object.entries(constant).map(([name, value]) => [name, { value }]),
     ...varying.map((name) => [name, { value: null }]),
   ]) as Record<string, three.IUniform>;
+}
+
+function cutUniforms(data: CutsData): Record<string, unknown> {
+  const { range, slabs, halfWidths, keeps } = data;
+  return { cutRange: new three.Vector2(...range), slabs: slabs.flat(), halfWidths, keeps };
 }
 
 function normalTextures(codes: Codes, data: VolumeData): Record<string, three.Texture> {

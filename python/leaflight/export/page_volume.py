@@ -14,6 +14,7 @@ from ..bake.baked import Bake
 from ..io.images import display_colors
 from ..scene.scene import Ramp, core_scene, is_color
 from ..stills.still import back_side
+from ..volume.cuts import Ball, Box
 from ..volume.volume import Volume
 from .light_bricks import light_bricks
 from .shared_exponent import packed
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 NO_DATA = 65535
 # Largest number of colors of a texture with more of them than voxels.
 MOST_COLORS = 1 << 22
+# Largest number of flat cuts, because graphics cards have few uniforms. Later ones have dents.
+MOST_CUTS = 8
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,23 @@ def volume_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
         "albedo": _stops(isosurfaces.albedo),
         "emission": _stops(isosurfaces.emission),
         "texture": colors_data(data, bake, number, volume),
+        "cuts": cuts_data(volume, offset, scale),
+    }
+
+
+def cuts_data(volume: Volume, offset: float, scale: float) -> dict[str, Any] | None:
+    """Returns the part of the header about the flat capped cuts, or None. Balls are not flat."""
+    cuts = volume.cuts
+    flat = [cut for cut in cuts.cuts if not isinstance(cut, Ball)] if cuts is not None else []
+    if cuts is None or not flat:
+        return None
+    flat = flat[:MOST_CUTS]
+    slabs = np.concatenate([cut.slabs() for cut in flat])
+    return {
+        "range": [(value - offset) / scale for value in (cuts.low, cuts.high)],
+        "slabs": slabs[:, :4].tolist(),
+        "halfWidths": slabs[:, 4].tolist(),
+        "keeps": [-1 if isinstance(cut, Box) and cut.keep == "outside" else 1 for cut in flat],
     }
 
 

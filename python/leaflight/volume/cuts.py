@@ -25,6 +25,9 @@ _DEPTH = 2.0
 _MARGIN = 1.75
 # Distance from a box at which nothing depends on the distance, in voxels.
 _FAR = 5.0
+# Half of the width of a slab that replaces a half-space, in voxels. Single precision still resolves
+# a thousandth of a voxel within it.
+_WIDE = 4096.0
 # Smallest angle between a box and the axes of the voxels, and smallest part of a voxel, that count.
 _PARALLEL = 1e-6
 # Least number of integer steps in a ramp, so that rounding bends its planes by less than 1/400 of a
@@ -58,15 +61,25 @@ class Box:
     def moved(self, matrix: Array) -> "Box":
         return Box(_rows(matrix @ self.matrix), self.keep, self.cut)
 
+    def slabs(self) -> Array:
+        """Returns rows of unit normal n (x, y, z), offset and half of the width of three slabs.
+
+        Points p within the box have |n p + offset| of at most half the width of each.
+        """
+        matrix = np.asarray(self.matrix)
+        normals = np.linalg.inv(matrix[:3, :3])
+        lengths = np.linalg.norm(normals, axis=1)
+        offsets = -(normals @ matrix[:3, 3]) / lengths
+        return np.column_stack([normals / lengths[:, None], offsets, 1.0 / lengths])
+
     def distances(self, k: int, shape: Sequence[int]) -> Array:
         """Returns the distances into what is kept, in voxels, of the nodes (ny, nx) of plane k.
 
         They are +-_FAR in some places that are farther than that.
         """
         matrix = np.asarray(self.matrix)
-        normals = np.linalg.inv(matrix[:3, :3])
-        lengths = np.linalg.norm(normals, axis=1)
-        normals, half = normals / lengths[:, None], 1.0 / lengths
+        slabs = self.slabs()
+        normals, half = slabs[:, :3], slabs[:, 4]
         inside = np.full(shape[1:], -_FAR)
         z, y, x = _nodes_around(matrix, 1.0 + _FAR / half, shape)
         if k in z and y and x:
@@ -117,6 +130,12 @@ class HalfSpace:
         point = matrix[:3, :3] @ self.point + matrix[:3, 3]
         normal = np.linalg.inv(matrix[:3, :3]).T @ self.normal
         return HalfSpace(tuple(point.tolist()), tuple(normal.tolist()), self.cut)
+
+    def slabs(self) -> Array:
+        """Returns a wide slab up to the plane, as Box.slabs(), three times."""
+        normal = np.asarray(self.normal) / np.linalg.norm(self.normal)
+        slab = [*normal, _WIDE - normal @ self.point, _WIDE]
+        return np.array([slab] * 3)
 
     def distances(self, k: int, shape: Sequence[int]) -> Array:
         nx, ny, nz = np.asarray(self.normal) / np.linalg.norm(self.normal)

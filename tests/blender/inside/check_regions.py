@@ -10,6 +10,8 @@ import nibabel
 import numpy as np
 import pytest
 from blends import reopened
+from boxes import build_cornell_box
+from leaflight_addon.bake import estimate_bake
 from leaflight_addon.importing import regions, stored_facts
 from leaflight_addon.importing.cropping import Crop
 from leaflight_addon.show import data_faces, display, look, texture
@@ -281,6 +283,27 @@ def check_crops(balls):
     assert balls.matrix_world == place
     bpy.ops.leaflight.switch_region(index=0)
     np.testing.assert_array_equal(cache.volume_of(balls).values, before)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def check_a_clip_box_crops_and_the_bake_is_estimated_before(balls, turn):
+    build_cornell_box()
+    balls.leaflight.resolution, balls.leaflight.error = N, 20.0
+    balls.rotation_euler.z = turn
+    bpy.context.view_layer.update()
+    bpy.ops.leaflight.estimate_bake()
+    before = cache.volume_of(balls).values
+    bpy.ops.leaflight.add_clip_box()
+    balls.leaflight_look.keep = "INSIDE"
+    bpy.ops.leaflight.cut_data(cut="open")
+    cropped = cache.volume_of(balls).values
+    # The box is an eighth of the volume, and cells at its faces keep their corners.
+    assert cropped.size < 0.3 * before.size and cropped.dtype == before.dtype
+    assert np.isfinite(cropped).all()
+    assert estimate_bake.estimate_of(balls) is None
+    assert bpy.ops.leaflight.estimate_bake() == {"FINISHED"}
+    estimate = estimate_bake.estimate_of(balls)
+    assert estimate.seconds > 0 and estimate.memory_bytes > 0
 
 
 def check_an_import_crops(tmp_path):

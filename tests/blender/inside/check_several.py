@@ -12,6 +12,9 @@ from leaflight_addon.store import cache
 from mathutils import Matrix
 from tools import assert_shows, close, duplicate, mesh_arrays
 
+# Place along x and radius of two balls, in voxels.
+BALLS = ((8.0, 8.0), (19.5, 3.5))
+
 
 @pytest.fixture
 def pair(bumps, bump_file):
@@ -231,3 +234,25 @@ def check_each_volume_has_its_cut_in_one_bake(nested, tmp_path):
     bpy.context.view_layer.update()
     moved = [mesh_arrays(obj)[0][:, 0].max() for obj in nested]
     assert moved[0] < reach[0] - 0.3 and moved[1:] == reach[1:]
+
+
+def check_parts_are_removed_from_one_copy_alone(tmp_path, bumps):
+    bpy.data.objects.remove(bumps)
+    z, y, x = np.mgrid[:24, :24, :24]
+    away = [np.sqrt((x - a) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2) / r for a, r in BALLS]
+    np.save(tmp_path / "balls.npy", np.float32(100 - 60 * np.minimum(*away)))
+    bpy.ops.leaflight.import_volume(filepath=str(tmp_path / "balls.npy"))
+    whole = bpy.context.object
+    whole.leaflight.bake_folder, whole.leaflight.error = str(tmp_path / "bakes"), 20.0
+    whole.leaflight.resolution, whole.leaflight.shading = 24, "ATTRIBUTE"
+    whole.leaflight.low, whole.leaflight.high = 35.0, 45.0
+    whole.leaflight.isovalue = 40.0
+    build_cornell_box()
+    copy = duplicate(whole)
+    bpy.ops.leaflight.clean_data(kind="largest_part")
+    bpy.ops.leaflight.bake()
+    assert whole.leaflight.bake_id == copy.leaflight.bake_id
+    for obj, (low, high) in ((whole, (-10.0, 10.0)), (copy, (-10.0, 4.0))):
+        vertices, _, radiance = mesh_arrays(obj)
+        assert vertices[:, 0].min() < low and high - 3.0 < vertices[:, 0].max() < high + 2.0
+        assert radiance.max() > 0.02

@@ -12,9 +12,13 @@ float shadingValueAt(vec3 place) { return valueOf(smoothValues, place) / smoothP
 float shadingValueAt(vec3 place) { return valueAt(place); }
 #endif
 
-// Returns interpolated central differences. They are one-sided at the border and beside missing
-// values.
+// Returns interpolated central differences, or on a flat cut the gradient of its plane. Differences
+// are one-sided at the border and beside missing values.
 vec3 gradientAt(vec3 place, float isovalue) {
+#ifdef CUTS
+  vec4 onCut = gradientOnCut(place, isovalue);
+  if (onCut.w == 1.0) return onCut.xyz;
+#endif
 #ifdef SMOOTH_NORMALS
   float own = noData >= 0.0 ? shadingValueAt(place) : isovalue;
 #else
@@ -50,6 +54,9 @@ vec3 gradientAt(vec3 place, float isovalue) {
       g[a] = mix(first, second, place[a] - voxel);
     }
   }
+#ifdef CUTS
+  g = mix(g, onCut.xyz, onCut.w);
+#endif
   return g;
 }
 
