@@ -16,6 +16,7 @@ returns when its work is done. `head` is an ordinary object. The settings of the
 
 import contextlib
 import json
+import math
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -89,6 +90,8 @@ def show(obj: bpy.types.Object, isovalue: float) -> None:
     obj: A volume, or an object of add_isosurface().
     isovalue: Isovalue in data units.
     """
+    if not isinstance(obj, bpy.types.Object) or not math.isfinite(isovalue):
+        raise LeaflightError("An isosurface needs an object and a finite isovalue: give both.")
     obj.leaflight.isovalue = float(isovalue)
     bpy.context.view_layer.update()
 

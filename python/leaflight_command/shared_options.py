@@ -205,16 +205,15 @@ def bake_options() -> Parser:
     return parser
 
 
-def isovalue_option(parser: argparse._ActionsContainer, words: str = "C", **options: Any) -> None:
-    text = "isovalue in data units; 0..1 of the range for several volumes"
-    text += "" if options.get("required") else " (chosen)"
-    value(parser, "--isovalue", words, text, **options)
+def isovalue_option(parser: argparse._ActionsContainer, words: str = "C") -> None:
+    text = "isovalue in data units; 0..1 of the range for several volumes (chosen)"
+    value(parser, "--isovalue", words, text)
 
 
 def isosurface_options() -> Parser:
     """Returns the options for one isosurface of a bake."""
     parser = bake_options()
-    isovalue_option(parser, required=True)
+    isovalue_option(parser)
     side_options(parser)
     return parser
 

@@ -92,7 +92,7 @@ def test_the_time_ends_a_bake(box):
     baked = box(error=UNREACHED, time=1e-9)
     assert baked.statistics.stopped and baked.statistics.passes == 1
     assert baked.surface(47.0).radiance.mean() > 0.01
-    assert "the time has room for" in outcome(baked)
+    assert "to end in time, there are only" in outcome(baked)
     unlimited, limited = box(error=0.3), box(error=0.3, time=HANG)
     assert not limited.statistics.stopped
     assert limited.statistics.passes == unlimited.statistics.passes > 1

@@ -55,7 +55,9 @@ def test_damaged_npy(tmp_path, values):
     ):
         refused(sentence, read_volume, written(path, broken))
     np.save(path, np.array([{}], dtype=object))
-    refused("structured", read_volume, path)
+    refused("Python objects", read_volume, path)
+    np.save(path, values[:0])
+    refused("empty", read_volume, path)
     np.save(path, values[0])
     refused("three dimensions", read_volume, path)
 

@@ -26,6 +26,20 @@ def image(shorts):
     return nibabel.Nifti1Image(shorts.T, AFFINE)
 
 
+@pytest.mark.parametrize("frames", [1, 2])
+def test_colors_of_nifti_are_channels(tmp_path, values, frames):
+    colors = np.random.default_rng(0).integers(0, 256, (3, frames, *values.shape), np.uint8)
+    stored = np.rec.fromarrays(colors.T.transpose(4, 0, 1, 2, 3), names="R,G,B")
+    path = tmp_path / "x.nii.gz"
+    nibabel.save(nibabel.Nifti1Image(np.asarray(stored), AFFINE), path)
+    found = probe(path)
+    assert (found.frames, found.channels, found.dtype) == (frames, 3, np.uint8)
+    assert [channel.name for channel in found.channel_list] == ["red", "green", "blue"]
+    reads(colors[2, frames - 1], path, frame=frames - 1, channel=2)
+    reads(colors[0, 0], path, frame=0, channel="red")
+    refused("channel", read_volume, path, **({"frame": 0} if frames > 1 else {}))
+
+
 @pytest.mark.parametrize("name, pack", [("x.nii.gz", bytes), ("x.nii", gzip.compress)])
 @pytest.mark.parametrize("slope", [1, 0.5])
 def test_names_that_are_wrong_about_the_packing(tmp_path, shorts, image, name, pack, slope):

@@ -216,7 +216,8 @@ class BakeJob(jobs.Job):
     def outcome(self):
         """Returns a text on the error that the last pass reached."""
         return outcome(
-            self.latest, "it was stopped" if self.is_stopped else "it reached the time limit"
+            self.latest,
+            "it was stopped" if self.is_stopped else "another pass would not end in time",
         )
 
 

@@ -139,7 +139,8 @@ def _reached(bake: _Baked, why: str) -> str:
         return f"{text}; so few samples did not reach the target"
     if is_limited_by_texels(bake):
         return (
-            f"{text}; most of it is detail finer than the texels, which more passes do not resolve"
+            f"{text}; most of it is detail finer than the texels, which a higher resolution "
+            "resolves, but not more passes"
         )
     return f"{text}; the largest number of passes did not reach the target: continue the bake"
 

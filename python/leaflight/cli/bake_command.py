@@ -107,8 +107,8 @@ def _interrupted(options: Namespace) -> Namespace:
     path = checkpoint_for(options.resume)
     if not path.is_file():
         raise LeaflightError(
-            f"{path}: there is no checkpoint, because the bake to {options.resume} is complete or "
-            "ended within half a minute: start it again."
+            f"{path}: there is no checkpoint: the bake to {options.resume} is complete, ended "
+            "within half a minute, or never began; start it again."
         )
     recipe = read_recipe(path)
     if not _RECIPE <= recipe.keys():
@@ -186,7 +186,7 @@ def _output(baked: Bake, options: Namespace) -> Output:
         **baked.statistics.record(),
     }
     lo, hi = figures(*baked.isovalues)
-    end = outcome(baked, why=f"it reached the time limit of {options.time or 0:g} s")
+    end = outcome(baked, why=f"another pass would not end within {options.time or 0:g} s")
     return result, [
         f"{options.out}: isovalues {lo}..{hi} in {baked.scene.name}, "
         f"{result['texels']} texels, {result['seconds']:.1f} s, "
@@ -212,9 +212,9 @@ def _estimate(
 
     cost = run_with_progress(work, "estimate")
     return asdict(cost), [
-        f"about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB to an error of "
-        f"{cost.error:.2g} %, from {cost.pilot_passes} of {cost.passes} passes in "
-        f"{cost.pilot_seconds:.1f} s",
+        f"a bake takes about {cost.seconds:.0f} s and {cost.memory_bytes / 2**20:.0f} MiB, to an "
+        f"error of {cost.error:.2g} %; this estimate ran {cost.pilot_passes} of its {cost.passes} "
+        f"passes in {cost.pilot_seconds:.1f} s",
         *_worker_estimate(volumes, scene, settings, options),
     ]
 

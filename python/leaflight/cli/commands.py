@@ -31,15 +31,16 @@ from ..flatland.flatland import (
     picture,
     read_image,
 )
+from ..io import ply
 from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
-from ..io.ply import write_photons, write_ply
 from ..io.readers.channels import Channel
 from ..io.readers.checks import listed
 from ..io.readers.reading import StoredOptions, probe
 from ..io.sources import is_generated
 from ..measure.compare import compare
 from ..progress_bar import run_with_progress
+from ..stills.first_view import default_isovalue_of
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
 from ..volume.label_table import labels_of
 from ..words import by, figures
@@ -138,13 +139,14 @@ def _info(options: Namespace) -> Output:
 
 
 def _photons(options: Namespace) -> Output:
+    ply.library(options.out)
     volumes, scene = to_light(options, ".ply")
 
     def work(progress: Progress) -> Photons:
         how = picked(options, "isovalues seed")
         photons = trace_photons(volumes, scene, count=options.photons, progress=progress, **how)
         progress.check()
-        write_photons(options.out, photons)
+        ply.write_photons(options.out, photons)
         return photons
 
     photons = run_with_progress(work, "photons", writes=True)
@@ -166,13 +168,14 @@ def _in_flags(error: LeaflightError) -> str:
 
 
 def _surface(options: Namespace) -> Output:
+    ply.library(options.out)
     check_writable(options.out, ".ply", options.bake)
-    baked = load_bake(options.bake)
+    baked = _baked(options)
 
     def work(progress: Progress) -> Surface:
         surface = baked.surface(options.isovalue, options.volume, options.back)
         progress.check()
-        write_ply(options.out, surface, baked.scene.exposure)
+        ply.write_ply(options.out, surface, baked.scene.exposure)
         return surface
 
     surface = run_with_progress(work, "surface", writes=True)
@@ -188,8 +191,16 @@ def _surface(options: Namespace) -> Output:
     ]
 
 
-def _compare(options: Namespace) -> Output:
+def _baked(options: Namespace) -> Bake:
+    """Returns the bake, and chooses an isovalue if none is given."""
     baked = load_bake(options.bake)
+    if options.isovalue is None:
+        options.isovalue = default_isovalue_of(baked, options.volume)
+    return baked
+
+
+def _compare(options: Namespace) -> Output:
+    baked = _baked(options)
 
     def work(progress: Progress) -> dict[str, Any]:
         how = picked(options, "points spp seed threads volume back mesh reference")

@@ -51,7 +51,6 @@ _LIBRARIES = {
 # Module -> its package: of Debian or, if Debian has none, of PyPI.
 _BROUGHT_BY = {
     "vtkmodules": "python3-vtk9, or pip install vtk",
-    "meshio": "python3-meshio, or pip install meshio",
     "pxr": "it with pip install usd-core",
 }
 
@@ -191,7 +190,7 @@ def _writer(path: Path, suffix: str) -> Callable[..., None]:
     try:
         loaded = import_module(relative, __package__)
         if suffix == ".ply":
-            import_module("meshio")  # fail early; io.ply imports it only when it writes
+            loaded.library(path)  # fail early, because it is loaded only to write
     except ImportError as error:
         package = (error.name or "").partition(".")[0]
         raise LeaflightError(

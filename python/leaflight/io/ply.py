@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lit isosurfaces and photons as PLY files."""
 
-from typing import Protocol
+from importlib import import_module
+from typing import Any, Protocol
 
+from .._core import LeaflightError
 from ..arrays import Array
 from ..paths import AnyPath
 from ..scene.volume_texture import identifiers
@@ -67,6 +69,17 @@ def write_photons(path: AnyPath, photons: _Photons) -> None:
     _write(path, photons.positions, [], properties)
 
 
+def library(path: AnyPath) -> Any:
+    """Returns the module that writes PLY. Raises LeaflightError if it is not installed."""
+    try:
+        return import_module("meshio")
+    except ImportError:
+        raise LeaflightError(
+            f"{path}: writing .ply needs the Python package meshio, which is not installed; "
+            "install python3-meshio, or pip install meshio."
+        ) from None
+
+
 def _columns(names: str, values: Array) -> dict[str, Array]:
     return dict(zip(names.split(), values.T))
 
@@ -74,8 +87,7 @@ def _columns(names: str, values: Array) -> dict[str, Array]:
 def _write(
     path: AnyPath, points: Array, cells: list[tuple[str, Array]], properties: dict[str, Array]
 ) -> None:
-    import meshio
-
+    meshio = library(path)
     check_writable(path, ".ply")
     mesh = meshio.Mesh(points, cells, point_data=properties)
     with replaced(path) as temporary:

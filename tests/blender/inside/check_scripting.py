@@ -28,6 +28,9 @@ def check_from_a_file_to_a_mesh(volume, tmp_path):
     assert path.is_file() and leaflight.load_bake(path).isovalues == (40.0, 60.0)
     blender.show(volume, 47.0)
     assert_shows(volume, 47.0)
+    for shown, isovalue in ((volume, float("nan")), (None, 47.0)):
+        with pytest.raises(leaflight.LeaflightError, match="finite isovalue"):
+            blender.show(shown, isovalue)
     blender.export(volume, tmp_path / "box.glb")
     blender.export(volume, tmp_path / "seq.glb", [45, 50])
     blender.export(volume, tmp_path / "box.am")

@@ -41,7 +41,7 @@ SkippedPass finer_texels(const Index<D>& resolution) {
   std::string texels;
   for (const int along : resolution)
     texels += (texels.empty() ? "" : " x ") + std::to_string(along);
-  return {"finer texels", "the time has room for " + texels + " texels"};
+  return {"finer texels", "to end in time, there are only " + texels + " texels"};
 }
 inline SkippedPass finer_walls() { return {"finer walls", "the time has no room for finer walls"}; }
 

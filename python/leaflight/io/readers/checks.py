@@ -35,7 +35,9 @@ def check_size(path: Path, shape: Iterable[int], itemsize: int, stored: int, mos
 
 def check_shape(path: Path, shape: Sequence[int]) -> None:
     """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
-    if len(shape) not in (3, 4) or min(shape) < 1:
+    if 0 in shape:
+        raise LeaflightError(f"{path}: the data are empty ({text(shape)}); choose another file.")
+    if len(shape) not in (3, 4):
         raise LeaflightError(
             f"{path}: the data have the shape {text(shape)}, but a volume needs three dimensions, "
             "or four with frames: choose another file."
@@ -53,10 +55,10 @@ def check_scalar(path: Path, dtype: DTypeLike) -> None:
     """Raises LeaflightError unless values are real numbers."""
     dtype = np.dtype(dtype)
     if dtype.kind not in "biuf":
-        kind = "complex" if dtype.kind == "c" else "color or structured"
+        kinds = {"c": "complex", "S": "texts", "U": "texts", "O": "Python objects"}
         raise LeaflightError(
-            f"{path}: the values are {kind} ({str(dtype)[:60]}), but a volume needs one real "
-            "number per voxel; convert the file first."
+            f"{path}: the values are {kinds.get(dtype.kind, 'groups of numbers')}, but a volume "
+            "needs one real number per voxel; convert the file first."
         )
 
 

@@ -62,6 +62,7 @@ def open_volume(path: Path) -> StoredVolume:
         )
     stored = _value_files(path, fields, listed, end, sizes)
     stored.check(sizes[::-1], dtype)
+    notes = axes.notes + _notes_on_bytes(stored.surplus(math.prod(sizes) * dtype.itemsize))
     counts = [[sizes[i] for i in group] for group in (axes.frames, axes.channels)]
 
     channels = math.prod(counts[1])
@@ -92,7 +93,16 @@ def open_volume(path: Path) -> StoredVolume:
         channels=1 if are_layers else math.prod(counts[1]),
         channel_list=() if are_layers else _colors(fields, axes.channels, counts[1]),
         patient=axes.patient,
-        notes=axes.notes + (LAYERS,) if are_layers else axes.notes,
+        notes=notes + (LAYERS,) if are_layers else notes,
+    )
+
+
+def _notes_on_bytes(surplus: int) -> tuple[str, ...]:
+    if not surplus:
+        return ()
+    return (
+        f"The data hold {surplus} bytes more than the sizes say; the first values are read. If "
+        "the bytes are a header, give the line 'byte skip: -1'.",
     )
 
 

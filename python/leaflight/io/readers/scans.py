@@ -12,6 +12,7 @@ import numpy as np
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
 from ...volume.volume import Volume
+from .channels import RGB, Channel
 from .checks import check_scalar, check_shape, truncated
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles
@@ -49,20 +50,25 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
     while len(shape) > 3 and shape[-1] == 1:
         shape = shape[:-1]
     check_shape(path, shape[:4] if len(shape) == 5 else shape)
-    check_scalar(path, scan.dtype)
+    # Colors are stored for each voxel as one byte each of red, green, blue and perhaps alpha.
+    colors = len(scan.dtype.names or ())
+    dtype = np.dtype(np.uint8) if colors and scan.dtype.itemsize == colors else scan.dtype
+    check_scalar(path, dtype)
     if not np.isfinite(scan.affine).all():
         raise LeaflightError(f"{path}: the affine in the header is not finite; repair the header.")
     if scan.offset < 0 or min(shape) < 1:
         raise ValueError("the place of the values")
     values = ValueFiles((scan.file,), "gzip" if is_packed(scan.file) else "raw", skip=scan.offset)
-    values.check(shape[::-1], scan.dtype)
+    stored = (*shape[::-1], colors) if colors else shape[::-1]
+    values.check(stored, dtype)
     name = Path(path.name[:-3] if path.name.lower().endswith(".gz") else path.name).stem
 
     def load(frame: int, channel: int, progress: Progress) -> Volume:
-        place = (frame, channel)[: len(shape) - 3]
-        if scan.scaled is None:
-            index: Index = (*place[::-1], slice(None), slice(None), slice(None))
-            read = values.read(shape[::-1], scan.dtype, index, progress)
+        place = (frame, 0 if colors else channel)[: len(shape) - 3]
+        if scan.scaled is None or colors:
+            space = slice(None), slice(None), slice(None)
+            index: Index = (*place[::-1], *space, channel) if colors else (*place[::-1], *space)
+            read = values.read(stored, dtype, index, progress)
             return Volume(read, scan.affine, name)
         try:
             return Volume(scan.scaled(place, progress).T, scan.affine, name)
@@ -71,12 +77,13 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
 
     return StoredVolume(
         dims=tuple(shape[:3]),
-        dtype=scan.scaled_dtype if scan.scaled else scan.dtype,
+        dtype=scan.scaled_dtype if scan.scaled and not colors else dtype,
         load=load,
         voxel_size=lengths(scan.affine),
         unit=scan.unit,
         frames=shape[3] if len(shape) > 3 else 1,
-        channels=shape[4] if len(shape) > 4 else 1,
+        channels=colors or (shape[4] if len(shape) > 4 else 1),
+        channel_list=(*RGB, Channel("alpha"))[:colors],
         # Coordinates of all these formats are those of a patient.
         patient=True,
         notes=scan.notes,

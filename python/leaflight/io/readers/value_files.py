@@ -68,6 +68,20 @@ class ValueFiles:
             stored = max(0, stored) + (self.encoding == "text")
             check_size(file, shape, encoding.least(dtype), stored, encoding.most)
 
+    def surplus(self, size: int) -> int:
+        """Returns the number of bytes in a file beyond `size`, 0 where that is not known."""
+        if self.encoding not in ("raw", "gzip") or len(self.files) != 1 or self.skip < 0:
+            return 0
+        file = self.files[0]
+        length = file.stat().st_size
+        if self.encoding == "raw":
+            return max(0, length - self._begin(file, size) - size)
+        # A gzip file ends with the length of its data, which is exact below 4 GiB.
+        with open(file, "rb") as opened:
+            opened.seek(max(0, length - 4))
+            unpacked = int.from_bytes(opened.read(4), "little") - self.skip
+        return unpacked - size if size < unpacked <= size + _MOST_BEFORE else 0
+
     def holds(self, size: int) -> bool:
         """Returns True if exactly `size` bytes remain in a single raw file."""
         if self.encoding != "raw" or len(self.files) != 1 or self.skip < 0:
