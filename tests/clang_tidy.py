@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "core/src"
 OUT = ROOT / "build/test/clang-tidy"
 GROUPS = (
-    ("base", "field", "surface", "scene", "io"),
+    ("base", "field", "surface", "lights", "scene", "io"),
     ("trace", "transport"),
     ("bake",),
     ("thesis",),

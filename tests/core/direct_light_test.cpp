@@ -286,7 +286,8 @@ void expect_whole(const Kind& light) {
     Random random(3, 1, 4);
     constexpr int samples = 40'000;
     for (int i = 0; i < samples; ++i) {
-      add(source_of(tracer.lights()[0], {random.uniform(), random.uniform()}), 1.0 / samples,
+      const std::array<double, 2> u{random.uniform(), random.uniform()};
+      add(std::visit([&](const auto& l) { return l.source(u); }, tracer.lights()[0]), 1.0 / samples,
           truth);
     }
     EXPECT_NEAR(from_points / truth, 1, 0.03) << light.name;
@@ -361,7 +362,7 @@ TEST(LightPoints, TakeTheSunOutOfAnImage) {
   // Integrate all directions: both parts together must contain all light of the image.
   const double all = EnvironmentSampler<3>(*scene.environment).power(tracer.bounds());
   const double wide = EnvironmentSampler<3>(*split.wide).power(tracer.bounds());
-  EXPECT_NEAR(points * parallel_area(tracer.bounds()) / (all - wide), 1, 0.1);
+  EXPECT_NEAR(points * tracer.bounds().parallel_area() / (all - wide), 1, 0.1);
 }
 
 }  // namespace

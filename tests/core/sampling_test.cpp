@@ -242,8 +242,7 @@ template <int D>
 void expect_area_light(const AreaLight<D>& light) {
   const Vec<D> from = lit_by(light);
   expect_light_samples<D>(
-      {-light.normal(), 1},
-      [&](Random& random) { return sample_light<D>(light, from, pair(random)); },
+      {-light.normal(), 1}, [&](Random& random) { return light.sample(from, pair(random)); },
       [&](const Vec<D>& w) { return area_density(light, from, w); },
       [&](const Vec<D>&) { return light.radiance.x; });
 }
@@ -270,7 +269,7 @@ TEST(Samplers, SphereLights) {
       const double measure = Cap<D>{axis, 1 - cosine}.measure();
       expect_light_samples<D>(
           {axis, 1.2 * (1 - cosine)},
-          [&](Random& random) { return sample_light<D>(light, from, pair(random)); },
+          [&](Random& random) { return light.sample(from, pair(random)); },
           [&](const Vec<D>& w) { return w.dot(axis) > cosine ? 1 / measure : 0; },
           // From far away, its disk or segment has the given intensity.
           [&](const Vec<D>&) { return 3 / (D == 3 ? pi * 0.09 : 0.6); });
@@ -289,7 +288,7 @@ TEST(Samplers, Suns) {
     const double measure = Cap<D>{light.direction, width}.measure();
     expect_light_samples<D>(
         {-light.direction, 1.2 * width},
-        [&](Random& random) { return sample_light<D>(light, Vec<D>(0.0), pair(random)); },
+        [&](Random& random) { return light.sample(Vec<D>(0.0), pair(random)); },
         [&](const Vec<D>& w) { return -w.dot(light.direction) > 1 - width ? 1 / measure : 0; },
         [&](const Vec<D>&) { return 3 / (D == 3 ? pi * sine * sine : 2 * sine); });
   });
@@ -438,7 +437,7 @@ TEST(Emission, AreaLightsAndMeshes) {
     const BoundingSphere<D> nowhere;
     const auto place = [&](const auto& photon) { return on_light(light, photon.origin); };
     expect_emission<D>(
-        [&](const U& u, const U& v, Random&) { return emit_from<D>(light, nowhere, u, v); }, place,
+        [&](const U& u, const U& v, Random&) { return light.emit(nowhere, u, v); }, place,
         [&](const auto& p) { return cosine_coordinates<D>(p.direction, light.normal()); });
     const Mesh<D> mesh = uneven_mesh(light);
     const MeshEmitter<D> emitter(mesh);
@@ -456,7 +455,7 @@ TEST(Emission, AreaLightsAndMeshes) {
   });
   AreaLight<3> ellipse{"disc", {0, 0, 0}, {Vec3(2, 0, 0), Vec3(0, 2, 0)}, Rgb(1), true};
   expect_emission<3>(
-      [&](const U& u, const U& v, Random&) { return emit_from<3>(ellipse, {}, u, v); },
+      [&](const U& u, const U& v, Random&) { return ellipse.emit({}, u, v); },
       [](const auto& p) {
         return disc_coordinates<3>(Vec3(p.origin.x - 1, p.origin.y - 1, 0), {0, 0, 1});
       },
@@ -474,15 +473,15 @@ TEST(Emission, SpheresAndSpots) {
       SCOPED_TRACE(width);
       const Cap<D> cap{tilted<D>(), width};
       if (width < 2) light.cone = typename PointLight<D>::Cone{cap.axis, 1 - width, 0.5, true};
-      expect_emission<D>(
-          [&](const U& u, const U& v, Random&) { return emit_from<D>(light, {}, u, v); },
-          [&](const auto& p) {
-            const Vec<D> at = (p.origin - light.position) / light.radius;
-            EXPECT_NEAR(at.length(), 1, 1e-9);
-            EXPECT_GT(at.dot(p.direction), -1e-9);
-            return disc_coordinates<D>(at - p.direction * at.dot(p.direction), p.direction);
-          },
-          [&](const auto& p) { return cap.coordinates(p.direction); });
+      expect_emission<D>([&](const U& u, const U& v, Random&) { return light.emit({}, u, v); },
+                         [&](const auto& p) {
+                           const Vec<D> at = (p.origin - light.position) / light.radius;
+                           EXPECT_NEAR(at.length(), 1, 1e-9);
+                           EXPECT_GT(at.dot(p.direction), -1e-9);
+                           return disc_coordinates<D>(at - p.direction * at.dot(p.direction),
+                                                      p.direction);
+                         },
+                         [&](const auto& p) { return cap.coordinates(p.direction); });
     }
   });
 }
@@ -504,10 +503,9 @@ TEST(Emission, SunsAndEnvironments) {
     sun.irradiance = Rgb(3);
     sun.angle = 0.8;
     const Cap<D> disc{sun.direction, 1 - std::cos(0.4)};
-    expect_emission<D>(
-        [&](const U& u, const U& v, Random&) { return emit_from<D>(sun, bounds, u, v); },
-        [&](const auto& p) { return before(bounds, p); },
-        [&](const auto& p) { return disc.coordinates(p.direction); });
+    expect_emission<D>([&](const U& u, const U& v, Random&) { return sun.emit(bounds, u, v); },
+                       [&](const auto& p) { return before(bounds, p); },
+                       [&](const auto& p) { return disc.coordinates(p.direction); });
     Environment<D> constant;
     constant.radiance = Rgb(2);
     const EnvironmentSampler<D> sampler(constant);

@@ -48,6 +48,7 @@ CORE = (
     "base",
     "field",
     "surface",
+    "lights",
     "scene",
     "trace",
     "transport",

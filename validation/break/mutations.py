@@ -45,9 +45,9 @@ MUTATIONS = (
     ),
     Mutation(
         "wrong pdf: a light's area counted twice",
-        "src/transport/lamp_sampling.cpp",
-        "static_cast<Real>(cosine * light.area() / spread<D>(distance))",
-        "static_cast<Real>(cosine * 2 * light.area() / spread<D>(distance))",
+        "src/lights/area_light.cpp",
+        "static_cast<Real>(cosine * area() / spread<D>(distance))",
+        "static_cast<Real>(cosine * 2 * area() / spread<D>(distance))",
         "Flatland.DirectLightOfASegmentHasTheClosedForm",
     ),
     Mutation(

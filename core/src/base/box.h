@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "base/vector.h"
 
@@ -28,6 +29,15 @@ struct Box {
       if (!(high[a] >= other.low[a] && low[a] <= other.high[a])) return false;
     }
     return true;
+  }
+  std::vector<Vec<D>> corners() const {
+    std::vector<Vec<D>> points;
+    for (int i = 0; i < 1 << D; ++i) {
+      Vec<D> p;
+      for (int a = 0; a < D; ++a) p[a] = (i >> a & 1) ? high[a] : low[a];
+      points.push_back(p);
+    }
+    return points;
   }
   double longest_side() const {
     double side = 0;

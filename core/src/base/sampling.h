@@ -17,6 +17,10 @@ inline constexpr double projected_hemisphere = D == 3 ? pi : 2.0;
 template <int D>
 inline constexpr double all_directions = D == 3 ? 4 * pi : 2 * pi;
 
+// The measure of a disc, or in 2D a segment, of radius 1.
+template <int D>
+inline constexpr double unit_disc = D == 3 ? pi : 2.0;
+
 // Returns the divisor of light at a distance: its square, or in 2D the distance.
 template <int D>
 double spread(double distance) {
@@ -50,6 +54,11 @@ Vec<D> sample_facing_disc(const Vec<D>& n, const std::array<double, 2>& u) {
     const Vec<2> disc = sample_disc(u);
     return tangent[0] * disc.x + tangent[1] * disc.y;
   }
+}
+
+// Returns 1 - cosine of an angle up to 90 degrees from its sine, accurate for small angles.
+inline double one_minus_cosine(double sine) {
+  return sine * sine / (1 + std::sqrt(1 - sine * sine));
 }
 
 // Returns the measure of the directions within an angle of an axis, given 1 - its cosine.

@@ -7,7 +7,7 @@
 
 #include "base/bounds.h"
 #include "base/error.h"
-#include "base/sampling.h"
+#include "lights/light_checks.h"
 
 namespace leaflight {
 namespace {
@@ -27,15 +27,6 @@ void check_albedo(const Rgb& albedo, const std::string& name) {
       text << "The albedo of " << name << " is " << albedo[i]
            << " in one channel; choose values between 0 and 1.";
       throw Error(text.str());
-    }
-  }
-}
-
-void check_light_amount(const Rgb& amount, const std::string& name, const std::string& what) {
-  for (int i = 0; i < 3; ++i) {
-    if (!(amount[i] >= 0) || !std::isfinite(amount[i])) {
-      throw Error(name + " has a negative or non-finite " + what +
-                  "; choose one that is 0 or more.");
     }
   }
 }
@@ -106,66 +97,10 @@ void check_mesh(const Mesh<D>& mesh) {
   }
 }
 
-[[noreturn]] void unbounded(const std::string& light) {
-  throw Error(light + " has a position or size that is not a number or above 1e18; correct it.");
-}
-
-template <int D>
-void check_light(const AreaLight<D>& light) {
-  const std::string name = "The light '" + light.name + "'";
-  bool bounded = within_bounds(light.corner);
-  for (const Vec<D>& edge : light.edges) bounded = bounded && within_bounds(edge);
-  if (!bounded) unbounded(name);
-  if (!(light.area() > 0)) {
-    throw Error(name + " has no area; give it a width and a height.");
-  }
-  check_light_amount(light.radiance, name, "radiance");
-}
-
-template <int D>
-void check_light(const PointLight<D>& light) {
-  const std::string name = "The light '" + light.name + "'";
-  if (!within_bounds(light.position) || !(light.radius <= farthest)) unbounded(name);
-  if (light.radius < 0) throw Error(name + " has a negative radius; choose one that is 0 or more.");
-  check_light_amount(light.intensity, name, "intensity");
-  if (!light.cone) return;
-  if (!(std::abs(light.cone->axis.length() - 1) < 1e-6)) {
-    throw Error(name + " has an axis that is not of length 1; normalize it.");
-  }
-  if (!(light.cone->cosine > -1 && light.cone->cosine < 1)) {
-    throw Error(name + " has a cone of no angle; choose one above 0 and below 360 degrees.");
-  }
-  if (!(light.cone->blend >= 0 && light.cone->blend <= 1)) {
-    throw Error(name + " has a cone whose blend is not between 0 and 1; choose one that is.");
-  }
-}
-
-template <int D>
-void check_light(const SunLight<D>& light) {
-  const std::string name = "The light '" + light.name + "'";
-  if (!(std::abs(light.direction.length() - 1) < 1e-6)) {
-    throw Error(name + " has a direction that is not of length 1; normalize it.");
-  }
-  if (!(light.angle >= 0 && light.angle < pi)) {
-    throw Error(name + " has an angle that is not between 0 and 180 degrees; correct it.");
-  }
-  check_light_amount(light.irradiance, name, "irradiance");
-}
-
-template <int D>
-bool shines(const Light<D>& light) {
-  struct Amount {
-    Rgb operator()(const AreaLight<D>& l) const { return l.radiance; }
-    Rgb operator()(const PointLight<D>& l) const { return l.intensity; }
-    Rgb operator()(const SunLight<D>& l) const { return l.irradiance; }
-  };
-  return largest(std::visit(Amount{}, light)) > 0;
-}
-
 template <int D>
 bool has_light(const Scene<D>& scene) {
   for (const Light<D>& light : scene.lights) {
-    if (shines<D>(light)) return true;
+    if (largest(std::visit([](const auto& l) { return l.amount(); }, light)) > 0) return true;
   }
   for (const Mesh<D>& mesh : scene.meshes) {
     if (largest(mesh.emission) > 0) return true;
@@ -257,7 +192,7 @@ void validate(const Scene<D>& scene) {
   for (const Volume<D>& volume : scene.volumes) check_volume(volume, isovalue_range);
   for (const Mesh<D>& mesh : scene.meshes) check_mesh(mesh);
   for (const Light<D>& light : scene.lights) {
-    std::visit([](const auto& l) { check_light(l); }, light);
+    std::visit([](const auto& l) { l.check(); }, light);
   }
   if (scene.environment) {
     const std::string name = "the environment '" + scene.environment->name + "'";

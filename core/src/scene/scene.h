@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "base/facet.h"
 #include "field/field.h"
+#include "lights/light.h"
 #include "scene/color_ramp.h"
-#include "scene/lamp.h"
+#include "scene/environment.h"
 #include "scene/volume_texture.h"
 
 namespace leaflight {

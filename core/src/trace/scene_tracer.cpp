@@ -36,26 +36,11 @@ std::vector<Mesh<D>> in_frame(std::vector<Mesh<D>> meshes, const Frame<D>& frame
   return meshes;
 }
 
-// Transforms lights to the frame. Radiance and irradiance stay; intensity is radiance times area.
-template <int D>
-struct LightInFrame {
-  const Frame<D>& frame;
-
-  void operator()(AreaLight<D>& light) const {
-    light.corner = frame.point(light.corner);
-    for (Vec<D>& edge : light.edges) edge *= frame.scale;
-  }
-  void operator()(PointLight<D>& light) const {
-    light.position = frame.point(light.position);
-    light.radius *= frame.scale;
-    light.intensity *= static_cast<Real>(spread<D>(frame.scale));
-  }
-  void operator()(SunLight<D>&) const {}
-};
-
 template <int D>
 std::vector<Light<D>> in_frame(std::vector<Light<D>> lights, const Frame<D>& frame) {
-  for (Light<D>& light : lights) std::visit(LightInFrame<D>{frame}, light);
+  for (Light<D>& light : lights) {
+    std::visit([&](auto& l) { l.to_frame(frame.center, frame.scale); }, light);
+  }
   return lights;
 }
 
@@ -78,13 +63,6 @@ BoundingSphere<D> sphere_around(const Box<D>& box) {
 }
 
 }  // namespace
-
-template <int D>
-Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
-  double size = 1;
-  for (int a = 0; a < D; ++a) size += std::abs(position[a]);
-  return position + normal * (size * 8 * std::numeric_limits<float>::epsilon());
-}
 
 template <int D>
 Frame<D>::Frame(const Scene<D>& scene) {
@@ -313,8 +291,6 @@ BlockingIsovalues SceneTracer<D>::blocking(const SurfacePoint<D>& from,
   return blocking(ray_origin(from), direction, std::numeric_limits<double>::infinity());
 }
 
-template Vec<2> leave_plane<2>(const Vec<2>&, const Vec<2>&);
-template Vec<3> leave_plane<3>(const Vec<3>&, const Vec<3>&);
 template struct Frame<2>;
 template struct Frame<3>;
 template class SceneTracer<2>;

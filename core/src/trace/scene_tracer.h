@@ -46,11 +46,6 @@ struct SurfacePoint {
   const MeshHit& facet() const { return std::get<MeshHit>(on); }
 };
 
-// Moves a position along the normal, out of the plane of its triangle (pbrt 3, ch. 3.9). The
-// distance covers rounding errors of single precision.
-template <int D>
-Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal);
-
 // The transform from world coordinates to the frame.
 template <int D>
 struct Frame {
@@ -61,13 +56,6 @@ struct Frame {
   Vec<D> point(const Vec<D>& p) const { return (p - center) * scale; }
   // Returns the transform from index coordinates of a field to the frame.
   Affine<D> index_to_frame(const Field<D>& field) const;
-};
-
-// A sphere around everything that rays can hit, in the frame.
-template <int D>
-struct BoundingSphere {
-  Vec<D> center{0.0};
-  double radius = 0;
 };
 
 // The isovalues whose isosurfaces block a shadow ray: least < c <= greatest. It has an infinite

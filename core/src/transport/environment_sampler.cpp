@@ -67,7 +67,7 @@ Rgb EnvironmentSampler<D>::radiance(const Vec<D>& direction) const {
 template <int D>
 double EnvironmentSampler<D>::power(const BoundingSphere<D>& bounds) const {
   if (!environment_.image) {
-    return average(environment_.radiance) * all_directions<D> * parallel_area(bounds);
+    return average(environment_.radiance) * all_directions<D> * bounds.parallel_area();
   }
   const Texture& image = *environment_.image;
   double sum = 0;
@@ -80,13 +80,13 @@ double EnvironmentSampler<D>::power(const BoundingSphere<D>& bounds) const {
     sum += row * std::cos(((j + 0.5) / image.height - 0.5) * pi);
   }
   return sum * 2 * pi * pi / (static_cast<double>(image.width) * image.height) *
-         parallel_area(bounds);
+         bounds.parallel_area();
 }
 
 template <int D>
 double EnvironmentSampler<D>::largest_flux(const BoundingSphere<D>& bounds) const {
   if (!environment_.image) {
-    return largest(environment_.radiance) * all_directions<D> * parallel_area(bounds);
+    return largest(environment_.radiance) * all_directions<D> * bounds.parallel_area();
   }
   // Bound the ratio of radiance to density by that of a pixel to the sum over it and its neighbors.
   // A tighter bound is not worth a search.
@@ -173,8 +173,8 @@ EmittedPhoton<D> EnvironmentSampler<D>::emit(const BoundingSphere<D>& bounds,
                                              const std::array<double, 2>& u_position,
                                              const std::array<double, 2>& u_direction) const {
   const Direction from = sample_any(u_direction);
-  const double weight = from.density > 0 ? parallel_area(bounds) / from.density : 0;
-  return {parallel_origin<D>(bounds, -from.direction, u_position), -from.direction,
+  const double weight = from.density > 0 ? bounds.parallel_area() / from.density : 0;
+  return {bounds.parallel_origin(-from.direction, u_position), -from.direction,
           radiance(from.direction) * static_cast<Real>(weight)};
 }
 

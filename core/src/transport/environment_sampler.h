@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/discrete_distribution.h"
-#include "transport/lamp_sampling.h"
+#include "scene/scene.h"
 
 namespace leaflight {
 

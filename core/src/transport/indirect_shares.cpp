@@ -124,7 +124,8 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
   for (const Light<D>& light : tracer.lights()) {
     const auto emit = [&](Random& random) {
       const auto u = two(random);
-      return emit_from(light, tracer.bounds(), u, two(random));
+      const auto v = two(random);
+      return std::visit([&](const auto& l) { return l.emit(tracer.bounds(), u, v); }, light);
     };
     shares.lights.push_back(paths_from.mean_flux(emit, false));
   }

@@ -57,50 +57,6 @@ int points_for(double size) {
                     most_points);
 }
 
-template <int D>
-double aspect_of(const Light<D>& light) {
-  if constexpr (D == 3) {
-    if (const auto* area = std::get_if<AreaLight<D>>(&light)) {
-      return area->edges[0].length() / area->edges[1].length();
-    }
-  }
-  return 1;
-}
-
-// The width of a lamp relative to its distance from the center of the volumes.
-template <int D>
-struct Size {
-  double operator()(const AreaLight<D>& light) const {
-    const double width = D == 3 ? std::sqrt(light.area()) : light.area();
-    return width / std::max(light.point({0.5, 0.5}).length(), 1e-6);
-  }
-  double operator()(const PointLight<D>& light) const {
-    return 2 * light.radius / std::max(light.position.length(), 1e-6);
-  }
-  double operator()(const SunLight<D>& light) const { return light.angle; }
-};
-
-template <int D>
-Rgb brightness(const Light<D>& light) {
-  if (const auto* area = std::get_if<AreaLight<D>>(&light)) return area->radiance;
-  if (const auto* point = std::get_if<PointLight<D>>(&light)) return point->intensity;
-  return std::get<SunLight<D>>(light).irradiance;
-}
-
-// Returns a source at a position of a light. Points of a sphere are on its disc as seen from the
-// center of the volumes; half of its surface would face away.
-template <int D>
-LightSource<D> source_at(const Light<D>& light, const std::array<double, 2>& u) {
-  const auto* sphere = std::get_if<PointLight<D>>(&light);
-  if (!sphere || !(sphere->position.length() > sphere->radius)) return source_of(light, u);
-  LightSource<D> source;
-  source.position = sphere->position;
-  source.position += sample_facing_disc<D>(sphere->position.normalized(), u) * sphere->radius;
-  source.amount = sphere->intensity;
-  source.cone = sphere->cone;
-  return source;
-}
-
 // Sets of light points; the first is that of split_light().
 template <int D>
 using Sets = std::vector<std::vector<LightPoint<D>>>;
@@ -117,19 +73,16 @@ void add_points(Sets<D>& sets, int count, int light, Source source) {
   }
 }
 
-template <int D>
-void add_lights(const SceneTracer<D>& tracer, Sets<D>& sets) {
-  for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
-    const Light<D>& light = tracer.lights()[l];
-    if (!(largest(brightness(light)) > 0)) continue;
-    std::vector<std::vector<std::array<double, 2>>> places;
-    for (std::size_t set = 0; set < sets.size(); ++set) {
-      places.push_back(spread_points<D>(points_for(std::visit(Size<D>{}, light)),
-                                        aspect_of<D>(light), static_cast<int>(set)));
-    }
-    add_points<D>(sets, static_cast<int>(places[0].size()), static_cast<int>(l),
-                  [&](int set, int i) { return source_at(light, places[set][i]); });
+template <int D, class Lamp>
+void add_lamp(const Lamp& lamp, int number, Sets<D>& sets) {
+  if (!(largest(lamp.amount()) > 0)) return;
+  std::vector<std::vector<std::array<double, 2>>> places;
+  for (std::size_t set = 0; set < sets.size(); ++set) {
+    places.push_back(
+        spread_points<D>(points_for(lamp.width()), lamp.aspect(), static_cast<int>(set)));
   }
+  add_points<D>(sets, static_cast<int>(places[0].size()), number,
+                [&](int set, int i) { return lamp.light_point(places[set][i]); });
 }
 
 template <int D>
@@ -191,7 +144,10 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
 template <int D>
 SplitLight<D> split_into(const SceneTracer<D>& tracer, Sets<D>& sets) {
   SplitLight<D> split;
-  add_lights(tracer, sets);
+  for (std::size_t l = 0; l < tracer.lights().size(); ++l) {
+    std::visit([&](const auto& lamp) { add_lamp<D>(lamp, static_cast<int>(l), sets); },
+               tracer.lights()[l]);
+  }
   for (const Mesh<D>& mesh : tracer.meshes()) {
     split.mesh_is_wide.push_back(false);
     if (largest(mesh.emission) > 0) add_mesh(mesh, split, sets);
@@ -201,20 +157,6 @@ SplitLight<D> split_into(const SceneTracer<D>& tracer, Sets<D>& sets) {
     add_environment(tracer, *environment, split, sets);
   }
   return split;
-}
-
-template <int D>
-bool same_cone(const LightSource<D>& a, const LightSource<D>& b) {
-  if (!a.cone || !b.cone) return !a.cone && !b.cone;
-  return a.cone->axis == b.cone->axis && a.cone->cosine == b.cone->cosine &&
-         a.cone->blend == b.cone->blend && a.cone->cosine_falloff == b.cone->cosine_falloff;
-}
-
-template <int D>
-bool same_ways(const LightSource<D>& a, const LightSource<D>& b) {
-  return a.infinite == b.infinite && a.both_sides == b.both_sides && a.sphere == b.sphere &&
-         a.position == b.position && a.direction == b.direction && a.normal == b.normal &&
-         same_cone<D>(a, b);
 }
 
 }  // namespace
@@ -240,7 +182,7 @@ std::vector<int> same_points(const std::vector<LightPoint<D>>& points,
   std::vector<int> same;
   for (const LightPoint<D>& point : points) {
     const auto found = std::find_if(earlier.begin(), earlier.end(), [&](const auto& other) {
-      return same_ways<D>(point.source, other.source);
+      return point.source.same_ways(other.source);
     });
     same.push_back(found == earlier.end() ? -1 : static_cast<int>(found - earlier.begin()));
   }

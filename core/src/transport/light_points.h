@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "trace/scene_tracer.h"
 #include "transport/environment_sampler.h"
 #include "transport/mesh_emitter.h"
 

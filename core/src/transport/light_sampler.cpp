@@ -7,23 +7,6 @@
 #include "base/sampling.h"
 
 namespace leaflight {
-namespace {
-
-// Estimates the irradiance of a light at the center of the scene. Shadow rays are distributed by
-// it; power would favor suns and skies in large scenes.
-template <int D>
-struct NearIrradiance {
-  double operator()(const AreaLight<D>& light) const {
-    const Vec<D> middle = light.point({0.5, 0.5});
-    return average(light.radiance) * light.area() / (spread<D>(middle.length()) + light.area());
-  }
-  double operator()(const PointLight<D>& light) const {
-    return average(light.intensity) / std::max(spread<D>(light.position.length()), 1e-2);
-  }
-  double operator()(const SunLight<D>& light) const { return average(light.irradiance); }
-};
-
-}  // namespace
 
 template <int D>
 LightSampler<D>::LightSampler(const SceneTracer<D>& tracer)
@@ -53,8 +36,9 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
   }
   std::vector<double> power, near;
   for (const Light<D>& light : tracer.lights()) {
-    power.push_back(power_of(light, tracer.bounds()));
-    near.push_back(split ? 0 : std::visit(NearIrradiance<D>{}, light));
+    power.push_back(std::visit([&](const auto& l) { return l.power(tracer.bounds()); }, light));
+    const double near_one = std::visit([](const auto& l) { return l.near_irradiance(); }, light);
+    near.push_back(split ? 0 : near_one);
   }
   for (std::size_t m = 0; m < meshes_.size(); ++m) {
     const MeshEmitter<D>& mesh = meshes_[m];
@@ -63,7 +47,7 @@ LightSampler<D>::LightSampler(const SceneTracer<D>& tracer,
   }
   if (environment_) {
     power.push_back(environment_->power(tracer.bounds()));
-    near.push_back(pi * power.back() / (all_directions<D> * parallel_area(tracer.bounds())));
+    near.push_back(pi * power.back() / (all_directions<D> * tracer.bounds().parallel_area()));
   }
   for (const IsosurfaceEmitter<D>& isosurface : isosurfaces_) {
     power.push_back(isosurface.power_height());
@@ -85,8 +69,9 @@ double LightSampler<D>::largest_flux_height() const {
     // Lights without power are never chosen.
     if (p > 0) most = std::max(most, flux_height / p);
   };
+  const auto of_lamp = [&](const auto& lamp) { return lamp.largest_flux(tracer_.bounds()); };
   for (std::size_t i = 0; i < tracer_.lights().size(); ++i) {
-    consider(i, largest_flux_of(tracer_.lights()[i], tracer_.bounds()));
+    consider(i, std::visit(of_lamp, tracer_.lights()[i]));
   }
   for (std::size_t i = 0; i < meshes_.size(); ++i) {
     const double radiance = largest(meshes_[i].radiance());
@@ -105,8 +90,10 @@ template <int D>
 LightSample<D> LightSampler<D>::sample(const DiscreteDistribution::Pick& pick,
                                        const SurfacePoint<D>& point,
                                        const std::array<double, 2>& u) const {
-  if (pick.index < first_mesh())
-    return sample_light(tracer_.lights()[pick.index], point.position, u);
+  if (pick.index < first_mesh()) {
+    return std::visit([&](const auto& lamp) { return lamp.sample(point.position, u); },
+                      tracer_.lights()[pick.index]);
+  }
   if (pick.index < environment_number()) {
     return meshes_[pick.index - first_mesh()].sample(point.position, pick.rest, u);
   }
@@ -150,21 +137,6 @@ typename LightSampler<D>::ForAllIsovalues LightSampler<D>::direct_radiance_for_a
 }
 
 template <int D>
-LightSource<D> LightSampler<D>::source(double choice, const std::array<double, 2>& u) const {
-  const auto picked = by_irradiance_.pick(choice);
-  LightSource<D> source;
-  if (picked.index < first_mesh()) {
-    source = source_of(tracer_.lights()[picked.index], u);
-  } else if (picked.index < environment_number()) {
-    source = meshes_[picked.index - first_mesh()].source(picked.rest, u);
-  } else {
-    source = environment_->source(u);
-  }
-  source.amount /= static_cast<Real>(picked.probability);
-  return source;
-}
-
-template <int D>
 PhotonStart<D> LightSampler<D>::emit(double c, double choice,
                                      const std::array<double, 2>& u_position,
                                      const std::array<double, 2>& u_direction,
@@ -182,7 +154,9 @@ PhotonStart<D> LightSampler<D>::emit(double c, double choice,
   }
   EmittedPhoton<D> photon;
   if (picked.index < first_mesh()) {
-    photon = emit_from(tracer_.lights()[picked.index], tracer_.bounds(), u_position, u_direction);
+    photon = std::visit(
+        [&](const auto& lamp) { return lamp.emit(tracer_.bounds(), u_position, u_direction); },
+        tracer_.lights()[picked.index]);
   } else if (picked.index < environment_number()) {
     photon = meshes_[picked.index - first_mesh()].emit(picked.rest, u_position, u_direction);
   } else {
@@ -200,7 +174,8 @@ Rgb LightSampler<D>::visible_radiance(const Vec<D>& origin, const Vec<D>& direct
                                       double t_max) const {
   Rgb radiance(0);
   for (const Light<D>& light : tracer_.lights()) {
-    radiance += radiance_along(light, origin, direction, t_max);
+    radiance += std::visit(
+        [&](const auto& lamp) { return lamp.radiance_along(origin, direction, t_max); }, light);
   }
   if (environment_ && !(t_max < std::numeric_limits<double>::infinity())) {
     radiance += environment_->radiance(direction);

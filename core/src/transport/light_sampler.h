@@ -43,8 +43,7 @@ class LightSampler {
                                           const std::array<double, 2>& u,
                                           std::uint64_t& rays) const;
 
-  // Samples a source of the light that direct_radiance() samples; precondition: can_light().
-  LightSource<D> source(double choice, const std::array<double, 2>& u) const;
+  // True if direct_radiance() may return light.
   bool can_light() const { return !by_irradiance_.empty(); }
 
   // Emits a photon. `c`: its common isovalue, unless it starts on an isosurface.

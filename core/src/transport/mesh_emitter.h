@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/discrete_distribution.h"
-#include "transport/lamp_sampling.h"
+#include "scene/scene.h"
 
 namespace leaflight {
 

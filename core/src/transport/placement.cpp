@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/low_discrepancy.h"
-#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 namespace {
@@ -36,15 +35,6 @@ Vec<D> any_direction(int i) {
 }
 
 template <int D>
-std::optional<Vec<D>> place_of(const Light<D>& light) {
-  if (const auto* area = std::get_if<AreaLight<D>>(&light)) {
-    return leave_plane<D>(area->point({0.5, 0.5}), area->normal());
-  }
-  if (const auto* point = std::get_if<PointLight<D>>(&light)) return point->position;
-  return std::nullopt;
-}
-
-template <int D>
 bool any_volume_seen(const SceneTracer<D>& tracer, const Vec<D>& from) {
   for (std::size_t v = 0; v < tracer.scene().volumes.size(); ++v) {
     for (const Vec<D>& point : box_points(tracer, static_cast<int>(v))) {
@@ -70,7 +60,7 @@ std::optional<int> enclosing_mesh(const SceneTracer<D>& tracer, const Vec<D>& fr
 template <int D>
 void check_lights(const SceneTracer<D>& tracer) {
   for (const Light<D>& light : tracer.lights()) {
-    const std::optional<Vec<D>> place = place_of<D>(light);
+    const auto place = std::visit([](const auto& l) { return l.place(); }, light);
     if (!place) continue;
     const std::optional<int> mesh = enclosing_mesh<D>(tracer, *place);
     if (!mesh || any_volume_seen<D>(tracer, *place)) continue;
@@ -96,7 +86,8 @@ bool any_light_reaches(const SceneTracer<D>& tracer, const std::vector<Vec<D>>& 
   for (const Vec<D>& point : points) {
     for (const Light<D>& light : tracer.lights()) {
       for (int i = 0; i < rays; ++i) {
-        const LightSample<D> sample = sample_light(light, point, sobol_point(i, 1));
+        const auto u = sobol_point(i, 1);
+        const auto sample = std::visit([&](const auto& l) { return l.sample(point, u); }, light);
         if (!(largest(sample.radiance) > 0)) continue;
         const Vec<D> to_light = sample.infinite
                                     ? sample.direction * far

@@ -355,7 +355,7 @@ Rgb DirectLight<D>::radiance(const IsosurfacePoint<D>& point, const TexelWeights
     for (const int k : points.cones) {
       if (!(share[k] > 0)) continue;
       const LightSource<D>& source = points_[b * block + k].source;
-      share[k] *= static_cast<float>(source.cone_share((place - source.position).normalized()));
+      share[k] *= static_cast<float>(source.cone->share((place - source.position).normalized()));
     }
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < block; ++k) irradiance[i] += share[k] * points.amount[i][k];

@@ -4,8 +4,8 @@
 #include "base/large_array.h"
 #include "base/progress.h"
 #include "field/texel_lattice.h"
+#include "lights/light_sample.h"
 #include "trace/scene_tracer.h"
-#include "transport/lamp_sampling.h"
 
 namespace leaflight {
 

@@ -16,36 +16,6 @@ bool anything_reflects(const Scene<D>& scene) {
                      [](const Mesh<D>& mesh) { return largest(mesh.albedo) > 0; });
 }
 
-template <int D>
-std::vector<Vec<D>> corners(const Box<D>& box) {
-  std::vector<Vec<D>> points;
-  for (int i = 0; i < 1 << D; ++i) {
-    Vec<D> p;
-    for (int a = 0; a < D; ++a) p[a] = (i >> a & 1) ? box.high[a] : box.low[a];
-    points.push_back(p);
-  }
-  return points;
-}
-
-// Returns corners of a box or parallelogram that contains all points of a light; none for a sun.
-template <int D>
-std::vector<Vec<D>> corners(const AreaLight<D>& light) {
-  std::vector<Vec<D>> points{light.corner};
-  for (const Vec<D>& edge : light.edges) {
-    for (std::size_t i = points.size(); i-- > 0;) points.push_back(points[i] + edge);
-  }
-  return points;
-}
-template <int D>
-std::vector<Vec<D>> corners(const PointLight<D>& light) {
-  return corners(
-      Box<D>{light.position - Vec<D>(light.radius), light.position + Vec<D>(light.radius)});
-}
-template <int D>
-std::vector<Vec<D>> corners(const SunLight<D>&) {
-  return {};
-}
-
 // True if the box around some points, in index coordinates, overlaps the field's domain.
 template <int D>
 bool overlaps_domain(const Field<D>& field, const std::vector<Vec<D>>& points) {
@@ -61,7 +31,7 @@ template <int D>
 bool light_in_domain(const Scene<D>& scene, const Volume<D>& volume) {
   if (volume.emission.largest() > 0) return true;
   for (const Light<D>& light : scene.lights) {
-    const auto points = std::visit([](const auto& l) { return corners<D>(l); }, light);
+    const auto points = std::visit([](const auto& l) { return l.corners(); }, light);
     if (overlaps_domain<D>(volume.field, points)) return true;
   }
   for (const Mesh<D>& mesh : scene.meshes) {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "scene/facet.h"
 #include "trace/scene_tracer.h"
 
 namespace leaflight {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "base/vector.h"
 
@@ -13,6 +15,15 @@ inline Vec<2> scaled_normal(const std::array<Vec<2>, 1>& edges) {
   return {-edges[0].y, edges[0].x};
 }
 inline Vec<3> scaled_normal(const std::array<Vec<3>, 2>& edges) { return edges[0].cross(edges[1]); }
+
+// Moves a position along the normal, out of the plane of its triangle (pbrt 3, ch. 3.9). The
+// distance covers rounding errors of single precision.
+template <int D>
+Vec<D> leave_plane(const Vec<D>& position, const Vec<D>& normal) {
+  double size = 1;
+  for (int a = 0; a < D; ++a) size += std::abs(position[a]);
+  return position + normal * (size * 8 * std::numeric_limits<float>::epsilon());
+}
 
 // The points of a facet as corner + u edge_0 + v edge_1; a segment has no second edge.
 template <int D>
