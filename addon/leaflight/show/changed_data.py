@@ -21,13 +21,20 @@ def light_of(obj):
     if bake is None or not source_files.regions_alone_changed(settings):
         _estimates.pop(obj.name_full, None)
         return bake
-    values = cache.volume_of(obj).values
-    known = _estimates.get(obj.name_full)
-    if known is None or known[0] is not bake or known[1] is not values:
+    known = _estimate(obj, bake)
+    if known is None:
         volumes = list(bake.volumes)
         volumes[settings.bake_index] = volume_in_bake(obj)
-        known = _estimates[obj.name_full] = bake, values, with_values(bake, volumes)
-    return known[2]
+        known = with_values(bake, volumes)
+        _estimates[obj.name_full] = bake, cache.volume_of(obj).values, known
+    return known
+
+
+def _estimate(obj, bake):
+    """Returns the bake with an estimate that light_of() made for the present values, or None."""
+    known = _estimates.get(obj.name_full)
+    is_present = known and known[0] is bake and known[1] is cache.volume_of(obj).values
+    return known[2] if is_present else None
 
 
 def volume_in_bake(obj):
@@ -42,13 +49,15 @@ def with_present_values(objects):
 
     The function works in any thread. Raises as light_of().
     """
-    changed = {
-        obj.leaflight.bake_index: volume_in_bake(obj)
-        for obj in objects
-        if source_files.regions_alone_changed(obj.leaflight)
-    }
+    objects = [obj for obj in objects if source_files.regions_alone_changed(obj.leaflight)]
+    changed = {obj.leaflight.bake_index: volume_in_bake(obj) for obj in objects}
+    # An estimate takes as long as direct light, so take the one that is shown.
+    shown = lamps.light_of(objects[0]) if len(objects) == 1 else None
+    estimate = shown and _estimate(objects[0], shown)
 
     def changed_bake(bake):
+        if estimate and bake is shown:
+            return estimate
         volumes = [changed.get(number, volume) for number, volume in enumerate(bake.volumes)]
         return with_values(bake, volumes) if changed else bake
 

@@ -135,7 +135,7 @@ def cuts_data(volume: Volume, offset: float, scale: float) -> dict[str, Any] | N
     if cuts is None or not flat:
         return None
     flat = flat[:MOST_CUTS]
-    slabs = np.concatenate([cut.slabs() for cut in flat])
+    slabs = np.concatenate([cut.slabs for cut in flat])
     return {
         "range": [(value - offset) / scale for value in (cuts.low, cuts.high)],
         "slabs": slabs[:, :4].tolist(),

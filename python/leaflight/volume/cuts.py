@@ -11,6 +11,7 @@ it is a crop: the values keep their type.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,8 +62,9 @@ class Box:
     def moved(self, matrix: Array) -> "Box":
         return Box(_rows(matrix @ self.matrix), self.keep, self.cut)
 
+    @cached_property
     def slabs(self) -> Array:
-        """Returns rows of unit normal n (x, y, z), offset and half of the width of three slabs.
+        """Rows of unit normal n (x, y, z), offset and half of the width of three slabs.
 
         Points p within the box have |n p + offset| of at most half the width of each.
         """
@@ -78,7 +80,7 @@ class Box:
         They are +-_FAR in some places that are farther than that.
         """
         matrix = np.asarray(self.matrix)
-        slabs = self.slabs()
+        slabs = self.slabs
         normals, half = slabs[:, :3], slabs[:, 4]
         inside = np.full(shape[1:], -_FAR)
         z, y, x = _nodes_around(matrix, 1.0 + _FAR / half, shape)
@@ -131,8 +133,9 @@ class HalfSpace:
         normal = np.linalg.inv(matrix[:3, :3]).T @ self.normal
         return HalfSpace(tuple(point.tolist()), tuple(normal.tolist()), self.cut)
 
+    @property
     def slabs(self) -> Array:
-        """Returns a wide slab up to the plane, as Box.slabs(), three times."""
+        """A wide slab up to the plane, as Box.slabs, three times."""
         normal = np.asarray(self.normal) / np.linalg.norm(self.normal)
         slab = [*normal, _WIDE - normal @ self.point, _WIDE]
         return np.array([slab] * 3)

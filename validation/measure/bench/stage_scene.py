@@ -65,7 +65,8 @@ def clicks():
 
 
 def draw_little():
-    """Draws boxes in place of the surfaces."""
+    """Draws boxes without light in place of the surfaces."""
+    hand.view().spaces.active.shading.type = "SOLID"
     for obj in bpy.context.scene.objects:
         obj.display_type = "BOUNDS"
 
@@ -77,13 +78,14 @@ def shown():
 def bake():
     before, clock, first = shown(), Clock(), True
     hand.press(bpy.ops.leaflight.bake)
+    # A bake shows its light in the viewport.
+    draw_little()
     while jobs.running() is not None:
         yield 0.01
         if first and shown() != before:
             clock.add("bake, first light")
             first = False
     clock.add("bake, whole")
-    draw_little()
     yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
 
 
