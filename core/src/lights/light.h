@@ -9,8 +9,8 @@
 
 namespace leaflight {
 
-// A lamp. All that the core does with lamps is in these functions of each type. Positions are in
-// the world for the first three, else in the frame, where the volumes are around the origin. `u` is
+// A lamp. Each type has these functions, by which the core uses it. The first three take positions
+// in the world. The others take them in the frame, where the volumes are around the origin. `u` is
 // uniform in [0,1)^2, and `bounds` contains the scene.
 //
 //   name              identifies the lamp in messages
