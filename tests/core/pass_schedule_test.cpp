@@ -68,21 +68,21 @@ struct Scheduled {
 
 TEST(PassSchedule, EndsAtTheTargetErrorOrOutOfTime) {
   Scheduled one(10);
-  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.7, 0)), Step::end);
-  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), Step::more_blocks);
+  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.7, 0)), NextStep::end);
+  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), NextStep::more_blocks);
   EXPECT_EQ(one.schedule.blocks_after(one.pass(4, 4, 0.9, 0)), 6);
   // The bias leaves less noise.
-  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.7, 0.8)), Step::more_blocks);
+  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.7, 0.8)), NextStep::more_blocks);
   // A pass that was cut short.
-  EXPECT_EQ(one.schedule.after(one.pass(3, 4, 0.9, 0)), Step::end_unfinished);
-  EXPECT_EQ(one.schedule.after(one.pass(3, 4, 0.7, 0)), Step::end);
+  EXPECT_EQ(one.schedule.after(one.pass(3, 4, 0.9, 0)), NextStep::end_unfinished);
+  EXPECT_EQ(one.schedule.after(one.pass(3, 4, 0.7, 0)), NextStep::end);
   // No bake takes more blocks.
-  EXPECT_EQ(one.schedule.after(one.pass(32, 32, 0.9, 0)), Step::end);
+  EXPECT_EQ(one.schedule.after(one.pass(32, 32, 0.9, 0)), NextStep::end);
   // The walls, the result and another block take three seconds.
   one.now = 6.9;
-  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), Step::more_blocks);
+  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), NextStep::more_blocks);
   one.now = 7.1;
-  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), Step::end_unfinished);
+  EXPECT_EQ(one.schedule.after(one.pass(4, 4, 0.9, 0)), NextStep::end_unfinished);
 }
 
 TEST(PassSchedule, RefinesTexelsWhoseErrorBlocksDoNotLower) {

@@ -92,10 +92,10 @@ int PassSchedule::blocks_after(const EndedPass& pass) const {
   return next_blocks(pass.blocks, pass.error.noise, target_of(pass));
 }
 
-Step PassSchedule::after(const EndedPass& pass) const {
-  if (pass.error.noise <= target_of(pass)) return Step::end;
-  if (pass.is_cut() || is_late()) return Step::end_unfinished;
-  return blocks_after(pass) > pass.planned ? Step::more_blocks : Step::end;
+NextStep PassSchedule::after(const EndedPass& pass) const {
+  if (pass.error.noise <= target_of(pass)) return NextStep::end;
+  if (pass.is_cut() || is_late()) return NextStep::end_unfinished;
+  return blocks_after(pass) > pass.planned ? NextStep::more_blocks : NextStep::end;
 }
 
 double PassSchedule::closing_seconds() const {

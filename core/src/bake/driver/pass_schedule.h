@@ -51,7 +51,7 @@ struct EndedPass {
   double bias_percent() const { return 100 * std::sqrt(error.bias); }
 };
 
-enum class Step { more_blocks, end, end_unfinished };
+enum class NextStep { more_blocks, end, end_unfinished };
 
 // Decides what a bake does next. The decisions follow from numbers alone: measured times, errors
 // and numbers of texels.
@@ -95,7 +95,7 @@ class PassSchedule {
   bool wants_finer_texels(const EndedPass& pass) const;
   // Returns the number of blocks after the next pass.
   int blocks_after(const EndedPass& pass) const;
-  Step after(const EndedPass& pass) const;
+  NextStep after(const EndedPass& pass) const;
 
  private:
   // Estimates the time of the steps after the blocks.

@@ -218,8 +218,9 @@ class Passes {
       Baked<D> baked = bake_so_far(*bake_);
       const EndedPass pass{bake_->blocks(), blocks_, errors_.all()};
       const bool refines = schedule_.wants_finer_texels(pass) && has_fine_texels();
-      const Step step = refines ? Step::more_blocks : schedule_.after(pass);
-      if (step != Step::more_blocks) return last(std::move(baked), step == Step::end_unfinished);
+      const NextStep step = refines ? NextStep::more_blocks : schedule_.after(pass);
+      if (step != NextStep::more_blocks)
+        return last(std::move(baked), step == NextStep::end_unfinished);
       show(std::move(baked));
       if (refines) {
         // The result if the time ends before the first blocks of fine texels.
