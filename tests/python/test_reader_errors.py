@@ -110,7 +110,7 @@ CASES = {
     "frame of 3D": (".nii", r"\(--frame\)", lambda path: nifti(path, NOISE), "--frame 1"),
     "two dimensions": (".nii", "three dimensions", lambda path: nifti(path, NOISE[0])),
     "complex": (".nii", "complex", lambda path: nifti(path, NOISE.astype(np.complex64))),
-    "colors": (".nii", "color", lambda path: nifti(path, COLORS)),
+    "colors": (".nii", "red, green, blue", lambda path: nifti(path, COLORS)),
     "constant": (".nii", "", lambda path: nifti(path, np.full_like(NOISE, 3))),
     "NaN": (".nii", "NaN", lambda path: nifti(path, np.full_like(NOISE, np.nan, np.float32))),
     "infinite": (".nii", "", infinite),

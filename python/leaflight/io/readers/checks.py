@@ -37,7 +37,7 @@ def check_shape(path: Path, shape: Sequence[int]) -> None:
     """Raises LeaflightError unless a volume has three dimensions, or four with its frames."""
     if 0 in shape:
         raise LeaflightError(f"{path}: the data are empty ({text(shape)}); choose another file.")
-    if len(shape) not in (3, 4):
+    if len(shape) not in (3, 4) or min(shape) < 1:
         raise LeaflightError(
             f"{path}: the data have the shape {text(shape)}, but a volume needs three dimensions, "
             "or four with frames: choose another file."
