@@ -27,7 +27,6 @@ LineBake<D>::LineBake(LitScene<D>& scene, BakeTexels<D> texels, const PreviousLi
     : scene_(scene),
       light_(scene, 0, texels, previous, previous ? bounces + previous->blocks() : 0),
       indirect_(light_.indirect()),
-      previous_(previous),
       workers_(workers) {
   if (scene.split.wide) sky_.emplace(*scene.split.wide);
   if (!indirect_) return;
@@ -202,8 +201,7 @@ void LineBake<D>::trace_photons(const BakeTexels<D>& texels) {
   PhotonSettings settings;
   // A continued bake traces new photons, because the noise of the walls' cache is in all of its
   // lines.
-  const std::uint64_t before = previous_ ? previous_->blocks() : 0;
-  settings.seed = random_for(scene_.settings.seed, Purpose::photon, before).bits();
+  settings.seed = random_for(scene_.settings.seed, Purpose::photon, light_.blocks()).bits();
   settings.photons = texels.photon_count;
   settings.wall_samples = texels.wall_samples;
   settings.smooth_walls = true;

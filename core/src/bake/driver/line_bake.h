@@ -54,7 +54,6 @@ class LineBake final : public Integrator<D> {
   TexelLight<D> light_;
   IndirectLight<D>* indirect_;                // that of light_; null: nothing reflects
   std::optional<EnvironmentSampler<D>> sky_;  // without the light points
-  const PreviousLight<D>* previous_;          // may be null
   const BlockWorkers* workers_;               // may be null
   DirectLookup<D> direct_lookup_;             // empty if no lines need it
   std::vector<TexelLattice<D>> lattices_;     // texels that collect photons

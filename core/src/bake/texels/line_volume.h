@@ -39,10 +39,6 @@ struct IndexedLattice {
       slots[lattice.active[s]] = static_cast<std::int32_t>(s);
     }
   }
-  // Returns the slot of the texel nearest to a position in texels.
-  std::int32_t slot_near(const Vec<D>& position) const {
-    return slots[nearest_texel(lattice, position)];
-  }
 };
 
 template <int D>
