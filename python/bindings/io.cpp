@@ -117,15 +117,23 @@ void bind_io(py::module_& module) {
         for (int a = 0; a < 2; ++a) {
           if (pixels.shape(a) > 65535) throw Error("An image may have 65535 pixels a side.");
         }
-        write_exr(path, pixels.data(), static_cast<int>(pixels.shape(1)),
-                  static_cast<int>(pixels.shape(0)), static_cast<int>(pixels.shape(2)), comments);
+        const float* const values = pixels.data();
+        const auto height = static_cast<int>(pixels.shape(0));
+        const auto width = static_cast<int>(pixels.shape(1));
+        const auto channels = static_cast<int>(pixels.shape(2));
+        const py::gil_scoped_release unlocked;
+        write_exr(path, values, width, height, channels, comments);
       },
       py::arg("path"), py::arg("pixels"), py::arg("comments") = "",
       "float32 [row, column, RGB or RGBA], top row first.");
   module.def(
       "read_exr",
       [](const fs::path& path) {
-        Image image = read_exr(path);
+        Image image;
+        {
+          const py::gil_scoped_release unlocked;
+          image = read_exr(path);
+        }
         return adopt<float>(std::move(image.pixels), {image.height, image.width, image.channels});
       },
       py::arg("path"), "float32 [row, column, RGB or RGBA], top row first.");

@@ -17,6 +17,8 @@ namespace leaflight::python {
 namespace {
 
 using IndexArray = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+// An array of the caller that is filled, so it must not be converted.
+using OutIndices = py::array_t<std::int32_t, 0>;
 
 void check_polygons(const IndexArray& polygons, std::int32_t vertices) {
   if (polygons.ndim() != 2 || polygons.shape(1) < 3) {
@@ -183,26 +185,38 @@ void bind_surface(py::module_& module) {
       "Removes connected parts of a mesh that are shorter than `smallest` along all axes.\n"
       "Returns (numbers of the remaining vertices int32 (k,), triangles int32 (j, 3) by\n"
       "indices into these).");
-  module.def(
-      "polygon_edges",
-      [](const IndexArray& polygons, std::int32_t vertices) {
-        check_polygons(polygons, vertices);
-        PolygonEdges edges;
-        {
-          const py::gil_scoped_release unlocked;
-          edges = polygon_edges(polygons.data(), static_cast<std::size_t>(polygons.shape(0)),
-                                static_cast<int>(polygons.shape(1)),
-                                static_cast<std::size_t>(vertices));
-        }
-        const auto n = static_cast<py::ssize_t>(edges.vertices.size());
-        return py::make_tuple(adopt<std::int32_t>(std::move(edges.vertices), {n, 2}),
-                              adopt<std::int32_t>(std::move(edges.corner_edge),
-                                                  {polygons.shape(0), polygons.shape(1)}));
-      },
-      py::arg("polygons"), py::arg("vertices"),
-      "Returns the edges of polygons int32 (m, k): (int32 (e, 2), lower vertex first,\n"
-      "ascending; the edge from each corner to the next one, int32 (m, k)). vertices: their\n"
-      "number.");
+  py::class_<PolygonEdges>(module, "PolygonEdges", "The unique edges of a mesh's polygons.")
+      .def(py::init([](const IndexArray& polygons, std::int32_t vertices) {
+             check_polygons(polygons, vertices);
+             const py::gil_scoped_release unlocked;
+             return PolygonEdges(polygons.data(), static_cast<std::size_t>(polygons.shape(0)),
+                                 static_cast<int>(polygons.shape(1)),
+                                 static_cast<std::size_t>(vertices));
+           }),
+           py::arg("polygons"), py::arg("vertices"),
+           "polygons: int32 (m, k), each vertex in [0, vertices).")
+      .def("__len__", &PolygonEdges::count)
+      .def(
+          "write",
+          [](const PolygonEdges& edges, OutIndices edge_array, OutIndices corner_array) {
+            auto vertices = edge_array.mutable_unchecked<2>();
+            auto corners = corner_array.mutable_unchecked<1>();
+            if (vertices.shape(0) != static_cast<py::ssize_t>(edges.count()) ||
+                vertices.shape(1) != 2 ||
+                corners.shape(0) != static_cast<py::ssize_t>(edges.corners())) {
+              throw Error("The arrays for the edges do not have their number.");
+            }
+            const py::gil_scoped_release unlocked;
+            edges.visit(
+                [&](std::int32_t edge, std::int32_t lower, std::int32_t other) {
+                  vertices(edge, 0) = lower;
+                  vertices(edge, 1) = other;
+                },
+                [&](std::int32_t corner, std::int32_t edge) { corners(corner) = edge; });
+          },
+          py::arg("edges").noconvert(), py::arg("corners").noconvert(),
+          "Fills int32 arrays with any strides: the vertices of each edge (e, 2), lower vertex\n"
+          "first, ascending, and the edge from each corner to the next one (m * k,).");
 }
 
 }  // namespace leaflight::python

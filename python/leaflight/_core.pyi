@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'polygon_edges', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'PolygonEdges', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -1059,6 +1059,21 @@ class BlockTracer:
         """
         Traces the block of this number; returns bytes for workers.take().
         """
+class PolygonEdges:
+    """
+    The unique edges of a mesh's polygons.
+    """
+    def __init__(self, polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        polygons: int32 (m, k), each vertex in [0, vertices).
+        """
+    def __len__(self) -> int:
+        ...
+    def write(self, edges: numpy.typing.NDArray[numpy.int32], corners: numpy.typing.NDArray[numpy.int32]) -> None:
+        """
+        Fills int32 arrays with any strides: the vertices of each edge (e, 2), lower vertex
+        first, ascending, and the edge from each corner to the next one (m * k,).
+        """
 class ReplacedFiles:
     """
     Temporary files beside their targets, which replace all targets together.
@@ -1236,12 +1251,6 @@ def photon_points2(scene: Scene2, count: typing.SupportsInt | typing.SupportsInd
     """
     Traces `count` photons to isosurfaces. Returns (world positions (n, D), flux-heights
     (n, 3), common isovalues (n,), 1 for photons straight from a light (n,)).
-    """
-def polygon_edges(polygons: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], vertices: typing.SupportsInt | typing.SupportsIndex) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32]]:
-    """
-    Returns the edges of polygons int32 (m, k): (int32 (e, 2), lower vertex first,
-    ascending; the edge from each corner to the next one, int32 (m, k)). vertices: their
-    number.
     """
 def project_along(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], outward: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], isovalue: typing.SupportsFloat | typing.SupportsIndex, reach: typing.SupportsFloat | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float64]:
     """

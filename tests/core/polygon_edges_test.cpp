@@ -14,10 +14,24 @@ namespace {
 
 using Edge = std::array<std::int32_t, 2>;
 
+struct Found {
+  std::vector<Edge> vertices;
+  std::vector<std::int32_t> corner_edge;
+};
+
+Found edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t vertices,
+               const PolygonEdges::Wanted& wanted = {}) {
+  const PolygonEdges edges(corners.data(), corners.size() / sides, sides, vertices, wanted);
+  Found found{std::vector<Edge>(edges.count()), std::vector<std::int32_t>(edges.corners(), -1)};
+  edges.visit([&](std::int32_t edge, std::int32_t lower,
+                  std::int32_t other) { found.vertices[edge] = {lower, other}; },
+              [&](std::int32_t corner, std::int32_t edge) { found.corner_edge[corner] = edge; });
+  return found;
+}
+
 // Compares the edges with those that a std::map finds.
 void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t vertices) {
-  const std::size_t polygons = corners.size() / sides;
-  const PolygonEdges edges = polygon_edges(corners.data(), polygons, sides, vertices);
+  const Found edges = edges_of(corners, sides, vertices);
   std::map<Edge, std::int32_t> numbers;
   const auto edge_from = [&](std::size_t corner) {
     const std::size_t first = corner - corner % sides;
@@ -40,7 +54,7 @@ void expect_edges_of(const std::vector<std::int32_t>& corners, int sides, std::s
 
 TEST(PolygonEdges, OfTwoQuads) {
   const std::vector<std::int32_t> corners{0, 1, 2, 3, 3, 2, 5, 4};
-  const PolygonEdges edges = polygon_edges(corners.data(), 2, 4, 6);
+  const Found edges = edges_of(corners, 4, 6);
   const std::vector<Edge> expected{{0, 1}, {0, 3}, {1, 2}, {2, 3}, {2, 5}, {3, 4}, {4, 5}};
   EXPECT_EQ(edges.vertices, expected);
   EXPECT_EQ(edges.corner_edge, (std::vector<std::int32_t>{0, 2, 3, 1, 3, 4, 6, 5}));
@@ -51,9 +65,7 @@ TEST(PolygonEdges, OfAClosedSurface) {
   std::vector<std::int32_t> corners;
   for (const auto& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
   expect_edges_of(corners, 3, mesh.vertices.size());
-  const std::size_t edges =
-      polygon_edges(corners.data(), mesh.triangles.size(), 3, mesh.vertices.size()).vertices.size();
-  EXPECT_EQ(2 * edges, corners.size());
+  EXPECT_EQ(2 * edges_of(corners, 3, mesh.vertices.size()).vertices.size(), corners.size());
 }
 
 TEST(PolygonEdges, OfAnyPolygons) {
@@ -69,8 +81,16 @@ TEST(PolygonEdges, OfAnyPolygons) {
   }
 }
 
+TEST(PolygonEdges, LeavesOutUnwantedOnes) {
+  const std::vector<std::int32_t> corners{0, 1, 2, 3, 3, 2, 5, 4};
+  const auto wanted = [](std::int32_t lower, std::int32_t other) { return lower + other != 3; };
+  const Found edges = edges_of(corners, 4, 6, wanted);
+  EXPECT_EQ(edges.vertices, (std::vector<Edge>{{0, 1}, {2, 3}, {2, 5}, {3, 4}, {4, 5}}));
+  EXPECT_EQ(edges.corner_edge, (std::vector<std::int32_t>{0, -1, 1, -1, 1, 2, 4, 3}));
+}
+
 TEST(PolygonEdges, OfNothing) {
-  const PolygonEdges edges = polygon_edges(nullptr, 0, 3, 0);
+  const Found edges = edges_of({}, 3, 0);
   EXPECT_TRUE(edges.vertices.empty() && edges.corner_edge.empty());
 }
 

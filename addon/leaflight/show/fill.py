@@ -59,7 +59,7 @@ def fill_with_care(mesh, vertices, faces):
 
 def fill_structs(mesh, vertices, faces):
     """Fills an empty mesh in versions where it consists of arrays of the structs above."""
-    edges, of_corners = _core.polygon_edges(faces, len(vertices))
+    edges = _core.PolygonEdges(faces, len(vertices))
     sizes = {
         "vertices": len(vertices),
         "edges": len(edges),
@@ -75,9 +75,9 @@ def fill_structs(mesh, vertices, faces):
         fill_with_care(mesh, vertices, faces)
         return
     memory["vertices"].view(np.float32)[:, :3] = vertices
-    memory["edges"].view(np.int32)[:, :2] = edges
     corners = memory["loops"].view(np.int32)
-    corners[:, 0], corners[:, 1] = faces.ravel(), of_corners.ravel()
+    corners[:, 0] = faces.ravel()
+    edges.write(memory["edges"].view(np.int32)[:, :2], corners[:, 1])
     polygons = memory["polygons"].view(np.int32)
     polygons[:, 0], polygons[:, 1] = _starts(faces), faces.shape[1]
     memory["polygons"][:, _FLAGS] |= _SMOOTH
@@ -87,7 +87,9 @@ def fill_structs(mesh, vertices, faces):
 
 def fill_attributes(mesh, vertices, faces):
     """Fills an empty mesh in versions where it consists of attributes and starts of polygons."""
-    edges, of_corners = _core.polygon_edges(faces, len(vertices))
+    edges = _core.PolygonEdges(faces, len(vertices))
+    of_edges, of_corners = np.empty((len(edges), 2), np.int32), np.empty(faces.size, np.int32)
+    edges.write(of_edges, of_corners)
     mesh.vertices.add(len(vertices))
     mesh.edges.add(len(edges))
     mesh.loops.add(faces.size)
@@ -95,9 +97,9 @@ def fill_attributes(mesh, vertices, faces):
     mesh.polygons.foreach_set("loop_start", _starts(faces))
     attributes = mesh.attributes
     attributes["position"].data.foreach_set("vector", vertices.ravel())
-    attributes[".edge_verts"].data.foreach_set("value", edges.ravel())
+    attributes[".edge_verts"].data.foreach_set("value", of_edges.ravel())
     attributes[".corner_vert"].data.foreach_set("value", faces.ravel())
-    attributes[".corner_edge"].data.foreach_set("value", of_corners.ravel())
+    attributes[".corner_edge"].data.foreach_set("value", of_corners)
     _deselect_edges(mesh)
     mesh.update()
 

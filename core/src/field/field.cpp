@@ -152,6 +152,42 @@ Uncut<D> interpolate_uncut(const Field<D>& field, const Value* shading_values,
   return sum;
 }
 
+// Interpolates the gradients at the voxels around a point. Each of them needs both of its neighbors
+// along each axis.
+template <int D, class Value>
+Vec<D> interpolate_inside(const Field<D>& field, const Value* values, const CellPoint<D>& point) {
+  std::array<std::ptrdiff_t, D> stride;
+  std::ptrdiff_t step = 1;
+  for (int a = 0; a < D; step *= field.dims[a], ++a) stride[a] = step;
+  const Value* const first = values + field.offset(point.cell);
+  Vec<D> gradient(0.0);
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    double weight = 1;
+    const Value* h = first;
+    for (int a = 0; a < D; ++a) {
+      const int bit = (corner >> a) & 1;
+      weight *= bit ? point.local[a] : 1 - point.local[a];
+      h += bit * stride[a];
+    }
+    if (weight == 0) continue;
+    for (int a = 0; a < D; ++a) {
+      const double low = h[-stride[a]], high = h[stride[a]];
+      gradient[a] += (high - low) / 2 * weight;
+    }
+  }
+  return gradient;
+}
+
+// True if the gradients at the voxels around a point are plain central differences.
+template <int D>
+bool has_plain_gradients(const Field<D>& field, const CellPoint<D>& point) {
+  bool is_plain = !field.masked && field.ramp == nullptr;
+  for (int a = 0; a < D; ++a) {
+    is_plain = is_plain && point.cell[a] > 0 && point.cell[a] < field.dims[a] - 2;
+  }
+  return is_plain;
+}
+
 // Checks the range of values, because differences use single precision.
 void check_range(float min, float max) {
   constexpr double least = 1e-34, most = 1e38;
@@ -308,6 +344,11 @@ Vec<D> ramp_gradient(const Field<D>& field, const CellPoint<D>& point) {
 
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
+  if (has_plain_gradients(field, point)) {
+    return std::visit(
+        [&](const auto* values) { return interpolate_inside(field, values, point); },
+        field.shading_values);
+  }
   const Uncut<D> uncut =
       std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
                  field.shading_values);

@@ -8,10 +8,13 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfThreading.h>
 
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <mutex>
+#include <thread>
 
 #include "base/error.h"
 #include "io/files.h"
@@ -21,6 +24,29 @@ namespace leaflight {
 namespace {
 
 constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
+
+// Level of ZIP. Noise hardly compresses, so files are 3 % larger than at the default level of 4, and
+// written 1.5 times as fast.
+constexpr int zip_level = 1;
+
+// OpenEXR's threads while a file is written, unless the program has its own. They end with it: a
+// process that is forked later would wait for them forever.
+class Threads {
+ public:
+  Threads() : lock_(mutex_), ours_(Imf::globalThreadCount() == 0) {
+    if (ours_) Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency()));
+  }
+  ~Threads() {
+    if (ours_) Imf::setGlobalThreadCount(0);
+  }
+  Threads(const Threads&) = delete;
+  Threads& operator=(const Threads&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  std::lock_guard<std::mutex> lock_;
+  bool ours_;
+};
 
 // Upper bounds on a read. The rows suffice for the blocks of any compression. The values limit
 // memory for long rows, which a damaged file may claim.
@@ -64,10 +90,12 @@ void write_exr(const std::filesystem::path& path, const float* pixels, int width
     stream.exceptions(std::ios::goodbit);
     Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
+    header.zipCompressionLevel() = zip_level;
     if (!comments.empty()) Imf::addComments(header, comments);
     for (int c = 0; c < channels; ++c) {
       header.channels().insert(channel_names[c], Imf::Channel(Imf::FLOAT));
     }
+    const Threads threads;
     Stream out(stream);
     Imf::OutputFile file(out, header);
     file.setFrameBuffer(frame_buffer(const_cast<float*>(pixels), header.dataWindow(), channels));

@@ -2,62 +2,60 @@
 #include "surface/polygon_edges.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace leaflight {
-namespace {
 
-// An edge, seen from its lower vertex.
-struct Side {
-  std::int32_t higher;
-  std::int32_t corner;
-
-  bool operator<(const Side& other) const {
-    return higher != other.higher ? higher < other.higher : corner < other.corner;
+PolygonEdges::PolygonEdges(const std::int32_t* corners, std::size_t polygons, int sides,
+                           std::size_t vertices, const Wanted& wanted)
+    : first_(vertices + 1, 0), sides_(polygons * sides), number_(vertices + 1, 0) {
+  const auto for_each_side = [&](const auto& visit) {
+    parallel_each(polygons, [&](std::size_t polygon) {
+      const std::size_t first = polygon * sides;
+      for (int k = 0; k < sides; ++k) {
+        const std::int32_t a = corners[first + k], b = corners[first + (k + 1 < sides ? k + 1 : 0)];
+        visit(std::min(a, b), Side{std::max(a, b), static_cast<std::int32_t>(first + k)});
+      }
+    });
+  };
+  // Counting sort by the lower vertex. Few sides share one, so the remaining sort is fast.
+  std::vector<std::atomic<std::uint32_t>> next(vertices);
+  for_each_side([&](std::int32_t lower, const Side&) {
+    next[lower].fetch_add(1, std::memory_order_relaxed);
+  });
+  for (std::size_t v = 0; v < vertices; ++v) {
+    first_[v + 1] = first_[v] + next[v];
+    next[v] = first_[v];
   }
-};
-
-// Calls visit(corner, its vertex, the next corner's vertex).
-template <class Visit>
-void for_each_side(const std::int32_t* corners, std::size_t polygons, int sides, Visit visit) {
-  for (std::size_t polygon = 0; polygon < polygons; ++polygon) {
-    const std::size_t first = polygon * sides;
-    for (int k = 0; k < sides; ++k) {
-      const int next = k + 1 < sides ? k + 1 : 0;
-      visit(static_cast<std::int32_t>(first + k), corners[first + k], corners[first + next]);
-    }
-  }
+  for_each_side([&](std::int32_t lower, const Side& side) {
+    sides_[next[lower].fetch_add(1, std::memory_order_relaxed)] = side;
+  });
+  parallel_each(vertices, [&](std::size_t v) {
+    number_[v + 1] = sort(static_cast<std::int32_t>(v), wanted);
+  });
+  std::partial_sum(number_.begin(), number_.end(), number_.begin());
 }
 
-}  // namespace
-
-PolygonEdges polygon_edges(const std::int32_t* corners, std::size_t polygons, int sides,
-                           std::size_t vertices) {
-  // Counting sort by the lower vertex; few edges share one, so the remaining sort is fast.
-  std::vector<std::uint32_t> first(vertices + 1, 0);
-  for_each_side(corners, polygons, sides, [&](std::int32_t, std::int32_t a, std::int32_t b) {
-    ++first[static_cast<std::size_t>(std::min(a, b)) + 1];
+std::uint32_t PolygonEdges::sort(std::int32_t lower, const Wanted& wanted) {
+  const auto begin = sides_.begin() + first_[lower], end = sides_.begin() + first_[lower + 1];
+  // Threads add the sides in any order.
+  std::sort(begin, end, [](const Side& a, const Side& b) {
+    return a.other != b.other ? a.other < b.other : a.corner < b.corner;
   });
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<Side> around(polygons * sides);
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for_each_side(corners, polygons, sides, [&](std::int32_t corner, std::int32_t a, std::int32_t b) {
-    around[next[std::min(a, b)]++] = {std::max(a, b), corner};
-  });
-
-  PolygonEdges edges;
-  edges.vertices.reserve(around.size() / 2 + vertices);
-  edges.corner_edge.resize(around.size());
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const auto begin = around.begin() + first[v], end = around.begin() + first[v + 1];
-    std::sort(begin, end);
-    for (auto side = begin; side != end; ++side) {
-      if (side == begin || side->higher != (side - 1)->higher) {
-        edges.vertices.push_back({static_cast<std::int32_t>(v), side->higher});
-      }
-      edges.corner_edge[side->corner] = static_cast<std::int32_t>(edges.vertices.size() - 1);
+  auto kept = begin;
+  std::uint32_t edges = 0;
+  std::int32_t other = left_out;
+  bool is_wanted = true;
+  for (auto side = begin; side != end; ++side) {
+    if (side->other != other) {
+      other = side->other;
+      is_wanted = !wanted || wanted(lower, other);
+      edges += is_wanted ? 1 : 0;
     }
+    if (is_wanted) *kept++ = *side;
   }
+  if (kept != end) kept->other = left_out;
   return edges;
 }
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "surface/mesh_edges.h"
+#include "surface/polygon_edges.h"
 #include "surface/project.h"
 
 namespace leaflight {
@@ -14,11 +14,12 @@ namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-// The midpoint vertices of a triangle's edges, from each corner to the next; absent: none.
+// The midpoint vertices of a triangle's edges, from each corner to the next; or unsplit.
 using Middles = std::array<std::int32_t, 3>;
+constexpr std::int32_t unsplit = -1;
 
 int cut_edges(const Middles& middle) {
-  return 3 - static_cast<int>(std::count(middle.begin(), middle.end(), MeshEdges::absent));
+  return 3 - static_cast<int>(std::count(middle.begin(), middle.end(), unsplit));
 }
 
 // Writes the parts of a triangle, one more than its split edges.
@@ -70,7 +71,8 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
   const std::size_t old = mesh.vertices.size();
   const bool normals = !mesh.normals.empty();
   const auto vertex = [&](std::int32_t v) { return Vec3(mesh.vertices[v]); };
-  const MeshEdges edges(old, mesh.triangles, wanted);
+  const PolygonEdges edges(reinterpret_cast<const std::int32_t*>(mesh.triangles.data()),
+                           mesh.triangles.size(), 3, old, wanted);
   // Copy the old vertices, and add one for each split edge.
   IsosurfaceMesh result;
   result.vertices.resize(old + edges.count());
@@ -79,43 +81,35 @@ IsosurfaceMesh split_edges(const Field<3>& field, double isovalue, const Isosurf
     result.normals.resize(old + edges.count());
     std::copy(mesh.normals.begin(), mesh.normals.end(), result.normals.begin());
   }
-  tbb::parallel_for(std::size_t{0}, old, [&](std::size_t v) {
-    const auto lower = static_cast<std::int32_t>(v);
-    edges.for_each_at(lower, [&](std::int32_t edge, std::int32_t other) {
-      const Vec3 middle = middle_of(field, isovalue, vertex(lower), vertex(other));
-      result.vertices[old + edge] = Vec<3, float>(middle);
-      if (!normals) return;
-      result.normals[old + edge] =
-          Vec<3, float>(shading_normal(field, field.world_to_index.point(middle)));
-    });
-  });
-  const auto middles = [&](const Triangle& t) {
-    Middles middle;
-    for (int corner = 0; corner < 3; ++corner) {
-      const std::int32_t edge = edges(t[corner], t[(corner + 1) % 3]);
-      middle[corner] = edge == MeshEdges::absent ? edge : static_cast<std::int32_t>(old) + edge;
-    }
-    return middle;
-  };
+  std::vector<Middles> middles(mesh.triangles.size(), {unsplit, unsplit, unsplit});
+  edges.visit(
+      [&](std::int32_t edge, std::int32_t lower, std::int32_t other) {
+        const Vec3 middle = middle_of(field, isovalue, vertex(lower), vertex(other));
+        result.vertices[old + edge] = Vec<3, float>(middle);
+        if (!normals) return;
+        result.normals[old + edge] =
+            Vec<3, float>(shading_normal(field, field.world_to_index.point(middle)));
+      },
+      [&](std::int32_t corner, std::int32_t edge) {
+        middles[corner / 3][corner % 3] = static_cast<std::int32_t>(old) + edge;
+      });
   // Process pieces in the order of the triangles.
   constexpr std::size_t piece = 4096;
   std::vector<std::size_t> first((mesh.triangles.size() + piece - 1) / piece + 1, 0);
   const auto for_each_triangle = [&](const auto& visit) {
     tbb::parallel_for(std::size_t{1}, first.size(), [&](std::size_t p) {
       const std::size_t end = std::min(p * piece, mesh.triangles.size());
-      for (std::size_t t = (p - 1) * piece; t < end; ++t) visit(p, mesh.triangles[t]);
+      for (std::size_t t = (p - 1) * piece; t < end; ++t) visit(p, t);
     });
   };
   // Count the parts of each piece of the triangles, then write them.
-  for_each_triangle(
-      [&](std::size_t p, const Triangle& t) { first[p] += 1 + cut_edges(middles(t)); });
+  for_each_triangle([&](std::size_t p, std::size_t t) { first[p] += 1 + cut_edges(middles[t]); });
   std::partial_sum(first.begin(), first.end(), first.begin());
   result.triangles.resize(first.back());
-  for_each_triangle([&](std::size_t p, const Triangle& t) {
-    const Middles middle = middles(t);
+  for_each_triangle([&](std::size_t p, std::size_t t) {
     std::size_t& next = first[p - 1];
-    write_parts(t, middle, result.triangles.data() + next);
-    next += 1 + cut_edges(middle);
+    write_parts(mesh.triangles[t], middles[t], result.triangles.data() + next);
+    next += 1 + cut_edges(middles[t]);
   });
   return result;
 }
