@@ -111,6 +111,11 @@ class Field:
         distance from the cut, at least the values of the field. step: Its difference a
         voxel. Call it before the field is part of a scene.
         """
+    def placed(self, index_to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> Field:
+        """
+        Returns the field at another place. Both share their values and what was computed
+        from them. Raises LeaflightError for a transform that cannot be inverted.
+        """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """
         Returns interpolated values (n,) at world points (n, D); NaN outside and in masked
@@ -202,6 +207,11 @@ class Field2:
         Makes normals and meshes flat at cuts. ramp: float32 [z, y, x], linear in the
         distance from the cut, at least the values of the field. step: Its difference a
         voxel. Call it before the field is part of a scene.
+        """
+    def placed(self, index_to_world: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> Field2:
+        """
+        Returns the field at another place. Both share their values and what was computed
+        from them. Raises LeaflightError for a transform that cannot be inverted.
         """
     def sample(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> numpy.typing.NDArray[numpy.float32]:
         """

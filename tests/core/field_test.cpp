@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "base/error.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
@@ -181,6 +183,45 @@ TEST(TexelLattice, HoldsEveryTexelThatALookupNeeds) {
     const double h = interpolate(load_corners(field, point.cell), point.local);
     if (h < 0.7 || h > 0.8) continue;
     ASSERT_EQ(linear_weights(lattice, p).count, 8);
+  }
+}
+
+// Compares with the definition, for texels of all widths, several types, and voxels without data.
+TEST(TexelLattice, ActiveTexelsAreThoseThatIsosurfacesReach) {
+  const Index<3> dims{9, 7, 6};
+  std::vector<float> values(9 * 7 * 6);
+  std::mt19937 random(3);
+  for (float& h : values) h = random() % 40 ? 1.0f : static_cast<float>(random() % 50);
+  std::vector<std::uint8_t> integers(values.begin(), values.end());
+  for (std::size_t i = 0; i < values.size(); i += 7) values[i] = std::nanf("");
+  const double low = 20, high = 30;
+  const auto expect_active = [&](const Field<3>& field, const Index<3>& resolution) {
+    const TexelLattice<3> lattice = make_lattice(field, resolution, low, high);
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t texel = 0; texel < cell_count<3>(resolution); ++texel) {
+      const Vec3 center = lattice.center(texel);
+      float min = 1e9f, max = -1e9f;
+      for (std::size_t v = 0; v < field.voxels(); ++v) {
+        const Vec3 away = to_vector<3>(index_of<3>(v, dims)) - center;
+        bool near = true;
+        for (int a = 0; a < 3; ++a) {
+          // Voxels within one texel, and the first ones beyond.
+          near = near && std::abs(away[a]) < lattice.voxels_per_texel[a] + 1 - 1e-9;
+        }
+        const float h = value_at(field.values, v);
+        if (!near || std::isnan(h)) continue;
+        min = std::min(min, h), max = std::max(max, h);
+      }
+      if (min < max && min < high && max >= low) expected.push_back(texel);
+    }
+    EXPECT_EQ(lattice.active, expected);
+    EXPECT_EQ(active_texels(field, resolution, low, high), expected.size());
+    EXPECT_GT(expected.size(), 0u);
+    EXPECT_LT(expected.size(), cell_count<3>(resolution));
+  };
+  for (const Index<3>& resolution : {Index<3>{9, 7, 6}, {17, 13, 11}, {5, 4, 3}, {10, 3, 8}}) {
+    expect_active(make_field<3>(values.data(), dims, test::unit_cube<3>(9), nullptr), resolution);
+    expect_active(make_field<3>(integers.data(), dims, test::unit_cube<3>(9), nullptr), resolution);
   }
 }
 

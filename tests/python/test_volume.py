@@ -22,6 +22,20 @@ def test_bump_box_fills_the_unit_cube():
     assert box.values[:, -1, :].mean() > box.values[:, 0, :].mean() + 40
 
 
+def test_placed_volumes_share_their_fields():
+    box = leaflight.bump_box(20)
+    there = np.diag([2.0, 3.0, 4.0, 1.0]) @ box.index_to_world
+    placed = box.placed(there, unit="mm").placed(there)
+    assert placed.unit == "mm" and placed.distribution is box.distribution
+    fresh = Volume(box.values, there).field()
+    point = np.array([[0.4, 1.1, 2.3]])
+    assert placed.field().sample(point) == fresh.sample(point)
+    np.testing.assert_array_equal(placed.field().bounds, fresh.bounds)
+    np.testing.assert_allclose(box.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-6)
+    flat = box.placed(np.diag([1.0, 1.0, 0.0, 1.0]))
+    refused("cannot be inverted", flat.field)
+
+
 def test_bump_box_has_a_least_size():
     refused("nodes per side", leaflight.bump_box, 1)
 

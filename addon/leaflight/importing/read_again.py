@@ -28,9 +28,10 @@ class ReadAgainJob(jobs.Job):
         self._object = obj.name
         self._path = source_files.path_of(obj.leaflight)
         self._choices = {**source_files.choices_of(obj.leaflight), choice: value}
+        self._state = source_files.file_state(obj.leaflight)
 
     def run(self, progress):
-        self._volume = source_files.read_volume(self._path, progress=progress, **self._choices)
+        self._volume = cache.read(self._path, self._choices, self._state, progress)
 
     def apply(self):
         obj = bpy.data.objects.get((self._object, None))

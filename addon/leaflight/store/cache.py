@@ -7,7 +7,6 @@ can therefore invalidate it. Missing entries are read again from their files.
 
 import threading
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -38,6 +37,9 @@ watching = []
 
 # Bytes of voxels above which unused volumes and bakes are freed. Playback loads many frames.
 _MOST = 2 << 30
+
+# Seconds between two polls of files that are being read.
+_POLL = 0.04
 
 # Cache: id of a bake or key of a volume -> (state of its file, why it could not be read).
 _damaged = session.cache()
@@ -91,12 +93,13 @@ def volume_to_bake(obj):
         return _in_world(obj, _source_volume(obj))
     volume = world_volume(obj)
     # The source of a loaded bake's volume is the bake itself; the object may store a better one.
-    return replace(volume, source=source_files.source_of(obj.leaflight) or volume.source)
+    source = source_files.source_of(obj.leaflight) or volume.source
+    return volume.placed(volume.index_to_world, source=source)
 
 
 def placed(volume, index_to_world):
     """Returns a volume in Blender's coordinates, which have neither a patient's axes nor a unit."""
-    return replace(volume, index_to_world=index_to_world, unit="", patient=False)
+    return volume.placed(index_to_world, unit="", patient=False)
 
 
 def keep_volume(obj, volume):
@@ -231,7 +234,7 @@ def _watch():
     for call in watching:
         call(None if first is None else first.progress, has_news)
     # A call may have begun another reading.
-    return 0.1 if _readings else None
+    return _POLL if _readings else None
 
 
 def grid_of(obj):
@@ -284,11 +287,32 @@ def _key_of_slices(settings):
 
 
 def _key_of_uncut(settings):
-    """Returns a key of the volume before its cuts by clip boxes."""
-    before, _ = source_files.before_box(settings.regions)
-    choices = {**source_files.choices_of(settings), "regions": before}
-    path, state = source_files.path_of(settings), source_files.file_state(settings)
-    return ("uncut", path, *choices.values(), state)
+    return _uncut(
+        source_files.path_of(settings),
+        source_files.choices_of(settings),
+        source_files.file_state(settings),
+    )[0]
+
+
+def _uncut(path, choices, state):
+    """Returns (a key, the choices) of a volume before its cuts by clip boxes, and these cuts."""
+    before, cuts = source_files.before_box(choices["regions"])
+    choices = {**choices, "regions": before}
+    return ("uncut", path, *choices.values(), state), choices, cuts
+
+
+def read(path, choices, state, progress):
+    """Reads a volume with CHOICES of source_files. Raises LeaflightError.
+
+    Values before cuts by clip boxes stay in memory, because a box may move on.
+    state: source_files.file_state().
+    """
+    key, before, cuts = _uncut(path, choices, state)
+    if not cuts:
+        return source_files.read_volume(path, progress, **choices)
+    if key not in _volumes:
+        _volumes[key] = source_files.read_volume(path, progress, **before)
+    return source_files.changed(_volumes[key], cuts, progress)
 
 
 def _steps_of_volume(settings, slices):
@@ -298,32 +322,21 @@ def _steps_of_volume(settings, slices):
     """
     path, choices = source_files.path_of(settings), source_files.choices_of(settings)
     from_file, is_capped = source_files.from_file(settings), settings.capped
-    before, cuts = source_files.before_box(settings.regions)
-    uncut = _key_of_uncut(settings)
-
-    def cut(progress):
-        """Cuts a volume that stays in memory, because its box may move on."""
-        if uncut not in _volumes:
-            _volumes[uncut] = source_files.read_volume(
-                path, progress, **{**choices, "regions": before}
-            )
-        return source_files.changed(_volumes[uncut], cuts, progress)
+    state = source_files.file_state(settings)
 
     def steps(progress):
         progress.begin("Reading the volume")
         if slices:
             volume = source_files.read_slices(path, progress, **choices)
-        elif cuts:
-            volume = cut(progress)
         else:
-            volume = source_files.read_volume(path, progress, **choices)
+            volume = read(path, choices, state, progress)
         yield _moved(volume.capped() if is_capped and not slices else volume, from_file)
 
     return steps
 
 
 def _moved(volume, matrix):
-    return replace(volume, index_to_world=matrix @ volume.index_to_world)
+    return volume.placed(matrix @ volume.index_to_world)
 
 
 def _baked_key(obj):

@@ -244,6 +244,15 @@ Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>&
 }
 
 template <int D>
+Field<D> placed(const Field<D>& field, const Affine<D>& index_to_world) {
+  check_placement(field.dims, index_to_world);
+  Field<D> result = field;
+  result.index_to_world = index_to_world;
+  result.world_to_index = inverse(index_to_world);
+  return result;
+}
+
+template <int D>
 Box<D> world_box(const Field<D>& field) {
   Box<D> box;
   for (int corner = 0; corner < (1 << D); ++corner) {
@@ -345,9 +354,8 @@ Vec<D> ramp_gradient(const Field<D>& field, const CellPoint<D>& point) {
 template <int D>
 Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point) {
   if (has_plain_gradients(field, point)) {
-    return std::visit(
-        [&](const auto* values) { return interpolate_inside(field, values, point); },
-        field.shading_values);
+    return std::visit([&](const auto* values) { return interpolate_inside(field, values, point); },
+                      field.shading_values);
   }
   const Uncut<D> uncut =
       std::visit([&](const auto* values) { return interpolate_uncut(field, values, point); },
@@ -386,6 +394,8 @@ template Field<2> make_field<2>(const Voxels&, const Index<2>&, const Affine<2>&
                                 std::shared_ptr<const void>);
 template Field<3> make_field<3>(const Voxels&, const Index<3>&, const Affine<3>&,
                                 std::shared_ptr<const void>);
+template Field<2> placed(const Field<2>&, const Affine<2>&);
+template Field<3> placed(const Field<3>&, const Affine<3>&);
 template Box<2> world_box<2>(const Field<2>&);
 template Box<3> world_box<3>(const Field<3>&);
 template CellPoint<2> locate<2>(const Field<2>&, const Vec<2>&);

@@ -53,6 +53,11 @@ template <int D>
 Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>& index_to_world,
                     std::shared_ptr<const void> owner);
 
+// Returns the field at another place. Both share their values and the bounds of cells. Checks the
+// transform.
+template <int D>
+Field<D> placed(const Field<D>& field, const Affine<D>& index_to_world);
+
 // A point of the domain: a cell and the local coordinates in [0,1]^D.
 template <int D>
 struct CellPoint {

@@ -3,11 +3,11 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <string>
 
@@ -17,42 +17,76 @@
 namespace leaflight {
 namespace {
 
-// True if h crosses a value of [low, high] in the box of voxels [first, last). Tests row by row,
-// because most boxes succeed early.
+// Finds the active texels of rows along axis 0.
 template <int D, class Value>
-bool reached(const Field<D>& field, const Value* values, const Index<D>& first,
-             const Index<D>& last, double low, double high) {
-  float min = std::numeric_limits<float>::infinity(), max = -min;
-  Index<D> row = first;
-  for (;;) {
-    const Value* const begin = values + field.offset(row);
-    for (const Value* voxel = begin; voxel != begin + (last[0] - first[0]); ++voxel) {
-      const float h = *voxel;
-      // Comparisons with NaN are false, so masked voxels are skipped.
-      if (h < min) min = h;
-      if (h > max) max = h;
-    }
-    if (min < max && min < high && max >= low) return true;
-    int a = 1;
-    while (a < D && ++row[a] == last[a]) row[a] = first[a], ++a;
-    if (a == D) return false;
-  }
-}
+class ReachedTexels {
+ public:
+  ReachedTexels(const Field<D>& field, const Value* values, const TexelLattice<D>& lattice,
+                double low, double high)
+      : dims_(field.dims), values_(values), lattice_(lattice), low_(low), high_(high) {}
 
-// True if h crosses such a value within one texel of a texel.
-template <int D>
-bool reached(const Field<D>& field, const TexelLattice<D>& lattice, std::size_t number, double low,
-             double high) {
-  const Index<D> texel = lattice.texel(number);
-  Index<D> first, last;
-  for (int a = 0; a < D; ++a) {
-    const double step = lattice.voxels_per_texel[a];
-    first[a] = std::max(0, static_cast<int>(std::floor((texel[a] - 1) * step)));
-    last[a] = std::min(field.dims[a], static_cast<int>(std::ceil((texel[a] + 1) * step)) + 1);
+  // Calls visit(number) for the active texels of rows [begin, end), ascending.
+  template <class Visit>
+  void operator()(std::size_t begin, std::size_t end, Visit visit) const {
+    std::vector<Value> min(dims_[0]), max(dims_[0]);
+    const int texels = lattice_.resolution[0];
+    for (std::size_t row = begin; row < end; ++row) {
+      bound_columns(lattice_.texel(row * texels), min, max);
+      for (int x = 0; x < texels; ++x) {
+        const auto [first, last] = voxels_near(0, x);
+        if (is_crossed(&min[first], &max[first], last - first)) visit(row * texels + x);
+      }
+    }
   }
-  return std::visit(
-      [&](const auto* values) { return reached<D>(field, values, first, last, low, high); },
-      field.values);
+
+ private:
+  // Returns the voxels [first, last) within one texel of a texel, along an axis.
+  std::array<int, 2> voxels_near(int axis, int texel) const {
+    const double step = lattice_.voxels_per_texel[axis];
+    return {std::max(0, static_cast<int>(std::floor((texel - 1) * step))),
+            std::min(dims_[axis], static_cast<int>(std::ceil((texel + 1) * step)) + 1)};
+  }
+  // Bounds the values with the same x of the voxels near a row of texels.
+  void bound_columns(const Index<D>& texel, std::vector<Value>& min,
+                     std::vector<Value>& max) const {
+    using Limits = std::numeric_limits<Value>;
+    std::fill(min.begin(), min.end(), Limits::has_infinity ? Limits::infinity() : Limits::max());
+    std::fill(max.begin(), max.end(),
+              Limits::has_infinity ? -Limits::infinity() : Limits::lowest());
+    Index<D> first{}, last;
+    last[0] = 1;
+    for (int a = 1; a < D; ++a) {
+      const auto [begin, end] = voxels_near(a, texel[a]);
+      first[a] = begin, last[a] = end;
+    }
+    for_each_index<D>(first, last, [&](const Index<D>& row) {
+      const Value* const h = values_ + linear_number<D>(row, dims_);
+      // Comparisons with NaN are false, so masked voxels are skipped.
+      for (int x = 0; x < dims_[0]; ++x) {
+        min[x] = h[x] < min[x] ? h[x] : min[x];
+        max[x] = h[x] > max[x] ? h[x] : max[x];
+      }
+    });
+  }
+  // True if h crosses a value of [low, high] between these bounds of some columns.
+  bool is_crossed(const Value* min, const Value* max, int columns) const {
+    const Value least = *std::min_element(min, min + columns);
+    const Value greatest = *std::max_element(max, max + columns);
+    return least < greatest && least < high_ && greatest >= low_;
+  }
+
+  const Index<D>& dims_;
+  const Value* values_;
+  const TexelLattice<D>& lattice_;
+  double low_, high_;
+};
+
+// Calls body(find), where find(begin, end, visit) finds the active texels of rows.
+template <int D, class Body>
+void with_reached_texels(const Field<D>& field, const TexelLattice<D>& lattice, double low,
+                         double high, Body body) {
+  std::visit([&](const auto* values) { body(ReachedTexels(field, values, lattice, low, high)); },
+             field.values);
 }
 
 template <int D>
@@ -111,15 +145,13 @@ TexelLattice<D> make_lattice(const Field<D>& field, const Index<D>& resolution, 
   const std::size_t texels = cell_count<D>(resolution);
   TexelLattice<D> lattice = inactive_lattice<D>(field.dims, resolution);
   // Process pieces in the order of the texels.
-  constexpr std::size_t piece = 4096;
-  std::vector<std::vector<std::uint32_t>> pieces((texels + piece - 1) / piece);
-  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
-    const std::size_t end = std::min<std::size_t>((p + 1) * piece, texels);
-    for (std::size_t i = p * piece; i < end; ++i) {
-      if (reached(field, lattice, i, low, high)) {
-        pieces[p].push_back(static_cast<std::uint32_t>(i));
-      }
-    }
+  const std::size_t rows = texels / resolution[0], piece = 1 + 4096 / resolution[0];
+  std::vector<std::vector<std::uint32_t>> pieces((rows + piece - 1) / piece);
+  with_reached_texels(field, lattice, low, high, [&](const auto& find) {
+    tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t p) {
+      find(p * piece, std::min<std::size_t>((p + 1) * piece, rows),
+           [&](std::size_t number) { pieces[p].push_back(static_cast<std::uint32_t>(number)); });
+    });
   });
   std::size_t count = 0;
   for (const std::vector<std::uint32_t>& numbers : pieces) count += numbers.size();
@@ -136,15 +168,16 @@ template <int D>
 std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, double low,
                           double high) {
   const TexelLattice<D> lattice = bare_lattice<D>(field.dims, resolution);
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, cell_count<D>(resolution), 4096), std::size_t{0},
-      [&](const auto& range, std::size_t count) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          count += reached(field, lattice, i, low, high);
-        }
-        return count;
-      },
-      std::plus<>());
+  const std::size_t rows = cell_count<D>(resolution) / resolution[0];
+  std::atomic<std::size_t> count{0};
+  with_reached_texels(field, lattice, low, high, [&](const auto& find) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& range) {
+      std::size_t found = 0;
+      find(range.begin(), range.end(), [&](std::size_t) { ++found; });
+      count += found;
+    });
+  });
+  return count;
 }
 
 template <int D>

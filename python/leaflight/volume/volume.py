@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A scalar volume in memory."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -26,6 +27,8 @@ from .units import METERS, unit_of
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+T = TypeVar("T")
+
 # Depth of the layer around a capped volume below the lowest value, in ranges of the data.
 CAP_DEPTH = 2.0
 
@@ -41,6 +44,15 @@ class Given(AxisAligned, total=False):
     notes: Sequence[str]
     labels: Sequence[Label]
     cuts: Cuts | None
+
+
+class _OfValues(cached_property[T]):
+    """A cached_property of the values alone, which a volume has in common with placed() ones."""
+
+    def __get__(self, volume: Any, owner: Any = None) -> Any:
+        if volume is None or volume._elsewhere is None:
+            return super().__get__(volume, owner)
+        return getattr(volume._elsewhere, str(self.attrname))
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -76,6 +88,8 @@ class Volume:
     notes: tuple[str, ...]
     labels: tuple[Label, ...]
     cuts: Cuts | None
+    # The volume of which this one is placed(), and with which it shares its field.
+    _elsewhere: "Volume | None" = field(init=False, default=None, repr=False, compare=False)
 
     def __init__(
         self,
@@ -112,10 +126,12 @@ class Volume:
 
     @cached_property
     def _field(self) -> _core.Field:
-        field = self._unsmoothed_field
+        if self._elsewhere:
+            return self._placed(self._elsewhere._field)
+        found = self._unsmoothed_field
         if self.smooth_normals > 0:
-            field.shade_by(self._values_of_normals())
-        return field
+            found.shade_by(self._values_of_normals())
+        return found
 
     def _values_of_normals(self) -> Array:
         smooth = smoothed(self.data(), self.smooth_normals, _core.Progress())
@@ -130,17 +146,37 @@ class Volume:
     @cached_property
     def _unsmoothed_field(self) -> _core.Field:
         """Returns the field; in flatland a Field2, which has the same methods."""
+        if self._elsewhere:
+            return self._placed(self._elsewhere._unsmoothed_field)
         kind: Any = _core.Field2 if np.ndim(self.values) == 2 else _core.Field
+        with self._named_errors():
+            found: _core.Field = kind(as_voxels(self.values), self._matrix())
+        if self.cuts and self.cuts.cuts:
+            found.cut_by(self.cuts.ramp(self.values.shape), self.cuts.high - self.cuts.low)
+        return found
+
+    def _placed(self, found: _core.Field) -> _core.Field:
+        with self._named_errors():
+            return found.placed(self._matrix())
+
+    def _matrix(self) -> Array:
+        return np.ascontiguousarray(self.index_to_world, dtype=np.float64)
+
+    @contextmanager
+    def _named_errors(self) -> Iterator[None]:
         try:
-            field: _core.Field = kind(
-                as_voxels(self.values),
-                np.ascontiguousarray(self.index_to_world, dtype=np.float64),
-            )
+            yield
         except LeaflightError as error:
             raise LeaflightError(f"{self.source or self.name}: {error}") from None
-        if self.cuts and self.cuts.cuts:
-            field.cut_by(self.cuts.ramp(self.values.shape), self.cuts.high - self.cuts.low)
-        return field
+
+    def placed(self, index_to_world: Array, **facts: Any) -> "Volume":
+        """Returns the same values at another place. Both volumes share what their fields compute.
+
+        facts: Other fields of a Volume to replace, except values, smooth_normals and cuts.
+        """
+        found = replace(self, index_to_world=index_to_world, **facts)
+        found.__dict__.update(_elsewhere=self._elsewhere or self)
+        return found
 
     def __repr__(self) -> str:
         return f"<Volume: {', '.join(f'{what} {text}' for what, text in self._facts())}>"
@@ -234,7 +270,7 @@ class Volume:
         matrix[:3, 3] = offset
         return self.cuts.moved(matrix) if self.cuts else None
 
-    @cached_property
+    @_OfValues
     def _closed(self) -> bool:
         low, _ = self._unsmoothed_field.range
         return all(
@@ -252,7 +288,7 @@ class Volume:
             return self
         scale = METERS[self.unit or unit] / METERS[unit]
         to_unit = np.diag([*[scale] * np.ndim(self.values), 1.0])
-        return replace(self, index_to_world=to_unit @ self.index_to_world, unit=unit)
+        return self.placed(to_unit @ self.index_to_world, unit=unit)
 
     def coarser(self) -> "Volume":
         """Returns the volume with n // 2 + 1 instead of n nodes along each axis, over the same
@@ -276,7 +312,7 @@ class Volume:
             cuts=self.cuts and replace(self.cuts, cuts=()),
         )
 
-    @cached_property
+    @_OfValues
     def _within_layer(self) -> tuple[Array, tuple[float, float]] | None:
         """Returns the values within the layer of capped(), and their range; None without such a
         layer.
@@ -290,7 +326,7 @@ class Volume:
             return None
         return inside, (low, high)
 
-    @cached_property
+    @_OfValues
     def distribution(self) -> Distribution:
         """The Distribution of data()."""
         return Distribution(self.data(), self.data_range())

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace leaflight {
 
@@ -54,24 +55,42 @@ void spread_marks(std::vector<std::uint8_t>& marks, const Index<3>& dims) {
   }
 }
 
+// Returns the voxel of another field that is where a field's first voxel is, if all voxels of the
+// fields are at common places.
+std::optional<Index<3>> first_voxel(const Affine<3>& to_other, const Index<3>& dims) {
+  Index<3> voxel;
+  for (int a = 0; a < 3; ++a) {
+    voxel[a] = static_cast<int>(std::lround(to_other.origin[a]));
+    if (std::abs(to_other.origin[a] - voxel[a]) > rounding) return std::nullopt;
+    for (int b = 0; b < 3; ++b) {
+      const double turn = to_other.column[a][b] - (a == b ? 1 : 0);
+      if (std::abs(turn) * dims[a] > rounding) return std::nullopt;
+    }
+  }
+  return voxel;
+}
+
 // Returns, for each voxel of `now`, 1 if values near it are not those of `before`.
 std::vector<std::uint8_t> near_changes(const Affine<3>& to_before, const Field<3>& before,
                                        const Field<3>& now) {
-  std::vector<std::uint8_t> marks(now.voxels());
-  tbb::parallel_for(std::size_t{0}, marks.size(), [&](std::size_t number) {
-    const Vec3 position = to_before.point(to_vector<3>(index_of<3>(number, now.dims)));
-    Index<3> voxel;
-    bool same = true;
-    for (int a = 0; a < 3; ++a) {
-      voxel[a] = static_cast<int>(std::lround(position[a]));
-      same = same && std::abs(position[a] - voxel[a]) < rounding && voxel[a] >= 0 &&
-             voxel[a] < before.dims[a];
+  std::vector<std::uint8_t> marks(now.voxels(), 1);
+  const std::optional<Index<3>> first = first_voxel(to_before, now.dims);
+  if (!first) return marks;
+  const auto rows = static_cast<std::size_t>(now.dims[1]) * now.dims[2];
+  tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
+    const std::size_t number = row * now.dims[0];
+    Index<3> voxel = index_of<3>(number, now.dims);
+    for (int a = 0; a < 3; ++a) voxel[a] += (*first)[a];
+    for (int a = 1; a < 3; ++a) {
+      if (voxel[a] < 0 || voxel[a] >= before.dims[a]) return;
     }
-    if (same) {
-      const float a = before.value(voxel), b = value_at(now.values, number);
-      same = a == b || (std::isnan(a) && std::isnan(b));
+    const int begin = std::max(0, -voxel[0]),
+              end = std::min(now.dims[0], before.dims[0] - voxel[0]);
+    for (int x = begin; x < end; ++x) {
+      const Index<3> same_place{voxel[0] + x, voxel[1], voxel[2]};
+      const float a = before.value(same_place), b = value_at(now.values, number + x);
+      marks[number + x] = a != b && !(std::isnan(a) && std::isnan(b));
     }
-    marks[number] = !same;
   });
   spread_marks(marks, now.dims);
   return marks;
