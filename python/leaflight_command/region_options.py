@@ -65,6 +65,10 @@ def _part(numbers: list[float]) -> Record:
     return {"kind": "part", "point": numbers[:3], "isovalue": numbers[3]}
 
 
+def _move_apart(numbers: list[float]) -> Record:
+    return {"kind": "apart", "along": numbers[:3], "isovalue": numbers[3]}
+
+
 def _within(texts: list[str]) -> Record:
     path, _, numbers = texts[0].rpartition(":")
     if not path or not re.fullmatch(r"[0-9]+(,[0-9]+)*", numbers):
@@ -94,6 +98,10 @@ def add_region_options(parser: argparse._ArgumentGroup) -> None:
         (
             *("--remove-part", 4, ("X", "Y", "Z", "ISOVALUE"), _part),
             "remove the part at a point",
+        ),
+        (
+            *("--move-apart", 4, ("X", "Y", "Z", "ISOVALUE"), _move_apart),
+            "move the outermost parts at or above this isovalue apart by a vector",
         ),
         (
             *("--remove-dust", 2, ("VOXELS", "ISOVALUE")),

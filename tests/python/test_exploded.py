@@ -7,7 +7,9 @@ import pytest
 from leaflight import LeaflightError, Volume
 from leaflight._core import connected_parts, contour
 from leaflight.volume.exploded import explode_offsets
-from test_regions import MATRICES, balls
+from leaflight.volume.regions import Apart, HalfSpace
+from outcomes import refused
+from test_regions import MATRICES, balls, cut
 
 CENTERS = ((-0.6, 0.0, 0.0), (0.0, 0.1, 0.0), (0.65, 0.0, 0.0))
 
@@ -69,3 +71,39 @@ def test_meshes_are_exported_exploded(bump_scene, tmp_path):
     np.testing.assert_array_equal(apart.radiance, closed.radiance)
     with pytest.raises(LeaflightError, match="leave out the options for single ones"):
         leaflight.export(baked, tmp_path / "all.vti", explode=(2.0, 0, 0))
+
+
+@pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
+@pytest.mark.parametrize("dtype", [np.float32, np.uint16])
+def test_parts_move_apart_in_the_data(matrix, dtype):
+    volume = balls(matrix, CENTERS, (0.25, 0.2, 0.25), dtype)
+    along = matrix[:3, :3] @ [1.0, 0.3, 0.0]
+    vertices, _, offsets = exploded(volume, 300.0, along)
+    moved = cut(volume, Apart(tuple(along), 300.0))
+    assert moved.values.dtype == dtype
+    found, _, _ = contour(moved.field(), 300.0)
+    steps = offsets.astype(np.float64) @ np.linalg.inv(volume.index_to_world)[:3, :3].T
+    whole = np.rint(steps) @ volume.index_to_world[:3, :3].T
+    # Offsets are by mean vertices there and by mean voxels here.
+    size = np.linalg.norm(volume.index_to_world[:3, :3], axis=0).max()
+    assert len(found) == len(vertices)
+    low, high = found.min(axis=0), found.max(axis=0)
+    np.testing.assert_allclose(low, (vertices + whole).min(axis=0), atol=1.01 * size)
+    np.testing.assert_allclose(high, (vertices + whole).max(axis=0), atol=1.01 * size)
+
+
+def test_parts_that_move_keep_their_edges():
+    volume = balls(centers=CENTERS[::2], radii=(0.3, 0.3))
+    moved = cut(volume, Apart((1.0, 0.0, 0.0), 500.0))
+    # The volume grows by the way of its parts, and what they left is empty.
+    assert moved.values.shape == (48, 48, 48 + 24)
+    assert np.unique(moved.values[:, 24, 36]).tolist() == [0.0]
+    kept = contour(volume.field(), 450.0)[0], contour(moved.field(), 450.0)[0]
+    assert len(kept[0]) == len(kept[1])
+
+
+def test_parts_that_cannot_move_apart_are_refused():
+    half = HalfSpace((0.0, 0.0, 0.5), (0.0, 0.0, 1.0))
+    refused("after a capped cut", cut, balls(), half, Apart((1.0, 0.0, 0.0), 300.0))
+    refused("shorter distance", cut, balls(), Apart((50.0, 0.0, 0.0), 300.0))
+    refused("must not be 0", cut, balls(), Apart((0.0, 0.0, 0.0), 300.0))

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Separate parts of a volume: connected voxels at or above an isovalue.
 
-A part that goes takes the voxels around it along, up to a distance, where its edge fades out. Their
-values become at most that of the surroundings, so lower isosurfaces show no shell.
+A part that goes or moves takes the voxels around it along, up to a distance, where its edge fades
+out. Where a part was removed, values become at most that of the surroundings, so lower isosurfaces
+show no shell.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -13,7 +14,7 @@ import leaflight._core as _core
 
 from .._core import LeaflightError
 from ..arrays import Array
-from .memory import as_voxels
+from .memory import as_voxels, new_voxels
 
 # Distance in voxels to which the edge of a part fades out.
 _FADE = 4
@@ -68,11 +69,60 @@ def without(values: Array, goes: Array, stays: Array, check: Callable[[], None])
     return found
 
 
+def offsets_apart(numbers: Array, along: Array) -> Array:
+    """Returns the offsets of parts in voxels, int64 (parts + 1, 3), [z, y, x]; row 0 is 0.
+
+    The middles of the two outermost parts move apart by `along`, and those between in proportion.
+    along: Voxels [z, y, x].
+    """
+    z, y, x = (np.arange(n) * (step / (along @ along)) for n, step in zip(numbers.shape, along))
+    places = z[:, None, None] + y[:, None] + x
+    middles = (np.bincount(numbers.ravel(), places.ravel()) / np.bincount(numbers.ravel()))[1:]
+    low, high = middles.min(), middles.max()
+    shares = (middles - 0.5 * (low + high)) / (high - low) if high > low else 0.0 * middles
+    offsets = np.zeros((len(shares) + 1, 3), np.int64)
+    offsets[1:] = np.rint(shares[:, None] * along)
+    return offsets
+
+
+def apart(
+    values: Array, numbers: Array, offsets: Array, check: Callable[[], None]
+) -> tuple[Array, list[int]]:
+    """Returns the values of parts that have moved, and the index (x, y, z) of their first node.
+
+    Between parts there is the lowest value. numbers: of parts_of(). check: It may raise Cancelled.
+    """
+    numbers = numbers.copy()
+    for _ in range(_FADE):
+        check()
+        for to, source in _neighbors(numbers, numbers.copy()):
+            np.copyto(to, source, where=to == 0)
+    first = np.minimum(offsets.min(axis=0), 0)
+    shape = np.maximum(offsets.max(axis=0), 0) - first + values.shape
+    found = new_voxels(shape.tolist(), values.dtype)
+    found[...] = np.nanmin(values)
+    # Parts with the same offset move together.
+    steps, step_of = np.unique(offsets, axis=0, return_inverse=True)
+    steps_of_voxels = np.where(numbers > 0, step_of.ravel()[numbers], -1)
+    for number, step in enumerate(steps):
+        check()
+        start = step - first
+        to = found[tuple(slice(a, a + n) for a, n in zip(start, values.shape))]
+        np.fmax(to, values, out=to, where=steps_of_voxels == number)
+    return found, first[::-1].tolist()
+
+
+def _neighbors(to: Array, source: Array) -> Iterator[tuple[Array, Array]]:
+    """Yields views of an array and of the next neighbors of its voxels in another one."""
+    for axis in range(3):
+        to_axis, from_axis = np.moveaxis(to, axis, 0), np.moveaxis(source, axis, 0)
+        yield to_axis[1:], from_axis[:-1]
+        yield to_axis[:-1], from_axis[1:]
+
+
 def _grown(voxels: Array) -> Array:
     """Returns the voxels and their next neighbors."""
     found = voxels.copy()
-    for axis in range(3):
-        to, source = np.moveaxis(found, axis, 0), np.moveaxis(voxels, axis, 0)
-        to[1:] |= source[:-1]
-        to[:-1] |= source[1:]
+    for to, source in _neighbors(found, voxels):
+        to |= source
     return found

@@ -48,6 +48,17 @@ class Dust:
 
 
 @dataclass(frozen=True)
+class Apart:
+    """Moves the parts apart, by whole voxels; what is beside them goes.
+
+    along: Direction and distance (x, y, z) by which the middles of the outermost parts move apart.
+    """
+
+    along: Point
+    isovalue: float | None = None
+
+
+@dataclass(frozen=True)
 class WithinLabels:
     """Keeps what is within labels (masks.py).
 
@@ -61,7 +72,7 @@ class WithinLabels:
     reading: dict[str, Any] = field(default_factory=dict)
 
 
-Region = Box | Ball | HalfSpace | LargestPart | Part | Dust | WithinLabels
+Region = Box | Ball | HalfSpace | LargestPart | Part | Dust | Apart | WithinLabels
 KINDS: dict[str, Callable[..., Region]] = {
     "box": Box,
     "ball": Ball,
@@ -69,10 +80,13 @@ KINDS: dict[str, Callable[..., Region]] = {
     "largest_part": LargestPart,
     "part": Part,
     "dust": Dust,
+    "apart": Apart,
     "within_labels": WithinLabels,
 }
+# Longest distance between parts that move apart, in sizes of the volume.
+MOST_APART = 4
 _CHOICES = {"keep": ("inside", "outside"), "cut": ("capped", "open")}
-_SHAPES = {"matrix": (4, 4), "point": (3,), "normal": (3,)}
+_SHAPES = {"matrix": (4, 4), "point": (3,), "normal": (3,), "along": (3,)}
 
 
 def changed(
@@ -89,6 +103,8 @@ def changed(
         progress.check()
         if isinstance(region, (LargestPart, Part, Dust)):
             volume = replace(volume, values=_without_parts(volume, region, progress))
+        elif isinstance(region, Apart):
+            volume = _apart(volume, region, progress)
         elif isinstance(region, WithinLabels):
             if not isinstance(region.label_map, Volume):
                 raise LeaflightError(f"{region.label_map}: read the label map first.")
@@ -159,6 +175,25 @@ def _without_parts(
     return parts.without(volume.values, goes, (numbers > 0) & ~goes, progress.check)
 
 
+def _apart(volume: Volume, region: Apart, progress: _core.Progress) -> Volume:
+    if volume.cuts is not None:
+        raise LeaflightError(
+            f"{volume.source or volume.name}: its parts cannot move apart after a capped cut: move "
+            "them first."
+        )
+    isovalue = default_isovalue(volume) if region.isovalue is None else region.isovalue
+    numbers, _ = parts.parts_of(volume.values, isovalue, progress)
+    along = (np.linalg.inv(volume.index_to_world)[:3, :3] @ region.along)[::-1]
+    if (abs(along) > MOST_APART * np.asarray(volume.values.shape)).any():
+        raise LeaflightError(
+            f"{volume.source or volume.name}: its parts would move apart by more than "
+            f"{MOST_APART} times its size: give a shorter distance."
+        )
+    offsets = parts.offsets_apart(numbers, along)
+    values, first = parts.apart(volume.values, numbers, offsets, progress.check)
+    return volume.cropped(values, first)
+
+
 def _part_at(volume: Volume, region: Part, isovalue: float, numbers: Array) -> int:
     world_to_index = np.linalg.inv(volume.index_to_world)
     part = parts.part_at(numbers, world_to_index[:3, :3] @ region.point + world_to_index[:3, 3])
@@ -212,7 +247,8 @@ def _check_numbers(region: Region, name: str, value: Any) -> None:
         what = "a number" if count == 1 else f"{count} numbers"
         raise LeaflightError(f"The {title(region)}'s {name} is {value!r}: give {what}.")
     is_flat = name == "matrix" and abs(np.linalg.det(numbers[:3, :3])) < 1e-30
-    if is_flat or (name == "normal" and not numbers.any()) or (name == "voxels" and numbers <= 0):
+    is_zero = name in ("normal", "along") and not numbers.any()
+    if is_flat or is_zero or (name == "voxels" and numbers <= 0):
         raise LeaflightError(f"The {title(region)} is empty: its {name} must not be 0.")
 
 
