@@ -16,6 +16,9 @@
 namespace leaflight {
 namespace {
 
+// Averages of the front and the back; the back is empty if it is not baked.
+using SideAverages = std::array<std::vector<Average>, 2>;
+
 constexpr int wall_samples = 8;
 // Ratio of the samples of a wall's vertex to those of a texel. Vertices are fewer and farther
 // apart.
@@ -132,14 +135,25 @@ SideAverages light_indirectly(FixedBake<D>& bake, std::size_t volume,
 // Makes a grid whose errors include those of direct light.
 template <int D>
 RadianceGrid<D> grid_of(const SideAverages& direct, SideAverages indirect) {
-  std::array<std::vector<Rgb>, 2> means;
   for (const bool back : {false, true}) {
     for (std::size_t s = 0; s < direct[back].size(); ++s) {
-      means[back].push_back(direct[back][s].mean);
       indirect[back][s].variance += direct[back][s].variance;
     }
   }
-  return make_grid<D>({}, means, std::move(indirect));
+  RadianceGrid<D> grid;
+  for (const bool back : {false, true}) {
+    auto& alone = back ? grid.radiance_back_indirect : grid.radiance_indirect;
+    auto& all = back ? grid.radiance_back : grid.radiance;
+    for (std::size_t s = 0; s < indirect[back].size(); ++s) {
+      alone.push_back(light_precision.rounded(Vec<3, float>(indirect[back][s].mean)));
+      const Rgb sum = direct[back][s].mean + Rgb(alone.back());
+      all.push_back(light_precision.rounded(Vec<3, float>(sum)));
+    }
+  }
+  for (const Average& front : indirect[0]) {
+    grid.radiance_error.push_back(error_precision.rounded(std::sqrt(front.variance)));
+  }
+  return grid;
 }
 
 template <int D>

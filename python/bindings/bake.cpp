@@ -91,7 +91,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
         if (!on_pass.is_none()) {
           hooks.on_pass = [&](Baked<D>&& baked) {
             const py::gil_scoped_acquire locked;
-            on_pass(BakedObjects<D>(std::move(baked)));
+            on_pass(BakedObjects<D>(std::move(baked), scene));
           };
         }
         Baked<D> baked;
@@ -132,7 +132,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
           }
           baked = bake(scene, settings, progress, hooks);
         }
-        return BakedObjects<D>(std::move(baked));
+        return BakedObjects<D>(std::move(baked), scene);
       },
       py::arg("scene"), py::arg("settings"), py::arg("progress"), py::arg("on_pass") = py::none(),
       py::arg("previous") = py::none(), py::arg("checkpoint") = py::none(),

@@ -15,10 +15,12 @@ struct BakedObjects {
   BakeStatistics statistics;
   std::size_t texels = 0;
 
-  explicit BakedObjects(Baked<D>&& baked) : statistics(std::move(baked.statistics)) {
+  BakedObjects(Baked<D>&& baked, const Scene<D>& scene) : statistics(std::move(baked.statistics)) {
     for (RadianceGrid<D>& grid : baked.grids) {
       texels += grid.texels();
+      const Field<D>& lit = scene.volumes[grids.size()].field;
       grids.push_back(std::make_shared<GridObject<D>>(std::move(grid)));
+      grids.back()->lit = std::make_shared<const Field<D>>(lit);
     }
     if (!baked.walls.empty()) {
       walls = std::make_shared<WallRadiance<D>>(std::move(baked.walls));

@@ -11,7 +11,7 @@ namespace leaflight::python {
 template <int D>
 struct GridObject {
   std::shared_ptr<RadianceGrid<D>> baked;
-  std::shared_ptr<const Field<D>> lit;           // the lit field of a grid from a file
+  std::shared_ptr<const Field<D>> lit;           // the lit field; null: a grid from a file lacks it
   std::shared_ptr<const Field<D>> field;         // field in changed light; null: as baked
   std::shared_ptr<const DirectLight<D>> direct;  // null without a field
   Vec<3, float> indirect{1, 1, 1};

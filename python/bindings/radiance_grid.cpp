@@ -36,15 +36,8 @@ void check_side(const RadianceGrid<D>& grid, bool back) {
 // Returns all light of one side's texels, as baked.
 template <int D>
 std::vector<Vec<3, float>> all_light(const GridObject<D>& grid, bool back) {
-  const RadianceGrid<D>& from = *grid.baked;
-  const std::vector<Vec<3, float>>& stored = back ? from.radiance_back : from.radiance;
-  if (stored.size() == from.texels()) return stored;
-  std::vector<Vec<3, float>> texels(from.texels());
   const py::gil_scoped_release unlocked;
-  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
-    texels[s] = radiance_of_texel(from, *grid.lit, s, back);
-  });
-  return texels;
+  return all_light(*grid.baked, *grid.lit, back);
 }
 
 // Returns the radiance of one side's texels, or its indirect part.

@@ -80,7 +80,7 @@ void bind_fixed_samples(py::module_& module, const std::string& suffix) {
                  const py::gil_scoped_release unlocked;
                  baked = bake_with_fixed_samples(own(scene), settings, progress);
                }
-               return BakedObjects<D>(std::move(baked));
+               return BakedObjects<D>(std::move(baked), scene);
              },
              py::arg("scene"), py::arg("settings"), py::arg("progress"),
              "Lights all isosurfaces of the scene's isovalue range by a fixed number of samples.\n"

@@ -43,7 +43,10 @@ TEST(Bake, OtherResolutionsThanTheField) {
     const RadianceGrid<3> grid = bake(scene, settings, progress).grids[0];
     EXPECT_EQ(grid.lattice.resolution, resolution);
     // Look up the top of the ball, in index coordinates. The lamp is above it.
-    EXPECT_GT(lookup(grid.lattice, grid.radiance, {12, 12, 12 + 24 * 0.28}).y, 0.3);
+    EXPECT_GT(lookup(grid.lattice, all_light(grid, test::field_of(scene), false),
+                     {12, 12, 12 + 24 * 0.28})
+                  .y,
+              0.3);
   }
 }
 
@@ -143,8 +146,10 @@ TEST(Bake, RefusesObjectsInTheWrongPlace) {
 
 TEST(Atlas, HoldsTheTexels) {
   Progress progress;
-  const RadianceGrid<3> grid = bake(small_scene(), quick(), progress).grids[0];
-  const Atlas atlas = make_atlas(grid.lattice, grid.radiance);
+  const Scene<3> scene = small_scene();
+  const RadianceGrid<3> grid = bake(scene, quick(), progress).grids[0];
+  const auto light = all_light(grid, test::field_of(scene), false);
+  const Atlas atlas = make_atlas(grid.lattice, light);
   const Index<3>& n = grid.lattice.resolution;
   EXPECT_EQ(atlas.width, atlas.columns * n[0]);
   EXPECT_EQ(atlas.height, atlas.rows * n[1]);
@@ -154,8 +159,8 @@ TEST(Atlas, HoldsTheTexels) {
     const int column = (t[2] % atlas.columns) * n[0] + t[0];
     const int row = (t[2] / atlas.columns) * n[1] + t[1];
     const float* pixel = &atlas.pixels[4 * (static_cast<std::size_t>(row) * atlas.width + column)];
-    ASSERT_EQ(pixel[0], grid.radiance[s].x);
-    ASSERT_EQ(pixel[2], grid.radiance[s].z);
+    ASSERT_EQ(pixel[0], light[s].x);
+    ASSERT_EQ(pixel[2], light[s].z);
   }
 }
 

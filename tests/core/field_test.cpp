@@ -57,8 +57,8 @@ TEST(BumpBox, IsTheThesisFunction) {
 
 TEST(IntervalPyramid, BoundsEveryBrick) {
   const Field<3> field = test::noise<3>(23, 3, 0.5);
-  for (std::size_t level = 0; level < field.pyramid.levels.size(); ++level) {
-    const auto& bricks = field.pyramid.levels[level];
+  for (std::size_t level = 0; level < field.pyramid->levels.size(); ++level) {
+    const auto& bricks = field.pyramid->levels[level];
     const int size = 1 << (2 * (static_cast<int>(level) + 1));
     Index<3> b;
     for (b[2] = 0; b[2] < bricks.dims[2]; ++b[2]) {
@@ -80,7 +80,7 @@ TEST(IntervalPyramid, BoundsEveryBrick) {
       }
     }
   }
-  EXPECT_EQ(field.pyramid.levels.back().bricks.size(), 1u);
+  EXPECT_EQ(field.pyramid->levels.back().bricks.size(), 1u);
 }
 
 TEST(Field, GradientsOfALinearFunctionAreExact) {

@@ -19,6 +19,7 @@ using test::previous_light;
 using test::same_bits;
 using test::small_scene;
 using test::stopped_after;
+using test::with_all_light;
 
 TEST(Passes, AreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
@@ -112,16 +113,17 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     settings.both_sides = true;
     settings.resolution = Index<3>{texels, texels, texels};
     settings.seed = 9;
-    const Baked<3> truth = stopped_after(5, scene, settings);
+    const Baked<3> truth = with_all_light(scene, stopped_after(5, scene, settings));
     // A single bake may be closer by chance.
     constexpr int seeds = 4;
     double now = 0, then = 0, means = 0, noise = 0;
     for (int seed = 0; seed < seeds; ++seed) {
       settings.seed = seed;
-      const Baked<3> uninterrupted = stopped_after(2, scene, settings);
+      const Baked<3> uninterrupted = with_all_light(scene, stopped_after(2, scene, settings));
       const std::vector<PreviousLight<3>> previous =
           previous_light(stopped_after(1, scene, settings));
-      const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+      const Baked<3> continued =
+          with_all_light(scene, stopped_after(1, scene, settings, &previous));
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
       now += one.per_texel / seeds;
@@ -141,13 +143,19 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   BakeSettings<3> settings = in_passes(0.05);
   settings.both_sides = true;
   settings.resolution = {17, 17, 17};
-  const Baked<3> uninterrupted = stopped_after(2, glowing, settings);
+  const Baked<3> uninterrupted = with_all_light(glowing, stopped_after(2, glowing, settings));
   const std::vector<PreviousLight<3>> previous =
       previous_light(stopped_after(1, glowing, settings));
-  const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
+  const Baked<3> continued =
+      with_all_light(glowing, stopped_after(1, glowing, settings, &previous));
   // Inside the ball, most light is reflected more than once.
   EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).in_mean, 0,
               test::sanitized ? 0.05 : 0.02);
+}
+
+Baked<3> whole_bake(const Scene<3>& scene, const BakeSettings<3>& settings) {
+  Progress progress;
+  return with_all_light(scene, bake(scene, settings, progress));
 }
 
 // Compares the errors that continued bakes report with their differences from the mean of other
@@ -163,7 +171,7 @@ TEST(Passes, ContinuedKnowTheirError) {
   std::vector<float> variance;  // variance of the sum
   for (int i = 0; i < bakes; ++i) {
     settings.seed = 9 + i;
-    const RadianceGrid<3> other = bake(scene, settings, progress).grids[0];
+    const RadianceGrid<3> other = whole_bake(scene, settings).grids[0];
     sum_of_others.resize(other.radiance.size(), Vec<3, float>(0));
     variance.resize(other.radiance.size());
     for (std::size_t s = 0; s < variance.size(); ++s) {
@@ -173,13 +181,14 @@ TEST(Passes, ContinuedKnowTheirError) {
   }
   const auto coverage = [&](const Baked<3>& baked) {
     const RadianceGrid<3>& grid = baked.grids[0];
+    const auto light = all_light(grid, test::field_of(scene), false);
     std::size_t within = 0;
-    for (std::size_t s = 0; s < grid.radiance.size(); ++s) {
-      const Vec<3, float> off = grid.radiance[s] - sum_of_others[s] / float(bakes);
+    for (std::size_t s = 0; s < light.size(); ++s) {
+      const Vec<3, float> off = light[s] - sum_of_others[s] / float(bakes);
       const double error = std::hypot(grid.radiance_error[s], std::sqrt(variance[s]) / bakes);
       within += std::abs(off.x + off.y + off.z) / 3 <= 1.96 * error;
     }
-    return static_cast<double>(within) / static_cast<double>(grid.radiance.size());
+    return static_cast<double>(within) / static_cast<double>(light.size());
   };
   double sum = 0;
   constexpr int seeds = 4;
@@ -187,7 +196,7 @@ TEST(Passes, ContinuedKnowTheirError) {
     settings.seed = seed;
     const std::vector<PreviousLight<3>> previous =
         previous_light(stopped_after(1, scene, settings));
-    const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+    const Baked<3> continued = with_all_light(scene, stopped_after(1, scene, settings, &previous));
     // Continue a second time.
     const std::vector<PreviousLight<3>> again = previous_light(continued);
     const double twice = coverage(stopped_after(1, scene, settings, &again));
@@ -269,8 +278,7 @@ TEST(Passes, PlanesInTheSunAreExact) {
                                   Rgb(0.5f), {0.2, 0.8});
   const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
   scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
-  Progress progress;
-  const Baked<3> baked = bake(scene, in_passes(), progress);
+  const Baked<3> baked = whole_bake(scene, in_passes());
   for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double factor = 0.5 / pi * -down.z;
     const auto& radiance = baked.grids[0].radiance[s];
@@ -290,8 +298,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   scene.lights.push_back(light);
   BakeSettings<3> settings = in_passes();
   settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = whole_bake(scene, settings);
   for_each_center(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 to_lamp = lamp - x;
     const double expected = 0.8 / pi * 3 * to_lamp.z / std::pow(to_lamp.length(), 3);
@@ -309,8 +316,7 @@ TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   scene.lights.push_back(light);
   BakeSettings<3> settings = in_passes();
   settings.both_sides = true;
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = whole_bake(scene, settings);
   ASSERT_TRUE(baked.grids[0].has_back());
   double ratio = 0;
   int count = 0;
@@ -334,8 +340,7 @@ TEST(Passes, FurnaceIsUniform) {
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
   settings.exposure = 0.2;  // so that no color is white, whose noise would be ignored
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = whole_bake(scene, settings);
   double sum = 0, square = 0;
   int count = 0;
   for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {

@@ -79,9 +79,9 @@ TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
 TYPED_TEST(VoxelsOf, BoundTheSameIsosurfaces) {
   const Pair<TypeParam> pair(37);
   const double low = pair.isovalue(0.6), high = pair.isovalue(0.8);
-  for (std::size_t level = 0; level < pair.integers.pyramid.levels.size(); ++level) {
-    const auto &integers = pair.integers.pyramid.levels[level].bricks,
-               &floats = pair.floats.pyramid.levels[level].bricks;
+  for (std::size_t level = 0; level < pair.integers.pyramid->levels.size(); ++level) {
+    const auto &integers = pair.integers.pyramid->levels[level].bricks,
+               &floats = pair.floats.pyramid->levels[level].bricks;
     EXPECT_TRUE(same_bits(integers, floats));
   }
   EXPECT_EQ(make_lattice<3>(pair.integers, {30, 31, 32}, low, high).active,

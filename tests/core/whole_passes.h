@@ -28,10 +28,18 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 inline bool same_bits(const RadianceGrid<3>& a, const RadianceGrid<3>& b) {
-  return a.lattice.active == b.lattice.active && same_bits(a.radiance, b.radiance) &&
+  return a.lattice.active == b.lattice.active &&
          same_bits(a.radiance_indirect, b.radiance_indirect) &&
          same_bits(a.radiance_error, b.radiance_error) &&
-         same_bits(a.radiance_back, b.radiance_back);
+         same_bits(a.radiance_back_indirect, b.radiance_back_indirect);
+}
+
+// Returns a bake with all light of its texels.
+inline Baked<3> with_all_light(const Scene<3>& scene, Baked<3> baked) {
+  RadianceGrid<3>& grid = baked.grids[0];
+  grid.radiance = all_light(grid, field_of(scene), false);
+  if (grid.has_back()) grid.radiance_back = all_light(grid, field_of(scene), true);
+  return baked;
 }
 
 // Returns settings that bake both sides and the walls.

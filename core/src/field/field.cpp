@@ -238,7 +238,7 @@ Field<D> make_field(const Voxels& values, const Index<D>& dims, const Affine<D>&
   field.min = s.min;
   field.max = s.max;
   field.masked = s.masked;
-  field.pyramid = build_pyramid<D>(values, dims);
+  field.pyramid = std::make_shared<IntervalPyramid<D>>(build_pyramid<D>(values, dims));
   field.cell_bounds_once = std::make_shared<CellBoundsOnce<D>>();
   return field;
 }

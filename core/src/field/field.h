@@ -31,7 +31,7 @@ struct Field {
   float min = 0;
   float max = 0;
   bool masked = false;
-  IntervalPyramid<D> pyramid;
+  std::shared_ptr<const IntervalPyramid<D>> pyramid;
   std::shared_ptr<CellBoundsOnce<D>> cell_bounds_once;
 
   bool has_smooth_normals() const { return shading_values != values; }

@@ -38,7 +38,7 @@ void visit_crossed(const IntervalPyramid<D>& pyramid, std::size_t level, const I
 
 template <int D>
 CrossedEdges<D>::CrossedEdges(const Field<D>& field, double isovalue)
-    : field_(field), isovalue_(isovalue), level_(field.pyramid.levels[0]) {
+    : field_(field), isovalue_(isovalue), level_(field.pyramid->levels[0]) {
   for (int a = 0; a < D; ++a) {
     along_[a] = Vec<D>(0.0);
     along_[a][a] = 1;
@@ -46,7 +46,7 @@ CrossedEdges<D>::CrossedEdges(const Field<D>& field, double isovalue)
   constexpr std::int32_t absent = -1, present = 0;
   place_.assign(level_.bricks.size(), absent);
   std::size_t found = 0;
-  visit_crossed(field_.pyramid, field_.pyramid.levels.size() - 1, Index<D>{}, isovalue_,
+  visit_crossed(*field_.pyramid, field_.pyramid->levels.size() - 1, Index<D>{}, isovalue_,
                 [&](const Index<D>& brick) {
                   Index<D> end;
                   for (int a = 0; a < D; ++a) end[a] = std::min(brick[a] + 2, level_.dims[a]);

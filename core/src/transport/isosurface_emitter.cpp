@@ -15,7 +15,7 @@ IsosurfaceEmitter<D>::IsosurfaceEmitter(const SceneTracer<D>& tracer, int volume
   if (!(scene_volume.emission.largest() > 0)) return;
   const double cell_volume = std::abs(determinant(tracer.index_to_frame(volume)));
   constexpr int size = 1 << IntervalPyramid<D>::log2_brick;
-  const auto& level = scene_volume.field.pyramid.levels[0];
+  const auto& level = scene_volume.field.pyramid->levels[0];
   const double height = tracer.scene().isovalue_range.height();
   const IsovalueRange isovalues = scene_volume.isovalues(tracer.scene().isovalue_range);
   Index<D> none{};

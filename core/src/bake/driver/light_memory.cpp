@@ -12,13 +12,13 @@
 namespace leaflight {
 namespace {
 
-// Measured memory in bytes (docs/clusters.md): per texel of direct and of indirect light, at the
-// end of a pass, when memory peaks. While a file is written, memory per texel is `saved_texel`, and
-// per voxel of the volume `saved_voxel`.
+// Measured memory in bytes (docs/clusters.md), when it peaks: per texel that both the result and
+// indirect light have, and per texel that one of them has in addition. While a file is written,
+// memory per texel is `saved_texel`, and per voxel of the volume `saved_voxel`.
 struct TexelBytes {
-  double direct, indirect;
+  double common, direct, indirect;
 };
-constexpr TexelBytes front_side{150, 100}, both_sides{265, 160}, walls{30, 30};
+constexpr TexelBytes front_side{250, 40, 100}, both_sides{425, 55, 160}, walls{60, 30, 30};
 constexpr double saved_texel = 100, saved_voxel = 0.27, photon_texel = 90, fixed = 16 << 20;
 // The search over resolutions ends when this factor separates a fitting one from a failing one.
 constexpr double step = 1.05;
@@ -35,10 +35,11 @@ class LightMemory {
     sides_ = plan.back ? 2 : 1;
     a_texel_ = plan.back ? both_sides : front_side;
     if (plan.walls) {
+      a_texel_.common += walls.common;
       a_texel_.direct += walls.direct;
       a_texel_.indirect += walls.indirect;
     }
-    if (!plan.indirect) a_texel_.indirect = 0;
+    has_indirect_ = plan.indirect;
   }
 
   std::uint64_t bytes(const Index<3>& resolution) const {
@@ -47,7 +48,10 @@ class LightMemory {
     const PassResolutions<3> chosen =
         pass_resolutions(field_, isovalue_range_, settings, Texels::fine);
     const double direct = texels(chosen.shown);
-    const double lighting = direct * a_texel_.direct + texels(chosen.indirect) * a_texel_.indirect +
+    const double indirect = has_indirect_ ? texels(chosen.indirect) : 0;
+    const double common = std::min(direct, indirect);
+    const double lighting = common * a_texel_.common + (direct - common) * a_texel_.direct +
+                            (indirect - common) * a_texel_.indirect +
                             texels(chosen.photons) * photon_texel;
     const double maps =
         sides_ * static_cast<double>(map_bytes(field_, isovalue_range_, chosen.shown, points_));
@@ -74,6 +78,7 @@ class LightMemory {
   IsovalueRange isovalue_range_;
   const BakeSettings<3>& settings_;
   TexelBytes a_texel_;
+  bool has_indirect_;
   std::size_t points_;
   double sides_;
 };

@@ -218,9 +218,10 @@ std::vector<Rgb> LineBake<D>::indirect_of_photons(bool back) const {
   parallel_each(known.size(), [&](std::size_t s) {
     known[s].mean = photons_.isosurfaces[0]->irradiance(static_cast<std::int32_t>(s), back) * brdf;
   });
-  known = interpolated(texels, known, light_.lattice(), scene_.progress);
-  std::vector<Rgb> indirect(known.size());
-  parallel_each(known.size(), [&](std::size_t s) { indirect[s] = known[s].mean; });
+  std::vector<Rgb> indirect(light_.lattice().active.size());
+  parallel_each(indirect.size(), [&](std::size_t s) {
+    indirect[s] = interpolated(texels, known, light_.lattice(), s).mean;
+  });
   return indirect;
 }
 

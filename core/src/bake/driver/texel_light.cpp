@@ -70,29 +70,31 @@ void TexelLight<D>::serialize(Archive& archive) {
 template <int D>
 RadianceGrid<D> TexelLight<D>::grid() {
   scene_.progress.begin("Lighting texels");
-  SideAverages indirect;
-  UnfilteredLight<D> unfiltered;
-  const std::size_t sides = scene_.plan.back ? 2 : 1;
-  std::array<NoisyLight, 2> light = filtered_light(unfiltered);
-  for (std::size_t side = 0; side < sides; ++side) {
-    const bool back = side != 0;
-    if (direct_texels_[side].empty()) direct_texels_[side] = direct_at(texels_.lattice, back);
-    if (indirect_) {
-      indirect[side] = interpolated(indirect_->texels().lattice, light[side].averages,
-                                    texels_.lattice, scene_.progress);
-    } else {
-      indirect[side].resize(direct_texels_[side].size());
-    }
-    light[side] = {};
-    finish(indirect[side]);
-  }
-  scene_.progress.check();
-  measure_noise(indirect[0]);
-  scene_.progress.check();
-  RadianceGrid<D> result =
-      make_grid<D>(texels_.lattice, direct_texels_, std::move(indirect), direct_);
+  RadianceGrid<D> result;
+  const std::array<NoisyLight, 2> light = filtered_light(result.unfiltered);
+  result.lattice = texels_.lattice;
+  result.direct = direct_;
   result.texture = volume_.volume().texture;
-  result.unfiltered = std::move(unfiltered);
+  const std::size_t count = result.texels();
+  result.radiance_error.resize(count);
+  for (const bool back : {false, true}) {
+    if (back && !scene_.plan.back) continue;
+    auto& means = back ? result.radiance_back_indirect : result.radiance_indirect;
+    means.resize(count);
+    parallel_range(count, 1024, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t s = begin; s < end; ++s) {
+        const Average found = finished(light[back].averages, s);
+        means[s] = light_precision.rounded(Vec<3, float>(found.mean));
+        if (!back) {
+          result.radiance_error[s] = error_precision.rounded(std::sqrt(found.variance));
+        }
+      }
+    });
+    // A side without maps has no direct light.
+    if (!result.derives_radiance(back)) (back ? result.radiance_back : result.radiance) = means;
+  }
+  measure_noise(light[0].averages);
+  scene_.progress.check();
   return result;
 }
 
@@ -127,24 +129,25 @@ std::vector<Rgb> TexelLight<D>::direct_at(const TexelLattice<D>& lattice, bool b
   return found;
 }
 
-// Converts light of white isosurfaces to light of the scene's isosurfaces. Lookups multiply it by
-// the texture at the point itself, which may change within a texel.
+// Returns the indirect light of the scene's isosurfaces at a texel of the result, from that of
+// white ones. Lookups multiply it by the texture at the point itself, which may change within a
+// texel.
 template <int D>
-void TexelLight<D>::finish(std::vector<Average>& indirect) const {
+Average TexelLight<D>::finished(const std::vector<Average>& white, std::size_t slot) const {
   const Volume<D>& volume = volume_.volume();
-  const IsovalueRange& isovalue_range = volume_.tracer.scene().isovalue_range;
-  parallel_each(indirect.size(), [&](std::size_t s) {
-    const Vec<D> center = texels_.lattice.center(texels_.lattice.active[s]);
-    const Rgb albedo = albedo_near(volume, center);
-    indirect[s].mean *= albedo;
-    const auto scale = static_cast<float>(average(albedo));
-    indirect[s].variance *= scale * scale;
-    indirect[s].mean += emission_near(volume, isovalue_range, center);
-  });
+  const Vec<D> center = texels_.lattice.center(texels_.lattice.active[slot]);
+  const Rgb albedo = albedo_near(volume, center);
+  Average found;
+  if (indirect_) found = interpolated(lattice(), white, texels_.lattice, slot);
+  found.mean *= albedo;
+  const auto scale = static_cast<float>(average(albedo));
+  found.variance *= scale * scale;
+  found.mean += emission_near(volume, volume_.tracer.scene().isovalue_range, center);
+  return found;
 }
 
 template <int D>
-void TexelLight<D>::measure_noise(const std::vector<Average>& indirect) {
+void TexelLight<D>::measure_noise(const std::vector<Average>& white) {
   const double exposure2 = scene_.settings.exposure * scene_.settings.exposure;
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, scene_.settings.seed)) {
@@ -152,8 +155,9 @@ void TexelLight<D>::measure_noise(const std::vector<Average>& indirect) {
     double color = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];
-      const Average& m = indirect[near.slot[i]];
-      color += w * average(direct_texels_[0][near.slot[i]] + m.mean);
+      const Average m = finished(white, near.slot[i]);
+      const Vec<D> center = texels_.lattice.center(texels_.lattice.active[near.slot[i]]);
+      color += w * average(direct_->radiance(volume_.volume().field, center, false) + m.mean);
       deviation += w * std::sqrt(m.variance);
     }
     const double texture = average(volume_.volume().texture_at(point.position));

@@ -61,8 +61,8 @@ class TexelLight {
 
  private:
   std::array<NoisyLight, 2> filtered_light(UnfilteredLight<D>& unfiltered);
-  void finish(std::vector<Average>& indirect) const;
-  void measure_noise(const std::vector<Average>& indirect);
+  Average finished(const std::vector<Average>& white, std::size_t slot) const;
+  void measure_noise(const std::vector<Average>& white);
 
   LitScene<D>& scene_;
   LineVolume<D> volume_;
@@ -70,7 +70,6 @@ class TexelLight {
   const PreviousLight<D>* previous_;  // may be null
   IndexedLattice<D> texels_;          // of the result
   std::unique_ptr<IndirectLight<D>> indirect_;
-  std::array<std::vector<Rgb>, 2> direct_texels_;  // direct light at texels_, after its first use
   std::vector<TexelSurface<D>> surfaces_;
   IsovalueErrors errors_;
 };

@@ -127,32 +127,28 @@ std::vector<HalfDifference> IndirectLight<D>::halves(bool back) const {
 }
 
 template <int D>
-std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
-                                  const TexelLattice<D>& to, Progress& progress) {
-  if (from.resolution == to.resolution) return averages;
-  std::vector<Average> result(to.active.size());
-  parallel_range(result.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const TexelWeights<D> near = linear_weights(from, to.center(to.active[s]));
-      float error = 0;
-      for (int i = 0; i < near.count; ++i) {
-        const Average& texel = averages[near.slot[i]];
-        result[s].mean += texel.mean * near.weight[i];
-        // Texels on the same lines have correlated errors.
-        error += near.weight[i] * std::sqrt(texel.variance);
-        result[s].samples = std::max(result[s].samples, texel.samples);
-      }
-      result[s].variance = error * error;
-    }
-  });
+Average interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                     const TexelLattice<D>& to, std::size_t slot) {
+  if (from.resolution == to.resolution) return averages[slot];
+  Average result;
+  float error = 0;
+  const TexelWeights<D> near = linear_weights(from, to.center(to.active[slot]));
+  for (int i = 0; i < near.count; ++i) {
+    const Average& texel = averages[near.slot[i]];
+    result.mean += texel.mean * near.weight[i];
+    // Texels on the same lines have correlated errors.
+    error += near.weight[i] * std::sqrt(texel.variance);
+    result.samples = std::max(result.samples, texel.samples);
+  }
+  result.variance = error * error;
   return result;
 }
 
 template class IndirectLight<2>;
 template class IndirectLight<3>;
-template std::vector<Average> interpolated<2>(const TexelLattice<2>&, const std::vector<Average>&,
-                                              const TexelLattice<2>&, Progress&);
-template std::vector<Average> interpolated<3>(const TexelLattice<3>&, const std::vector<Average>&,
-                                              const TexelLattice<3>&, Progress&);
+template Average interpolated<2>(const TexelLattice<2>&, const std::vector<Average>&,
+                                 const TexelLattice<2>&, std::size_t);
+template Average interpolated<3>(const TexelLattice<3>&, const std::vector<Average>&,
+                                 const TexelLattice<3>&, std::size_t);
 
 }  // namespace leaflight

@@ -61,9 +61,9 @@ class IndirectLight {
   int blocks_ = 0, drawn_;
 };
 
-// Interpolates averages from the texels of one lattice at those of another.
+// Interpolates averages at the texels of a lattice, at a texel of another one.
 template <int D>
-std::vector<Average> interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
-                                  const TexelLattice<D>& to, Progress& progress);
+Average interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
+                     const TexelLattice<D>& to, std::size_t slot);
 
 }  // namespace leaflight

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "base/release.h"
 
 namespace leaflight {
 
@@ -14,47 +13,7 @@ namespace {
 
 using Colors = std::vector<Vec<3, float>>;
 
-Colors rounded_means(const std::vector<Average>& averages) {
-  Colors means(averages.size());
-  parallel_each(means.size(), [&](std::size_t s) {
-    means[s] = light_precision.rounded(Vec<3, float>(averages[s].mean));
-  });
-  return means;
-}
-
-// Adds direct light. `derived`: the sum is not stored, and therefore not rounded.
-Colors sums(const std::vector<Rgb>& direct, const Colors& indirect, bool derived) {
-  Colors sums(direct.size());
-  parallel_each(sums.size(), [&](std::size_t s) {
-    sums[s] = Vec<3, float>(direct[s] + Rgb(indirect[s]));
-    if (!derived) sums[s] = light_precision.rounded(sums[s]);
-  });
-  return sums;
-}
-
 }  // namespace
-
-template <int D>
-RadianceGrid<D> make_grid(TexelLattice<D> lattice, const std::array<std::vector<Rgb>, 2>& direct,
-                          SideAverages indirect,
-                          std::shared_ptr<const DirectLight<D>> exact_direct) {
-  RadianceGrid<D> grid;
-  grid.lattice = std::move(lattice);
-  grid.direct = std::move(exact_direct);
-  grid.radiance_error.resize(indirect[0].size());
-  parallel_each(indirect[0].size(), [&](std::size_t s) {
-    grid.radiance_error[s] = error_precision.rounded(std::sqrt(indirect[0][s].variance));
-  });
-  // Free the averages, which take most of the memory of a large bake here.
-  for (const bool back : {false, true}) {
-    Colors& indirect_light = back ? grid.radiance_back_indirect : grid.radiance_indirect;
-    indirect_light = rounded_means(indirect[back]);
-    release(indirect[back]);
-    (back ? grid.radiance_back : grid.radiance) =
-        sums(direct[back], indirect_light, grid.derives_radiance(back));
-  }
-  return grid;
-}
 
 template <int D>
 Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
@@ -64,6 +23,17 @@ Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& fie
   const Colors& indirect = back ? grid.radiance_back_indirect : grid.radiance_indirect;
   const Vec<D> center = grid.lattice.center(grid.lattice.active[slot]);
   return Vec<3, float>(grid.direct->radiance(field, center, back) + Rgb(indirect[slot]));
+}
+
+template <int D>
+std::vector<Vec<3, float>> all_light(const RadianceGrid<D>& grid, const Field<D>& field,
+                                     bool back) {
+  const Colors& stored = back ? grid.radiance_back : grid.radiance;
+  if (stored.size() == grid.texels()) return stored;
+  Colors light(grid.texels());
+  parallel_each(light.size(),
+                [&](std::size_t s) { light[s] = radiance_of_texel(grid, field, s, back); });
+  return light;
 }
 
 namespace {
@@ -241,14 +211,12 @@ float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& err
   return std::sqrt(variance);
 }
 
-template RadianceGrid<2> make_grid(TexelLattice<2>, const std::array<std::vector<Rgb>, 2>&,
-                                   SideAverages, std::shared_ptr<const DirectLight<2>>);
-template RadianceGrid<3> make_grid(TexelLattice<3>, const std::array<std::vector<Rgb>, 2>&,
-                                   SideAverages, std::shared_ptr<const DirectLight<3>>);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<2>&, const Field<2>&, std::size_t,
                                          bool);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&, std::size_t,
                                          bool);
+template std::vector<Vec<3, float>> all_light(const RadianceGrid<2>&, const Field<2>&, bool);
+template std::vector<Vec<3, float>> all_light(const RadianceGrid<3>&, const Field<3>&, bool);
 template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
                                  const Vec<2>&);
 template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,

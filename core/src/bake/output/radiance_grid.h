@@ -6,7 +6,6 @@
 
 #include "bake/direct/direct_light.h"
 #include "base/packed_numbers.h"
-#include "base/sample_average.h"
 #include "field/texel_lattice.h"
 
 namespace leaflight {
@@ -29,7 +28,7 @@ struct UnfilteredLight {
 template <int D>
 struct RadianceGrid {
   TexelLattice<D> lattice;
-  // Light of the front. A grid from a file has no array of all light if derives_radiance().
+  // Light of the front. Empty if derives_radiance(), unless it was needed.
   std::vector<Vec<3, float>> radiance;
   std::vector<Vec<3, float>> radiance_indirect;  // without direct light
   std::vector<float> radiance_error;             // standard error of the mean over the channels
@@ -53,20 +52,14 @@ struct RadianceGrid {
   std::size_t texels() const { return lattice.active.size(); }
 };
 
-// Averages of the front and the back; the back is empty if it is not baked.
-using SideAverages = std::array<std::vector<Average>, 2>;
-
-// Makes a grid of the active texels' light, and rounds it to the precision of its file. `direct`:
-// the front and the back.
-template <int D>
-RadianceGrid<D> make_grid(TexelLattice<D> lattice, const std::array<std::vector<Rgb>, 2>& direct,
-                          SideAverages indirect,
-                          std::shared_ptr<const DirectLight<D>> exact_direct = nullptr);
-
 // Returns all light of a texel, on one side. The field must be the one that was lit.
 template <int D>
 Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
                                 std::size_t slot, bool back);
+
+// Returns all light of the texels of one side.
+template <int D>
+std::vector<Vec<3, float>> all_light(const RadianceGrid<D>& grid, const Field<D>& field, bool back);
 
 // A grid for display, with its lights and texture as baked or changed.
 template <int D>
