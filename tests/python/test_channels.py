@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import tifffile
 from leaflight import read_volume
-from leaflight.io.reader_process import has_package
 from leaflight.io.readers import probe
 from leaflight.io.readers.channels import Channel, channel_of
+from microscope_files import needs
 from outcomes import reads, refused, written
 from PIL import Image
 
@@ -223,11 +223,6 @@ def test_components_of_vtk(tmp_path):
     writer.Write()
     assert [channel.name for channel in probe(path).channel_list] == ["along", "across"]
     assert reads(PIXELS[1], path, channel="across").name == "x across"
-
-
-def needs(package):
-    if not has_package(package):
-        pytest.skip(f"{package} is not installed")
 
 
 def test_czi(tmp_path):

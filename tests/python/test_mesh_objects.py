@@ -7,6 +7,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.io.images import display_colors
+from outcomes import refused
 
 EXPOSURE = 2.0
 
@@ -88,5 +89,4 @@ def test_a_missing_package_is_one_sentence(bake, surface, package, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     owner = bake if package == "xarray" else surface
     method = surface.to_vtk if package == "vtkmodules" else getattr(owner, f"to_{package}")
-    with pytest.raises(leaflight.LeaflightError, match="pip install"):
-        method()
+    refused("pip install", method)
