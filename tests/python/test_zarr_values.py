@@ -73,8 +73,7 @@ def write_group_3(path, axes="zyx"):
     ],
 )
 def test_codecs_of_zarr_3(tmp_path, codecs):
-    path = write_3(tmp_path / "x.zarr", VALUES, *codecs)
-    reads(VALUES, path)
+    reads(VALUES, write_3(tmp_path / "x.zarr", VALUES, *codecs))
 
 
 def test_ome_zarr_of_shards(tmp_path):
@@ -126,9 +125,8 @@ def _zarr_2(path, **options):
     zarr = pytest.importorskip("zarr")
     if int(zarr.__version__.partition(".")[0]) > 2:
         pytest.skip("zarr 3 writes other options")
-    array = zarr.open(
-        str(path), mode="w", shape=VALUES.shape, dtype=VALUES.dtype, chunks=(2, 3, 4), **options
-    )
+    about = {"shape": VALUES.shape, "dtype": VALUES.dtype, "chunks": (2, 3, 4), **options}
+    array = zarr.open(str(path), mode="w", **about)
     array[:] = VALUES
     return path
 
