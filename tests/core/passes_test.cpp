@@ -26,8 +26,7 @@ TEST(Passes, AreTheSameForAnyNumberOfThreads) {
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 5}) {
     settings.threads = threads;
-    Progress progress;
-    bakes.push_back(bake(scene, settings, progress));
+    bakes.push_back(test::baked(scene, settings));
   }
   expect_same_light(bakes);
 }
@@ -54,20 +53,18 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   EXPECT_EQ(stopped.statistics.passes, 1);
   EXPECT_TRUE(same_bits(passes[0], stopped.grids[0]));
   // A bake without a callback.
-  Progress alone;
-  EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
+  EXPECT_TRUE(same_bits(all.grids[0], test::baked(scene, settings).grids[0]));
 }
 
 TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = all_light(17);
-  Progress progress;
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
     const std::vector<PreviousLight<3>> previous =
         previous_light(stopped_after(1, scene, settings));
-    bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous}));
+    bakes.push_back(test::baked<3>(scene, settings, {{}, &previous}));
     EXPECT_EQ(bakes.back().statistics.passes, 2);
   }
   expect_same_light(bakes);
@@ -119,9 +116,8 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     for (int seed = 0; seed < seeds; ++seed) {
       settings.seed = seed;
       const Baked<3> uninterrupted = stopped_after(2, scene, settings);
-      const std::vector<PreviousLight<3>> previous =
-          previous_light(stopped_after(1, scene, settings));
-      const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+      const Baked<3> continued =
+          test::continued(stopped_after(1, scene, settings), scene, settings);
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
       now += one.per_texel / seeds;
@@ -142,9 +138,8 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   settings.both_sides = true;
   settings.resolution = {17, 17, 17};
   const Baked<3> uninterrupted = stopped_after(2, glowing, settings);
-  const std::vector<PreviousLight<3>> previous =
-      previous_light(stopped_after(1, glowing, settings));
-  const Baked<3> continued = stopped_after(1, glowing, settings, &previous);
+  const Baked<3> continued =
+      test::continued(stopped_after(1, glowing, settings), glowing, settings);
   // Inside the ball, most light is reflected more than once.
   EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).in_mean, 0,
               test::sanitized ? 0.05 : 0.02);
@@ -157,13 +152,12 @@ TEST(Passes, ContinuedKnowTheirError) {
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
   BakeSettings<3> settings = in_passes(0.1);
   settings.resolution = {25, 25, 25};
-  Progress progress;
   constexpr int bakes = 8;
   std::vector<Vec<3, float>> sum_of_others;
   std::vector<float> variance;  // variance of the sum
   for (int i = 0; i < bakes; ++i) {
     settings.seed = 9 + i;
-    const RadianceGrid<3> other = bake(scene, settings, progress).grids[0];
+    const RadianceGrid<3> other = test::baked(scene, settings).grids[0];
     sum_of_others.resize(other.radiance.size(), Vec<3, float>(0));
     variance.resize(other.radiance.size());
     for (std::size_t s = 0; s < variance.size(); ++s) {
@@ -185,13 +179,8 @@ TEST(Passes, ContinuedKnowTheirError) {
   constexpr int seeds = 4;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = seed;
-    const std::vector<PreviousLight<3>> previous =
-        previous_light(stopped_after(1, scene, settings));
-    const Baked<3> continued = stopped_after(1, scene, settings, &previous);
-    // Continue a second time.
-    const std::vector<PreviousLight<3>> again = previous_light(continued);
-    const double twice = coverage(stopped_after(1, scene, settings, &again));
-    sum += (coverage(continued) + twice) / 2;
+    const Baked<3> once = test::continued(stopped_after(1, scene, settings), scene, settings);
+    sum += (coverage(once) + coverage(test::continued(once, scene, settings))) / 2;
   }
   EXPECT_NEAR(sum / seeds, 0.95, 0.03);
 }
@@ -202,21 +191,19 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   settings.resolution = {17, 17, 17};
   BakeSettings<3> coarse = settings;
   coarse.resolution = {9, 9, 9};
-  Progress progress;
-  const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
+  const std::vector<PreviousLight<3>> other = previous_light(test::baked(scene, coarse));
   // A first picture has other texels, so a bake that continues it starts from the beginning.
-  EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
-                        bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
+  EXPECT_TRUE(same_bits(test::baked(scene, settings).grids[0],
+                        test::baked<3>(scene, settings, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
-  EXPECT_THROW(bake<3>(wider, coarse, progress, {{}, &other}), Error);
+  EXPECT_THROW(test::baked<3>(wider, coarse, {{}, &other}), Error);
 }
 
 TEST(Passes, EndInTime) {
   BakeSettings<3> settings = in_passes();
   settings.error = 1e-4;
   settings.seconds = 1e-9;  // is over before the second pass
-  Progress progress;
-  const Baked<3> baked = bake(small_scene(), settings, progress);
+  const Baked<3> baked = test::baked(small_scene(), settings);
   EXPECT_TRUE(baked.statistics.stopped);
   EXPECT_GT(baked.statistics.noise_percent, 1e-4);
 }
@@ -269,8 +256,7 @@ TEST(Passes, PlanesInTheSunAreExact) {
                                   Rgb(0.5f), {0.2, 0.8});
   const Vec3 down = Vec3(0.3, -0.2, -1).normalized();
   scene.lights.push_back(SunLight<3>{"sun", down, Rgb(2, 1, 0.5f)});
-  Progress progress;
-  const Baked<3> baked = bake(scene, in_passes(), progress);
+  const Baked<3> baked = test::baked(scene, in_passes());
   for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
     const double factor = 0.5 / pi * -down.z;
     const auto& radiance = baked.grids[0].radiance[s];
@@ -284,14 +270,10 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   Scene<3> scene = test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return 1 - x.z; }),
                                   Rgb(0.8f), {0.2, 0.8});
   const Vec3 lamp(0.4, 0.7, 1.5);
-  PointLight<3> light;
-  light.position = lamp;
-  light.intensity = Rgb(3.0f);
-  scene.lights.push_back(light);
+  scene.lights.push_back(PointLight<3>{"bulb", lamp, 0, Rgb(3.0f), {}});
   BakeSettings<3> settings = in_passes();
   settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = test::baked(scene, settings);
   for_each_center(scene, baked, [&](const Vec3& x, double, std::size_t s) {
     const Vec3 to_lamp = lamp - x;
     const double expected = 0.8 / pi * 3 * to_lamp.z / std::pow(to_lamp.length(), 3);
@@ -303,14 +285,10 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
 TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   // Isosurfaces are spheres of radius 0.4 to 0.1 about the light.
   Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
-  PointLight<3> light;
-  light.position = Vec3(0.5);
-  light.intensity = Rgb(1.0f);
-  scene.lights.push_back(light);
+  scene.lights.push_back(PointLight<3>{"bulb", Vec3(0.5), 0, Rgb(1.0f), {}});
   BakeSettings<3> settings = in_passes();
   settings.both_sides = true;
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = test::baked(scene, settings);
   ASSERT_TRUE(baked.grids[0].has_back());
   double ratio = 0;
   int count = 0;
@@ -334,8 +312,7 @@ TEST(Passes, FurnaceIsUniform) {
   const Scene<3> scene = test::furnace(test::torus(17), {0.7, 0.95}, 1, 0.5f);
   BakeSettings<3> settings = in_passes();
   settings.exposure = 0.2;  // so that no color is white, whose noise would be ignored
-  Progress progress;
-  const Baked<3> baked = bake(scene, settings, progress);
+  const Baked<3> baked = test::baked(scene, settings);
   double sum = 0, square = 0;
   int count = 0;
   for_each_center(scene, baked, [&](const Vec3&, double, std::size_t s) {
@@ -358,10 +335,8 @@ TEST(Passes, AgreeWithThePathTracer) {
                {"torus", test::cornell(test::torus(33), {0.75, 0.95}), 0.85}};
   for (const auto& [name, scene, c] : cases) {
     const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), c, 40);
-    Progress progress;
-    const auto truth =
-        reference_radiance(scene, points, test::reference_settings(c, 2048, 5), progress);
-    const Baked<3> baked = bake(scene, in_passes(), progress);
+    const auto truth = test::traced(scene, points, c, 2048, 5);
+    const Baked<3> baked = test::baked(scene, in_passes());
     const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
       return test::lookup_world(scene, baked, points[i]);
     });

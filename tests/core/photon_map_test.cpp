@@ -142,20 +142,7 @@ Scene<3> lit_ball<3>() {
 
 template <>
 Scene<2> lit_ball<2>() {
-  Scene<2> scene = test::scene_of(test::ball<2>(65), Rgb(0.75f), IsovalueRange{0.55, 0.9});
-  const auto add = [&](const Vec<2>& a, const Vec<2>& b, const Rgb& albedo) {
-    Mesh<2> mesh;
-    mesh.name = "wall";
-    mesh.vertices = {Vec<2, float>(a), Vec<2, float>(b)};
-    mesh.facets = {{0, 1}};
-    mesh.albedo = albedo;
-    scene.meshes.push_back(mesh);
-  };
-  add({1.3, -0.3}, {1.3, 1.3}, Rgb(0.1f, 0.5f, 0.1f));
-  add({1.3, 1.3}, {-0.3, 1.3}, Rgb(0.7f));
-  add({-0.3, 1.3}, {-0.3, -0.3}, Rgb(0.6f, 0.1f, 0.1f));
-  scene.lights.push_back(AreaLight<2>{"lamp", {0.8, 1.25}, {Vec<2>(-0.6, 0)}, Rgb(3)});
-  return scene;
+  return test::flat_cornell();
 }
 
 template <int D>
