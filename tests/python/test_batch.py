@@ -39,7 +39,6 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     lines.append(f"bump_box --dims 10 --error 5 --out {tmp_path}/box.vdb  # generated")
     path = listed(tmp_path, *lines)
     assert "3 baked, 0 already complete" in cli.runs("batch", path, "--workers", "2")
-    # Each must be equal to the result of `bake`.
     alone = tmp_path / "alone.vdb"
     cli.runs("bake", scan, "--frame", 1, "--error", 5, "--out", alone)
     found = [load_bake(one).grid.dense("radiance") for one in (alone, tmp_path / "frame 1.vdb")]

@@ -39,9 +39,6 @@ def srgb(linear):
     return 255 * encoded
 
 
-# --- volumes
-
-
 def read_vti(path):
     image = vtk_files.read("XMLImageData", path)
     return image, vtk_files.numbers_of(image.GetPointData())
@@ -136,9 +133,6 @@ def test_between_voxels_values_are_those_of_the_field(finer):
     points = (np.c_[index, np.ones(50)] @ grid.index_to_world.T)[:, :3]
     expected = finer.volume.field().sample(points)
     np.testing.assert_allclose(grid.values[tuple(index.T[::-1])], expected, atol=1e-4)
-
-
-# --- isosurfaces
 
 
 def test_vtp(box_bake, surface, tmp_path):
@@ -276,9 +270,6 @@ def test_a_sequence_as_usd_has_a_time_sample_each(box_bake, tmp_path):
     for frame, (isovalue, surface) in enumerate(surfaces.items(), start=1):
         assert mesh.GetPrim().GetAttribute("isovalue").Get(frame) == isovalue
         np.testing.assert_array_equal(np.array(mesh.GetPointsAttr().Get(frame)), surface.vertices)
-
-
-# --- what cannot be
 
 
 def test_sentences(box_bake, tmp_path):

@@ -49,7 +49,6 @@ def test_the_isosurface_fills_half_to_all_of_a_picture(sides, size):
     rows, columns = np.nonzero(picture[..., 3])
     filled = max(np.ptp(rows) / size[1], np.ptp(columns) / size[0])
     assert 0.5 < filled < 0.95
-    # It must be in the middle of the picture.
     assert abs(rows.min() + rows.max() - size[1]) < 0.1 * size[1]
     assert abs(columns.min() + columns.max() - size[0]) < 0.1 * size[0]
 
@@ -68,7 +67,6 @@ def test_a_patient_is_seen_from_the_front_and_the_room_stands_around_it(cornell_
     walls = {mesh.name: mesh.vertices.mean(axis=0) for mesh in cornell_patient.scene.meshes}
     middle = np.full(3, 1.55)
     assert walls["back wall"][1] < middle[1] - 1 and walls["left wall"][0] > middle[0] + 1
-    # The file must store the direction.
     assert azimuth(framing(lit(block(12, 20, 20, patient=True)))) == 180
 
 

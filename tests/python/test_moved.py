@@ -184,7 +184,6 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     there = with_lamp_moved(scene)
     ours = bake.moved(BOX, there)
     assert ours.original is bake and len({bake.id, ours.id, baked(BOX, there).id}) == 3
-    # Move a moved bake again, and back.
     again = bake.moved(BOX, with_wall_moved(scene)).moved(BOX, there)
     assert again.original is bake and again.id == ours.id
     np.testing.assert_array_equal(again.grid.dense("radiance"), ours.grid.dense("radiance"))

@@ -41,7 +41,6 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
     points = last.surface(47.0).vertices
     noise = [one.radiance_error(points).mean() for one in (seen[0], last)]
     assert noise[1] < 0.8 * noise[0]
-    # The bake of a pass can be saved like any other.
     seen[0].save(tmp_path / "first.vdb")
     first = load_bake(tmp_path / "first.vdb")
     assert first.id == seen[0].id and first.provenance.passes == 1

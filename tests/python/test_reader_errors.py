@@ -182,7 +182,6 @@ def test_what_cannot_fit_is_refused_before_it_is_allocated(tmp_path, cli, monkey
     monkeypatch.setattr(reading, "machine_memory", lambda: 2**34)
     path = tmp_path / "x.raw"
     with open(path, "wb") as file:
-        # Write a sparse file.
         file.truncate(2**42)
     dims = ("--dims", 2**14, 2**14, 2**14, "--type", "uint8")
     said = cli.refuses("4398.0 GB", "info", path, *dims)

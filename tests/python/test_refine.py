@@ -92,7 +92,6 @@ def test_walls_are_lit_anew(box):
     before, after = (b.walls.radiance(0, 50.0) for b in (previous, more))
     assert before.shape == after.shape and not np.array_equal(before, after)
     assert after.mean() == pytest.approx(before.mean(), rel=0.05)
-    # Bake without walls, whether they were requested or not.
     without = refine(previous, walls=False)
     assert without.walls is None and without.provenance.walls is False
 
@@ -137,7 +136,6 @@ def test_the_command_line(cli, root, tmp_path):
     assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
-    # Continue the bake into the same file.
     cli.runs("bake", "--continue", more, "--out", more, "--error", "0.4")
     cli.refuses("(--error).", *continued)
     others = ("--isovalues", "30", "60", "--seed", "2", "--both-sides")

@@ -52,7 +52,6 @@ def test_isosurfaces_stay_and_their_normals_are_smooth(values, tmp_path):
     np.testing.assert_array_equal(vertices, sharp_vertices)
     assert np.abs(normals - expected_normals(smooth(values), vertices)).max() < 1e-3
     assert np.abs(sharp_normals - expected_normals(values.astype(float), vertices)).max() < 1e-3
-    # The normals must be free of noise.
     out = (vertices - 14.5) / np.linalg.norm(vertices - 14.5, axis=1, keepdims=True)
     assert (normals * out).sum(axis=1).min() > 0.9 > (sharp_normals * out).sum(axis=1).min()
 

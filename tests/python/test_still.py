@@ -114,7 +114,6 @@ def test_the_command(cli, box_file, tmp_path):
 
     colors = np.asarray(Image.open(tmp_path / "box.png"))
     assert colors.shape == (48, 64, 4) and colors[..., 3].min() == 0 and colors[..., :3].max() > 100
-    # A file can define the camera.
     placed = '{"position": [0.5, 0.5, 4], "target": [0.5, 0.5, 0.5], "up": [0, 1, 0]}'
     camera = written(tmp_path / "camera.json", placed)
     out = tmp_path / "other.png"

@@ -54,9 +54,6 @@ def white(nodes=17):
     return texture_of(labels(nodes), WHITE)
 
 
-# --- agreement
-
-
 def test_a_resumed_bake_has_the_same_bits(tmp_path):
     scene = scene_with(TEXTURES["a map over values"]())
     arguments = {"volumes": on_box(wavy, 8), "scene": scene, "isovalues": ISOVALUES, "error": 0.3}
@@ -131,9 +128,6 @@ def test_a_red_label_colors_the_white_wall_beside_it():
     assert ratios["left wall"] > 1.08 and ratios["right wall"] < 0.97
 
 
-# --- no change without colors
-
-
 def test_a_white_texture_changes_no_bit_of_paths():
     volumes = [ball(12, up=1.3), ball(12)]
     settings = {**SMALL, "isovalues": None}
@@ -158,9 +152,6 @@ def test_without_a_texture_files_have_no_byte_more(tmp_path):
     assert b"texture" not in files[0]
     more = len(textured.provenance.to_json()) - len(plain.provenance.to_json())
     assert len(files[1]) - len(files[0]) == more
-
-
-# --- changes after a bake
 
 
 def saddle():
@@ -205,9 +196,6 @@ def test_bounces_keep_the_old_color():
     # Red light has lost little, and blue light almost all that isosurfaces reflect.
     red, blue = (shown.mean(axis=0) / new.mean(axis=0))[[0, 2]]
     assert 0.9 < red < 1.0 and blue < red - 0.02
-
-
-# --- unusable and unusual textures
 
 
 def test_values_that_are_no_colors_are_refused():
