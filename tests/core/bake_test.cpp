@@ -18,14 +18,6 @@ BakeSettings<3> quick() {
 
 Scene<3> small_scene() { return test::cornell(test::ball<3>(25), {0.6, 0.9}); }
 
-TEST(Bake, ReportsProgress) {
-  Progress progress;
-  EXPECT_EQ(progress.fraction(), 0);
-  bake(small_scene(), quick(), progress);
-  EXPECT_GT(progress.fraction(), 0.5);
-  EXPECT_FALSE(progress.stage().empty());
-}
-
 TEST(Bake, StoresOnlyTexelsThatAnIsosurfaceReaches) {
   const Scene<3> scene = test::cornell(test::ball<3>(49), {0.85, 0.9});
   const RadianceGrid<3> grid = test::baked(scene, quick()).grids[0];

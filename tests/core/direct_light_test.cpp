@@ -12,14 +12,12 @@ namespace {
 Progress ignored;
 
 template <int D>
-AreaLight<D> lamp_above();
-template <>
-AreaLight<3> lamp_above<3>() {
-  return {"lamp", {0.2, 0.3, 1.4}, {Vec3(0, 0.6, 0), Vec3(0.4, 0, 0)}, Rgb(3, 2, 1)};
-}
-template <>
-AreaLight<2> lamp_above<2>() {
-  return {"lamp", {0.8, 1.4}, {Vec<2>(-0.6, 0.0)}, Rgb(3, 2, 1)};
+AreaLight<D> lamp_above() {
+  if constexpr (D == 3) {
+    return {"lamp", {0.2, 0.3, 1.4}, {Vec3(0, 0.6, 0), Vec3(0.4, 0, 0)}, Rgb(3, 2, 1)};
+  } else {
+    return {"lamp", {0.8, 1.4}, {Vec<2>(-0.6, 0.0)}, Rgb(3, 2, 1)};
+  }
 }
 
 template <int D>

@@ -18,24 +18,18 @@ using Point = Vec<2>;
 
 constexpr double c = 0.72;
 
-// A wall of the square [-0.3, 1.3]^2, counter-clockwise, so that its left side is inside.
-struct Wall {
-  Point corner, edge;
-};
-const std::vector<Wall> walls{{{-0.3, -0.3}, {1.6, 0}},
-                              {{1.3, -0.3}, {0, 1.6}},
-                              {{1.3, 1.3}, {-1.6, 0}},
-                              {{-0.3, 1.3}, {0, -1.6}}};
-
 Scene<2> disc_scene(const Rgb& isosurface_albedo) {
   return test::scene_of(test::ball<2>(65), isosurface_albedo, {0.55, 0.9});
 }
 
 Scene<2> furnace(double albedo) {
   Scene<2> scene = disc_scene(Rgb(1));
-  for (const Wall& wall : walls) {
-    scene.meshes.push_back(test::wall(wall.corner, wall.edge, Rgb(static_cast<Real>(albedo))));
-    scene.lights.push_back(AreaLight<2>{"glow", wall.corner, {wall.edge}, Rgb(1)});
+  // The corners of a square, counter-clockwise.
+  const std::array<Point, 4> corners{{{-0.3, -0.3}, {1.3, -0.3}, {1.3, 1.3}, {-0.3, 1.3}}};
+  for (int i = 0; i < 4; ++i) {
+    const Point edge = corners[(i + 1) % 4] - corners[i];
+    scene.meshes.push_back(test::wall(corners[i], edge, Rgb(static_cast<Real>(albedo))));
+    scene.lights.push_back(AreaLight<2>{"glow", corners[i], {edge}, Rgb(1)});
   }
   return scene;
 }

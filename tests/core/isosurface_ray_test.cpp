@@ -112,22 +112,6 @@ TEST(IsosurfaceRay, ClosedIsosurfaceHoldsRays) {
   expect_watertight<2>(ball<2>(24), 0.61, {14.37, 9.71}, 200'000);
 }
 
-TEST(IsosurfaceRay, NoisyClosedIsosurfaceHoldsRays) {
-  Field<3> field = noise<3>(12, 5, -1.0);
-  Random random(17);
-  int started = 0;
-  for (int i = 0; i < 100'000; ++i) {
-    IsosurfaceRay<3> ray;
-    for (int a = 0; a < 3; ++a) ray.position[a] = 11 * random.uniform();
-    ray.isovalue = 0.5;
-    ray.direction = test::random_direction(random);
-    if (clamped_value(field, ray.position) < 0.5) continue;
-    ++started;
-    ASSERT_TRUE(intersect(field, ray));
-  }
-  EXPECT_GT(started, 10'000);
-}
-
 // Crossings must alternate between the sides. A ray from outside must cross a closed isosurface an
 // even number of times. Restarts at each hit must neither repeat nor skip a crossing.
 TEST(IsosurfaceRay, RestartingVisitsEachCrossingOnce) {

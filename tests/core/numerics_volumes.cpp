@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/sampling.h"
-#include "errors.h"
 #include "figures.h"
 
 namespace leaflight {
@@ -137,20 +136,6 @@ TEST(NumericsVolumes, TwoRangesAreFinite) {
   scene.volumes[1].field = all[1].field;
   scene.volumes[1].scale = 1e30;
   expect_light(scene, "two ranges");
-}
-
-TEST(NumericsVolumes, InfiniteValuesAreRefused) {
-  for (const double infinite : {HUGE_VAL, -HUGE_VAL}) {
-    const auto h = [&](int i, int j, int k) { return i == 1 ? infinite : j + k; };
-    EXPECT_THROW(field_of({3, 3, 3}, h), Error);
-  }
-}
-
-// Near 1e6, single precision has steps of 1/16, so a variation of 1e-3 is lost. An error must
-// report it.
-TEST(NumericsVolumes, VariationBelowSinglePrecisionIsRefused) {
-  const auto h = [](int i, int j, int k) { return 1e6 + 1e-3 * ball(i, j, k); };
-  test::expect_refused("same value 1e+06 in single precision", [&] { field_of({13, 13, 13}, h); });
 }
 
 // The lamp lies on an isosurface, inside one, or touches one with its edge.

@@ -214,7 +214,9 @@ TEST(Passes, ExpectTheirWorkAndThatOfTheWalls) {
   for (const bool walls : {false, true}) {
     settings.walls = walls;
     Progress progress;
+    EXPECT_EQ(progress.fraction(), 0);
     bake(small_scene(), settings, progress);
+    EXPECT_FALSE(progress.stage().empty());
     EXPECT_GT(progress.fraction(), 0.5);
     EXPECT_LT(progress.fraction(), 1);
   }

@@ -132,18 +132,7 @@ TYPED_TEST(PlanePhotons, HaveTheBiasesStated) {
   check_plane<D>(10, DensityRegion::clipped_sphere, 1.01, 0.015);
 }
 
-template <int D>
-Scene<D> lit_ball();
-
-template <>
-Scene<3> lit_ball<3>() {
-  return test::cornell(test::ball<3>(41), {0.6, 0.9});
-}
-
-template <>
-Scene<2> lit_ball<2>() {
-  return test::flat_cornell();
-}
+Scene<3> lit_ball() { return test::cornell(test::ball<3>(41), {0.6, 0.9}); }
 
 template <int D>
 Vec<D> on_sphere(Random& random) {
@@ -220,11 +209,11 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
 }
 
 TEST(ThesisEstimator, AgreesWithTheVolumetricOne) {
-  compare_with_volumetric(lit_ball<3>(), 2'000'000);
+  compare_with_volumetric(lit_ball(), 2'000'000);
 }
 
 TEST(ThesisEstimator, AgreesWithTheVolumetricOneInThePlane) {
-  compare_with_volumetric(lit_ball<2>(), 1'000'000);
+  compare_with_volumetric(test::flat_cornell(), 1'000'000);
 }
 
 TEST(PhotonMap, RadiusLimitsTheSearch) {
@@ -265,7 +254,7 @@ TEST(PhotonMap, BadSettingsAreErrors) {
 }
 
 TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
-  const Scene<3> scene = lit_ball<3>();
+  const Scene<3> scene = lit_ball();
   const SceneTracer<3> tracer(scene);
   std::vector<StoredPhoton<3>> one, all = photons_of(tracer, 50'000);
   tbb::task_arena(1).execute([&] { one = photons_of(tracer, 50'000); });
