@@ -23,6 +23,29 @@ inline constexpr bool sanitized = false;
 #endif
 constexpr int fewer(int count) { return sanitized ? std::max(2, count / 32) : count; }
 
+template <int D>
+FixedSettings<D> fixed_settings(EstimatorName estimator, int samples, int photons) {
+  FixedSettings<D> settings;
+  settings.samples = samples;
+  settings.photons = settings.caustic_photons = photons;
+  settings.estimator = estimator;
+  return settings;
+}
+
+template <int D>
+Baked<D> baked(const Scene<D>& scene, const FixedSettings<D>& settings) {
+  Progress progress;
+  return bake_with_fixed_samples(scene, settings, progress);
+}
+
+// Returns path-traced radiance at points of the isosurface c or of meshes.
+template <int D, class Point>
+std::vector<ReferenceRadiance> traced(const Scene<D>& scene, const std::vector<Point>& points,
+                                      double c, int samples, std::uint64_t seed) {
+  Progress progress;
+  return reference_radiance(scene, points, reference_settings(c, samples, seed), progress);
+}
+
 inline double mean_of(const std::vector<ReferenceRadiance>& reference) {
   double sum = 0;
   for (const auto& r : reference) sum += average(r.radiance);
@@ -55,12 +78,8 @@ template <int D>
 Agreement agreement(const Scene<D>& scene, const std::vector<Vec<D>>& points,
                     const std::vector<ReferenceRadiance>& reference, EstimatorName estimator,
                     int samples, int photons) {
-  FixedSettings<D> settings;
-  settings.samples = fewer(samples);
-  settings.photons = settings.caustic_photons = fewer(photons);
-  settings.estimator = estimator;
-  Progress progress;
-  const Baked<D> baked = bake_with_fixed_samples(scene, settings, progress);
+  const auto settings = fixed_settings<D>(estimator, fewer(samples), fewer(photons));
+  const Baked<D> baked = test::baked(scene, settings);
   return compare(points.size(), reference,
                  [&](std::size_t i) { return lookup_world(scene, baked, points[i]); });
 }
@@ -84,9 +103,7 @@ inline void expect_agreement(const Scene<3>& scene, double c, EstimatorName esti
                              int photons, double mean_tolerance, double rms_tolerance) {
   const std::vector<Vec3> points =
       isosurface_points(field_of(scene), scene.volumes[0].isovalue(c), 17);
-  Progress progress;
-  const auto reference =
-      reference_radiance(scene, points, reference_settings(c, fewer(1024), 3), progress);
+  const auto reference = traced(scene, points, c, fewer(1024), 3);
   const Agreement found = agreement(scene, points, reference, estimator, samples, photons);
   EXPECT_NEAR(found.mean_ratio, 1, sanitized ? 0.3 : mean_tolerance);
   EXPECT_LT(found.relative_rms, sanitized ? 10 : rms_tolerance);

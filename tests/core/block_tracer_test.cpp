@@ -61,18 +61,17 @@ TEST(BlockTracer, AreTheSameWhoeverTracesTheirBlocks) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = all_light(17);
   settings.error /= 4;
-  Progress progress;
   TwoTracers others(scene, settings);
-  std::vector<Baked<3>> bakes{bake(scene, settings, progress)};
-  bakes.push_back(bake<3>(scene, settings, progress, {{}, nullptr, nullptr, &others.calls()}));
+  std::vector<Baked<3>> bakes{test::baked(scene, settings)};
+  bakes.push_back(test::baked<3>(scene, settings, {{}, nullptr, nullptr, &others.calls()}));
   expect_same_light(bakes);
   EXPECT_EQ(bakes[0].statistics.rays, bakes[1].statistics.rays);
   EXPECT_GT(others.lost(), 0);
   // The blocks of a continued bake have higher numbers.
   const std::vector<PreviousLight<3>> previous = previous_light(stopped_after(1, scene, settings));
   TwoTracers again(scene, settings);
-  bakes = {bake<3>(scene, settings, progress, {{}, &previous})};
-  bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous, nullptr, &again.calls()}));
+  bakes = {test::baked<3>(scene, settings, {{}, &previous})};
+  bakes.push_back(test::baked<3>(scene, settings, {{}, &previous, nullptr, &again.calls()}));
   expect_same_light(bakes);
   EXPECT_GT(again.asked(), 0);
 }
@@ -83,7 +82,7 @@ TEST(BlockTracer, RefuseABlockOfAnotherBake) {
   strange.begin = [](int, int, const std::function<void(std::ostream&)>&) {};
   strange.take = [](int) { return std::string("a block"); };
   Progress progress;
-  EXPECT_THROW(bake<3>(scene, in_passes(), progress, {{}, nullptr, nullptr, &strange}), Error);
+  EXPECT_THROW(test::baked<3>(scene, in_passes(), {{}, nullptr, nullptr, &strange}), Error);
   Scene<3> mirror = scene;
   mirror.volumes[0].scattering = Scattering::mirror;
   EXPECT_THROW(BlockTracer(mirror, in_passes(), progress), Error);

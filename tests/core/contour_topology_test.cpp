@@ -180,7 +180,9 @@ TEST(ContourTopology, EveryKindOfTunnelOccurs) {
 TEST(ContourTopology, NoiseIsAClosedManifold) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const IsosurfaceMesh mesh = contour(test::noise<3>(18, seed, -1.0), 0.5);
+    EXPECT_GT(mesh.triangles.size(), 5000u);
     EXPECT_TRUE(test::closed(mesh)) << "seed " << seed;
+    EXPECT_GT(test::signed_volume(mesh), 0) << "seed " << seed;
     test::expect_manifold(mesh);
     if (testing::Test::HasFatalFailure()) FAIL() << "seed " << seed;
   }
@@ -198,9 +200,10 @@ TEST(ContourTopology, IntegersAreAClosedManifold) {
       }
       return h;
     });
-    for (const double c : {1.0, 1.5, 2.0, 2.5, 3.0}) {
+    for (const double c : {0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
       const IsosurfaceMesh mesh = contour(field, c);
       EXPECT_TRUE(test::closed(mesh)) << "isovalue " << c;
+      for (const auto& v : mesh.vertices) ASSERT_TRUE(std::isfinite(v.x + v.y + v.z));
       test::expect_manifold(mesh);
       if (testing::Test::HasFatalFailure()) FAIL() << "seed " << seed << " isovalue " << c;
     }

@@ -12,14 +12,12 @@ namespace {
 Progress ignored;
 
 template <int D>
-AreaLight<D> lamp_above();
-template <>
-AreaLight<3> lamp_above<3>() {
-  return {"lamp", {0.2, 0.3, 1.4}, {Vec3(0, 0.6, 0), Vec3(0.4, 0, 0)}, Rgb(3, 2, 1)};
-}
-template <>
-AreaLight<2> lamp_above<2>() {
-  return {"lamp", {0.8, 1.4}, {Vec<2>(-0.6, 0.0)}, Rgb(3, 2, 1)};
+AreaLight<D> lamp_above() {
+  if constexpr (D == 3) {
+    return {"lamp", {0.2, 0.3, 1.4}, {Vec3(0, 0.6, 0), Vec3(0.4, 0, 0)}, Rgb(3, 2, 1)};
+  } else {
+    return {"lamp", {0.8, 1.4}, {Vec<2>(-0.6, 0.0)}, Rgb(3, 2, 1)};
+  }
 }
 
 template <int D>
@@ -31,11 +29,7 @@ Vec<D> along_all(double first, double rest) {
 
 template <int D>
 PointLight<D> point_light(const Vec<D>& position) {
-  PointLight<D> light;
-  light.name = "point";
-  light.position = position;
-  light.intensity = Rgb(1.0f);
-  return light;
+  return {"point", position, 0, Rgb(1.0f), {}};
 }
 
 // Returns a field with two bumps, so that isosurfaces cast shadows on themselves.
@@ -342,12 +336,7 @@ TEST(LightPoints, TakeTheSunOutOfAnImage) {
   image->pixels.assign(64 * 32, Vec<3, float>(0.1f));
   image->pixels[20 * 64 + 10] = Vec<3, float>(400, 300, 200);
   Scene<3> scene = test::scene_of(bumps<3>(9), Rgb(0.5f), {0.2, 0.9});
-  Affine<3> same;
-  for (int a = 0; a < 3; ++a) {
-    same.column[a] = Vec3(0.0);
-    same.column[a][a] = 1;
-  }
-  scene.environment = Environment<3>{"world", Rgb(1), image, same};
+  scene.environment = Environment<3>{"world", Rgb(1), image, test::unit_cube<3>(2)};
   const SceneTracer<3> tracer(scene);
   const SplitLight<3> split = split_light(tracer);
   ASSERT_FALSE(split.points.empty());

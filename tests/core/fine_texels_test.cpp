@@ -55,8 +55,7 @@ TEST(FineTexels, LowerAnErrorThatBlocksCannotLower) {
   const std::vector<PreviousLight<3>> previous = test::previous_light(passes.last);
   BakeSettings<3> settings;
   settings.error = 0.98 * passes.errors.back();
-  Progress progress;
-  const Baked<3> more = bake<3>(wavy_scene(), settings, progress, {{}, &previous});
+  const Baked<3> more = test::baked<3>(wavy_scene(), settings, {{}, &previous});
   EXPECT_EQ(more.grids[0].unfiltered.resolution, fine);
   EXPECT_GT(more.statistics.blocks, passes.last.statistics.blocks);
 }

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.h"
 #include "cancelling.h"
+#include "errors.h"
 #include "whole_passes.h"
 
 namespace leaflight {
@@ -13,12 +13,7 @@ namespace {
 
 using test::same_bits;
 
-FixedSettings<3> quick() {
-  FixedSettings<3> settings;
-  settings.samples = 4;
-  settings.photons = 50'000;
-  return settings;
-}
+FixedSettings<3> quick() { return test::fixed_settings<3>(EstimatorName::gather, 4, 50'000); }
 
 Scene<3> small_scene() { return test::cornell(test::ball<3>(25), {0.6, 0.9}); }
 
@@ -33,8 +28,7 @@ TEST(FixedSamples, AreTheSameForAnyNumberOfThreads) {
     std::vector<Baked<3>> bakes;
     for (const int threads : {1, 2, 5}) {
       settings.threads = threads;
-      Progress progress;
-      bakes.push_back(bake_with_fixed_samples(scene, settings, progress));
+      bakes.push_back(test::baked(scene, settings));
       EXPECT_EQ(bakes.back().statistics.rays, bakes.front().statistics.rays);
     }
     EXPECT_TRUE(same_bits(bakes[0], bakes[1]));
@@ -45,11 +39,9 @@ TEST(FixedSamples, AreTheSameForAnyNumberOfThreads) {
 TEST(FixedSamples, DependOnTheSeed) {
   const Scene<3> scene = small_scene();
   FixedSettings<3> settings = quick();
-  Progress first, second;
-  const Baked<3> a = bake_with_fixed_samples(scene, settings, first);
+  const Baked<3> before = test::baked(scene, settings);
   settings.seed = 1;
-  const Baked<3> b = bake_with_fixed_samples(scene, settings, second);
-  EXPECT_FALSE(same_bits(a, b));
+  EXPECT_FALSE(same_bits(before, test::baked(scene, settings)));
 }
 
 double seconds_to_cancel_a_bake(EstimatorName estimator) {
@@ -121,11 +113,8 @@ TEST(Plan, BackIsNeededWhereALampReachesIn) {
   askew.column = {Vec3(s, s, 0), Vec3(-s, s, 0), Vec3(0, 0, 1.0 / 24)};
   Field<3>& domain = scene.volumes[0].field;
   domain = make_field(domain.values, domain.dims, askew, domain.owner);
-  PointLight<3> lamp;
-  lamp.radius = 0.5;
   for (const double y : {0.0, -1.5}) {
-    lamp.position = Vec3(0.5, y, 0.5);
-    scene.lights = {lamp};
+    scene.lights = {PointLight<3>{"lamp", {0.5, y, 0.5}, 0.5, Rgb(1), {}}};
     EXPECT_EQ(plan_for(scene, EstimatorName::gather).back_side, y == 0) << y;
   }
 }
@@ -134,30 +123,25 @@ TEST(Plan, ForcingASkippedPassChangesNothing) {
   const Scene<3> scene = small_scene();
   Plan forced = plan_for(scene, EstimatorName::gather);
   forced.back_side = true;
-  Progress first, second;
-  EXPECT_TRUE(same_bits(bake_with_fixed_samples(scene, quick(), first),
-                        bake_with_fixed_samples(scene, quick(), forced, second)));
+  Progress progress;
+  EXPECT_TRUE(same_bits(test::baked(scene, quick()),
+                        bake_with_fixed_samples(scene, quick(), forced, progress)));
 }
 
 TEST(FixedSamples, RefuseBadSettings) {
-  Progress progress;
-  const auto message = [&](auto change) -> std::string {
-    FixedSettings<3> settings = quick();
-    change(settings);
-    try {
-      bake_with_fixed_samples(small_scene(), settings, progress);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
-  };
   using Settings = FixedSettings<3>;
-  EXPECT_NE(message([](Settings& s) { s.samples = 0; }).find("samples"), std::string::npos);
-  EXPECT_NE(message([](Settings& s) { s.photons = 0; }).find("photons"), std::string::npos);
-  EXPECT_NE(message([](Settings& s) { s.threads = -1; }).find("threads"), std::string::npos);
-  EXPECT_NE(message([](Settings& s) { s.photon_map.k = 1; }), "");
-  EXPECT_NE(message([](Settings& s) { s.only_at = {Vec3(0.5)}; }).find("needs all texels"),
-            std::string::npos);
+  const std::pair<const char*, std::function<void(Settings&)>> cases[] = {
+      {"samples", [](Settings& s) { s.samples = 0; }},
+      {"photons", [](Settings& s) { s.photons = 0; }},
+      {"threads", [](Settings& s) { s.threads = -1; }},
+      {"gathers 1 photons", [](Settings& s) { s.photon_map.k = 1; }},
+      {"needs all texels", [](Settings& s) { s.only_at = {Vec3(0.5)}; }},
+  };
+  for (const auto& [words, change] : cases) {
+    Settings settings = quick();
+    change(settings);
+    test::expect_refused(words, [&] { test::baked(small_scene(), settings); });
+  }
 }
 
 }  // namespace

@@ -18,45 +18,19 @@ using Point = Vec<2>;
 
 constexpr double c = 0.72;
 
-// A wall of the square [-0.3, 1.3]^2, counter-clockwise, so that its left side is inside.
-struct Wall {
-  Point corner, edge;
-};
-const std::vector<Wall> walls{{{-0.3, -0.3}, {1.6, 0}},
-                              {{1.3, -0.3}, {0, 1.6}},
-                              {{1.3, 1.3}, {-1.6, 0}},
-                              {{-0.3, 1.3}, {0, -1.6}}};
-
-void add_wall(Scene<2>& scene, const Wall& wall, const Rgb& albedo) {
-  Mesh<2> mesh;
-  mesh.name = "wall";
-  for (const Point& p : {wall.corner, wall.corner + wall.edge}) mesh.vertices.emplace_back(p);
-  mesh.facets = {{0, 1}};
-  mesh.albedo = albedo;
-  scene.meshes.push_back(mesh);
-}
-
 Scene<2> disc_scene(const Rgb& isosurface_albedo) {
   return test::scene_of(test::ball<2>(65), isosurface_albedo, {0.55, 0.9});
 }
 
 Scene<2> furnace(double albedo) {
   Scene<2> scene = disc_scene(Rgb(1));
-  for (const Wall& wall : walls) {
-    add_wall(scene, wall, Rgb(static_cast<Real>(albedo)));
-    scene.lights.push_back(AreaLight<2>{"glow", wall.corner, {wall.edge}, Rgb(1)});
+  // The corners of a square, counter-clockwise.
+  const std::array<Point, 4> corners{{{-0.3, -0.3}, {1.3, -0.3}, {1.3, 1.3}, {-0.3, 1.3}}};
+  for (int i = 0; i < 4; ++i) {
+    const Point edge = corners[(i + 1) % 4] - corners[i];
+    scene.meshes.push_back(test::wall(corners[i], edge, Rgb(static_cast<Real>(albedo))));
+    scene.lights.push_back(AreaLight<2>{"glow", corners[i], {edge}, Rgb(1)});
   }
-  return scene;
-}
-
-// Returns a box that is open at the bottom and has colored walls left and right. A lamp above
-// shines down.
-Scene<2> colored_box() {
-  Scene<2> scene = disc_scene(Rgb(0.75f));
-  add_wall(scene, walls[1], Rgb(0.1f, 0.5f, 0.1f));
-  add_wall(scene, walls[2], Rgb(0.7f));
-  add_wall(scene, walls[3], Rgb(0.6f, 0.1f, 0.1f));
-  scene.lights.push_back(AreaLight<2>{"lamp", {0.8, 1.25}, {Point(-0.6, 0)}, Rgb(3)});
   return scene;
 }
 
@@ -74,17 +48,10 @@ TEST(Flatland, FurnaceIsExact) {
   for (const double albedo : {0.5, 0.8}) {
     const Scene<2> scene = furnace(albedo);
     const std::vector<Point> points = disc_points(test::field_of(scene), 64);
-    Progress progress;
-    EXPECT_NEAR(test::mean_of(reference_radiance(scene, points,
-                                                 test::reference_settings(c, 8192, 1), progress)) *
-                    (1 - albedo),
-                1, 0.01);
+    EXPECT_NEAR(test::mean_of(test::traced(scene, points, c, 8192, 1)) * (1 - albedo), 1, 0.01);
     for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-      FixedSettings<2> settings;
-      settings.samples = 64;
-      settings.photons = 1'000'000;
-      settings.estimator = estimator;
-      const Baked<2> baked_scene = bake_with_fixed_samples(scene, settings, progress);
+      const Baked<2> baked_scene =
+          test::baked(scene, test::fixed_settings<2>(estimator, 64, 1'000'000));
       double sum = 0;
       for (const Point& p : points) sum += test::lookup_world(scene, baked_scene, p).x;
       EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01);
@@ -100,12 +67,10 @@ TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
   scene.lights = {AreaLight<2>{"lamp", {0.2, -0.4}, {Point(0.5, 0)}, Rgb(2)}};
   std::vector<Point> points;
   for (int i = 1; i < 20; ++i) points.emplace_back(i / 20.0, 0.5);
-  Progress progress;
-  const auto reference =
-      reference_radiance(scene, points, test::reference_settings(0.5, 2048, 1), progress);
+  const auto reference = test::traced(scene, points, 0.5, 2048, 1);
   FixedSettings<2> settings;
   settings.samples = 256;
-  const Baked<2> baked_scene = bake_with_fixed_samples(scene, settings, progress);
+  const Baked<2> baked_scene = test::baked(scene, settings);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto sine = [&](double x) {
       return (x - points[i].x) / std::hypot(x - points[i].x, 0.9);
@@ -118,11 +83,9 @@ TEST(Flatland, DirectLightOfASegmentHasTheClosedForm) {
 }
 
 TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
-  const Scene<2> scene = colored_box();
+  const Scene<2> scene = test::flat_cornell();
   const std::vector<Point> points = disc_points(test::field_of(scene), 200);
-  Progress progress;
-  const auto reference =
-      reference_radiance(scene, points, test::reference_settings(c, 4096, 3), progress);
+  const auto reference = test::traced(scene, points, c, 4096, 3);
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     const test::Agreement found =
@@ -130,23 +93,6 @@ TEST(Flatland, EstimatorsAgreeWithThePathTracer) {
     EXPECT_NEAR(found.mean_ratio, 1, test::sanitized ? 0.1 : 0.01);
     EXPECT_LT(found.relative_rms, test::sanitized ? 1 : 0.05);
   }
-}
-
-TEST(CosineHemicircle, HasItsDensity) {
-  // sin(theta) must be uniform; count it in 16 bins.
-  Random random(2);
-  const Point n = Point(0.6, -0.8);
-  std::array<int, 16> bins{};
-  constexpr int samples = 32'000;
-  for (int i = 0; i < samples; ++i) {
-    const Point d = sample_cosine_hemisphere<2>(n, {random.uniform(), 0});
-    ASSERT_NEAR(d.length(), 1, 1e-12);
-    ASSERT_GE(d.dot(n), 0);
-    ++bins[std::min(15, static_cast<int>((n.cross(d) + 1) * 8))];
-  }
-  double chi2 = 0;
-  for (const int count : bins) chi2 += std::pow(count - samples / 16.0, 2) / (samples / 16.0);
-  EXPECT_LT(chi2, test::chi_square_limit(15));
 }
 
 }  // namespace

@@ -100,10 +100,7 @@ TEST(GreatestValue, TellsWhichIsosurfacesBlockTheWay) {
     const double found = greatest_value(field, segment.from, segment.direction, infinity, least);
     greater += found > least;
     for (const double c : {found - 1e-6, found + 1e-6}) {
-      IsosurfaceRay<3> ray;
-      ray.position = segment.from;
-      ray.direction = segment.direction;
-      ray.isovalue = c;
+      const IsosurfaceRay<3> ray{{}, segment.from, segment.direction, c};
       if (c > least) {
         EXPECT_EQ(occluded(field, ray), c < found) << i;
       }

@@ -25,9 +25,7 @@ struct Irradiance {
   double mean, error;
 };
 Irradiance irradiance_at(const Scene<3>& scene, const Vec3& point) {
-  Progress progress;
-  const auto r =
-      reference_radiance(scene, {point}, test::reference_settings(0.5, 65536, 1), progress)[0];
+  const auto r = test::traced(scene, std::vector<Vec3>{point}, 0.5, 65536, 1)[0];
   return {r.radiance.y * pi, r.standard_error.y * pi};
 }
 
@@ -116,37 +114,28 @@ TEST(Lights, EnvironmentImageIntegratesToItsIrradiance) {
   }
   Scene<3> scene = plane(Rgb(1));
   scene.environment = Environment<3>{"sky", Rgb(2), image, {}};
-  scene.environment->world_to_image.column = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
-  double expected = 0;
+  scene.environment->world_to_image = test::unit_cube<3>(2);
+  double expected = 0, turned = 0;
   constexpr int n = 400;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
       const Vec3 w = sample_cosine_hemisphere<3>({0, 0, -1}, {(i + 0.5) / n, (j + 0.5) / n});
       expected += 2 * pi * bright(w) / (n * n);
+      turned += 2 * pi * bright(Vec3(-w.y, w.x, w.z)) / (n * n);
     }
   }
   const Irradiance found = irradiance_at(scene, place);
   EXPECT_NEAR(found.mean, expected, test::z_limit() * found.error + 2e-3 * expected);
   // Rotate the image by 90 degrees about z; the light must come from the rotated direction.
   scene.environment->world_to_image.column = {Vec3(0, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)};
-  double turned = 0;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      const Vec3 w = sample_cosine_hemisphere<3>({0, 0, -1}, {(i + 0.5) / n, (j + 0.5) / n});
-      turned += 2 * pi * bright(Vec3(-w.y, w.x, w.z)) / (n * n);
-    }
-  }
   expect_irradiance(scene, place, turned);
 }
 
 TEST(Lights, ConstantEnvironmentIsAFurnace) {
   Scene<3> scene =
       test::scene_of(test::ball<3>(33), Rgb(0.5f, 0.7f, 0.9f), IsovalueRange{0.55, 0.9});
-  scene.environment = Environment<3>{};
-  scene.environment->radiance = Rgb(2);
-  FixedSettings<3> settings;
-  Progress progress;
-  const Baked<3> baked = bake_with_fixed_samples(scene, settings, progress);
+  scene.environment = Environment<3>{"sky", Rgb(2), nullptr, {}};
+  const Baked<3> baked = test::baked(scene, FixedSettings<3>());
   // A convex body sees only the environment, so its radiance is albedo times 2.
   const auto radiance = test::lookup_world<3>(scene, baked, Vec3(0.5, 0.5, 0.78));
   EXPECT_NEAR(radiance.x, 1.0, 1e-3);
@@ -210,8 +199,7 @@ TEST(Lights, PhotonsAgreeWithShadowRays) {
       "spot", {0.5, 0.2, 1.2}, 0.05, Rgb(1), PointLight<3>::Cone{down, 0.9, 0.5, true}}};
   scenes[3].lights = {SunLight<3>{"sun", down, Rgb(1), 0}};
   scenes[4].lights = {SunLight<3>{"hazy sun", down, Rgb(1), 0.6}};
-  scenes[5].environment = Environment<3>{};
-  scenes[5].environment->radiance = Rgb(1);
+  scenes[5].environment = Environment<3>{"sky", Rgb(1), nullptr, {}};
   scenes[6].lights = {
       AreaLight<3>{"disc", {0.2, 0.2, 1.3}, {Vec3(0, 0.5, 0), Vec3(0.7, 0, 0)}, Rgb(1), true}};
   scenes[7].meshes = {test::wall("glow", {0.2, 0.2, 1.3}, {0, 0.5, 0}, {0.7, 0, 0}, Rgb(0))};
@@ -224,8 +212,7 @@ TEST(Lights, PhotonsAgreeWithShadowRays) {
   std::vector<Scene<2>> flat_scenes(4, flat);
   flat_scenes[0].lights = {PointLight<2>{"bulb", {0.5, 1.2}, 0.1, Rgb(1), {}}};
   flat_scenes[1].lights = {SunLight<2>{"sun", Vec<2>(0.6, -0.8), Rgb(1), 0.3}};
-  flat_scenes[2].environment = Environment<2>{};
-  flat_scenes[2].environment->radiance = Rgb(1);
+  flat_scenes[2].environment = Environment<2>{"sky", Rgb(1), nullptr, {}};
   flat_scenes[3].lights = {PointLight<2>{
       "spot", {0.5, 1.2}, 0.05, Rgb(1), PointLight<2>::Cone{{0, -1}, 0.9, 0.5, false}}};
   for (std::size_t i = 0; i < flat_scenes.size(); ++i) {
@@ -251,8 +238,7 @@ TEST(Lights, BakeOfAllAgreesWithPaths) {
   scene.lights.push_back(PointLight<3>{"bulb", {0.1, -0.1, 0.3}, 0.05, Rgb(0.2f), {}});
   scene.lights.push_back(SunLight<3>{"sun", Vec3(0.2, 1, -0.3).normalized(), Rgb(0.7f), 0.05});
   scene.meshes[2].emission = Rgb(0.2f, 0.1f, 0.1f);
-  scene.environment = Environment<3>{};
-  scene.environment->radiance = Rgb(0.3f, 0.4f, 0.5f);
+  scene.environment = Environment<3>{"sky", Rgb(0.3f, 0.4f, 0.5f), nullptr, {}};
   scene.volumes[0].emission = ColorRamp({{0.6, Rgb(0)}, {0.9, Rgb(0.2f, 0.2f, 0)}});
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {

@@ -6,10 +6,9 @@
 
 #include "base/error.h"
 #include "base/low_discrepancy.h"
+#include "base/random.h"
 #include "base/ranked_set.h"
-#include "base/sampling.h"
 #include "fields.h"
-#include "statistics.h"
 
 namespace leaflight {
 namespace {
@@ -29,26 +28,6 @@ TEST(Sobol, IsAZeroTwoSequence) {
       }
     }
   }
-}
-
-// Tests chi-square over 8 x 8 equal bins of (cos^2, phi).
-TEST(CosineHemisphere, HasItsDensity) {
-  Random random(1);
-  const Vec3 n = Vec3(-0.3, 0.5, -0.8).normalized();
-  const Vec3 t = n.cross(Vec3(1, 0, 0)).normalized(), b = n.cross(t);
-  std::array<int, 64> bins{};
-  constexpr int samples = 64'000;
-  for (int i = 0; i < samples; ++i) {
-    const Vec3 d = sample_cosine_hemisphere<3>(n, {random.uniform(), random.uniform()});
-    ASSERT_NEAR(d.length(), 1, 1e-12);
-    const double cosine = d.dot(n), phi = std::atan2(d.dot(b), d.dot(t)) / (2 * pi) + 0.5;
-    ASSERT_GE(cosine, 0);
-    ++bins[8 * std::min(7, static_cast<int>(cosine * cosine * 8)) +
-           std::min(7, static_cast<int>(phi * 8))];
-  }
-  double chi2 = 0;
-  for (const int count : bins) chi2 += std::pow(count - samples / 64.0, 2) / (samples / 64.0);
-  EXPECT_LT(chi2, test::chi_square_limit(63));
 }
 
 TEST(Affine, InverseUndoesIt) {

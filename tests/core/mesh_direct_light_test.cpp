@@ -22,11 +22,7 @@ Mesh<D> floor_beneath() {
   if constexpr (D == 3) {
     return test::wall("floor", {-0.5, -0.5, -0.2}, {2, 0, 0}, {0, 2, 0}, Rgb(0.8f, 0.5f, 0.3f));
   } else {
-    Mesh<2> mesh;
-    mesh.vertices = {{-0.5f, -0.2f}, {1.5f, -0.2f}};
-    mesh.facets = {{0, 1}};
-    mesh.albedo = Rgb(0.8f, 0.5f, 0.3f);
-    return mesh;
+    return test::wall(Vec<2>(-0.5, -0.2), {2, 0}, Rgb(0.8f, 0.5f, 0.3f));
   }
 }
 
@@ -191,8 +187,7 @@ TEST(MeshDirectLight, TakesWhatHasNotMovedFromEarlierWays) {
 // wide lamp must count as much as with all shadow rays.
 template <int D>
 void expect_few_ways_to_show_shadows() {
-  PointLight<D> bulb{"bulb", place<D>(0.3, 1.5), 0, Rgb(1), {}};
-  bulb.intensity = Rgb(1.5f);
+  const PointLight<D> bulb{"bulb", place<D>(0.3, 1.5), 0, Rgb(1.5f), {}};
   const SunLight<D> sharp{"sun", place<D>(0.2, -1).normalized(), Rgb(1), 0},
       wide{"sky", place<D>(-0.3, -1).normalized(), Rgb(1), 0.4};
   for (const std::vector<Light<D>>& lights :

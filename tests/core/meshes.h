@@ -34,6 +34,15 @@ inline bool closed(const IsosurfaceMesh& mesh) {
   return true;
 }
 
+inline double signed_volume(const IsosurfaceMesh& mesh) {
+  double volume = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    volume += a.dot(b.cross(c)) / 6;
+  }
+  return volume;
+}
+
 inline int euler_characteristic(const IsosurfaceMesh& mesh) {
   std::set<std::pair<int, int>> edges;
   for (const auto& [edge, count] : directed_edges(mesh)) {

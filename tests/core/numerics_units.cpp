@@ -53,13 +53,9 @@ Scene<3> scene_in(const Units& units, bool glowing = false) {
 }
 
 RadianceGrid<3> baked(const Scene<3>& scene, EstimatorName estimator) {
-  FixedSettings<3> settings;
-  settings.samples = 2;
-  settings.photons = settings.caustic_photons = test::fewer(20'000);
-  settings.estimator = estimator;
+  auto settings = test::fixed_settings<3>(estimator, 2, test::fewer(20'000));
   settings.both_sides = true;
-  Progress progress;
-  return bake_with_fixed_samples(scene, settings, progress).grids[0];
+  return test::baked(scene, settings).grids[0];
 }
 
 struct Difference {

@@ -27,8 +27,7 @@ TEST(Passes, AreTheSameForAnyNumberOfThreads) {
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 5}) {
     settings.threads = threads;
-    Progress progress;
-    bakes.push_back(bake(scene, settings, progress));
+    bakes.push_back(test::baked(scene, settings));
   }
   expect_same_light(bakes);
 }
@@ -55,20 +54,18 @@ TEST(Passes, StoppedAfterTheSamePassAreTheSame) {
   EXPECT_EQ(stopped.statistics.passes, 1);
   EXPECT_TRUE(same_bits(passes[0], stopped.grids[0]));
   // A bake without a callback.
-  Progress alone;
-  EXPECT_TRUE(same_bits(all.grids[0], bake(scene, settings, alone).grids[0]));
+  EXPECT_TRUE(same_bits(all.grids[0], test::baked(scene, settings).grids[0]));
 }
 
 TEST(Passes, ContinuedAreTheSameForAnyNumberOfThreads) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = all_light(17);
-  Progress progress;
   std::vector<Baked<3>> bakes;
   for (const int threads : {1, 2, 5}) {
     settings.threads = threads;
     const std::vector<PreviousLight<3>> previous =
         previous_light(stopped_after(1, scene, settings));
-    bakes.push_back(bake<3>(scene, settings, progress, {{}, &previous}));
+    bakes.push_back(test::baked<3>(scene, settings, {{}, &previous}));
     EXPECT_EQ(bakes.back().statistics.passes, 2);
   }
   expect_same_light(bakes);
@@ -120,10 +117,8 @@ TEST(Passes, ContinuedErrAsIfTheyHadNeverBeenStopped) {
     for (int seed = 0; seed < seeds; ++seed) {
       settings.seed = seed;
       const Baked<3> uninterrupted = with_all_light(scene, stopped_after(2, scene, settings));
-      const std::vector<PreviousLight<3>> previous =
-          previous_light(stopped_after(1, scene, settings));
-      const Baked<3> continued =
-          with_all_light(scene, stopped_after(1, scene, settings, &previous));
+      const Baked<3> continued = with_all_light(
+          scene, test::continued(stopped_after(1, scene, settings), scene, settings));
       const Difference one(continued.grids[0], truth.grids[0]);
       const Difference other(uninterrupted.grids[0], truth.grids[0]);
       now += one.per_texel / seeds;
@@ -144,18 +139,15 @@ TEST(Passes, ContinuedLookPreviousLightUp) {
   settings.both_sides = true;
   settings.resolution = {17, 17, 17};
   const Baked<3> uninterrupted = with_all_light(glowing, stopped_after(2, glowing, settings));
-  const std::vector<PreviousLight<3>> previous =
-      previous_light(stopped_after(1, glowing, settings));
-  const Baked<3> continued =
-      with_all_light(glowing, stopped_after(1, glowing, settings, &previous));
+  const Baked<3> continued = with_all_light(
+      glowing, test::continued(stopped_after(1, glowing, settings), glowing, settings));
   // Inside the ball, most light is reflected more than once.
   EXPECT_NEAR(Difference(continued.grids[0], uninterrupted.grids[0]).in_mean, 0,
               test::sanitized ? 0.05 : 0.02);
 }
 
 Baked<3> whole_bake(const Scene<3>& scene, const BakeSettings<3>& settings) {
-  Progress progress;
-  return with_all_light(scene, bake(scene, settings, progress));
+  return with_all_light(scene, test::baked(scene, settings));
 }
 
 // Compares the errors that continued bakes report with their differences from the mean of other
@@ -165,7 +157,6 @@ TEST(Passes, ContinuedKnowTheirError) {
   const Scene<3> scene = test::cornell(test::torus(25), {0.7, 0.95});
   BakeSettings<3> settings = in_passes(0.1);
   settings.resolution = {25, 25, 25};
-  Progress progress;
   constexpr int bakes = 8;
   std::vector<Vec<3, float>> sum_of_others;
   std::vector<float> variance;  // variance of the sum
@@ -194,13 +185,8 @@ TEST(Passes, ContinuedKnowTheirError) {
   constexpr int seeds = 4;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = seed;
-    const std::vector<PreviousLight<3>> previous =
-        previous_light(stopped_after(1, scene, settings));
-    const Baked<3> continued = with_all_light(scene, stopped_after(1, scene, settings, &previous));
-    // Continue a second time.
-    const std::vector<PreviousLight<3>> again = previous_light(continued);
-    const double twice = coverage(stopped_after(1, scene, settings, &again));
-    sum += (coverage(continued) + twice) / 2;
+    const Baked<3> once = test::continued(stopped_after(1, scene, settings), scene, settings);
+    sum += (coverage(once) + coverage(test::continued(once, scene, settings))) / 2;
   }
   EXPECT_NEAR(sum / seeds, 0.95, 0.03);
 }
@@ -211,21 +197,19 @@ TEST(Passes, GoOnWithTheirOwnTexelsAlone) {
   settings.resolution = {17, 17, 17};
   BakeSettings<3> coarse = settings;
   coarse.resolution = {9, 9, 9};
-  Progress progress;
-  const std::vector<PreviousLight<3>> other = previous_light(bake(scene, coarse, progress));
+  const std::vector<PreviousLight<3>> other = previous_light(test::baked(scene, coarse));
   // A first picture has other texels, so a bake that continues it starts from the beginning.
-  EXPECT_TRUE(same_bits(bake(scene, settings, progress).grids[0],
-                        bake<3>(scene, settings, progress, {{}, &other}).grids[0]));
+  EXPECT_TRUE(same_bits(test::baked(scene, settings).grids[0],
+                        test::baked<3>(scene, settings, {{}, &other}).grids[0]));
   const Scene<3> wider = test::cornell(test::ball<3>(17), {0.4, 0.9});
-  EXPECT_THROW(bake<3>(wider, coarse, progress, {{}, &other}), Error);
+  EXPECT_THROW(test::baked<3>(wider, coarse, {{}, &other}), Error);
 }
 
 TEST(Passes, EndInTime) {
   BakeSettings<3> settings = in_passes();
   settings.error = 1e-4;
   settings.seconds = 1e-9;  // is over before the second pass
-  Progress progress;
-  const Baked<3> baked = bake(small_scene(), settings, progress);
+  const Baked<3> baked = test::baked(small_scene(), settings);
   EXPECT_TRUE(baked.statistics.stopped);
   EXPECT_GT(baked.statistics.noise_percent, 1e-4);
 }
@@ -236,7 +220,9 @@ TEST(Passes, ExpectTheirWorkAndThatOfTheWalls) {
   for (const bool walls : {false, true}) {
     settings.walls = walls;
     Progress progress;
+    EXPECT_EQ(progress.fraction(), 0);
     bake(small_scene(), settings, progress);
+    EXPECT_FALSE(progress.stage().empty());
     EXPECT_GT(progress.fraction(), 0.5);
     EXPECT_LT(progress.fraction(), 1);
   }
@@ -292,10 +278,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
   Scene<3> scene = test::scene_of(test::sampled<3>(17, [](const Vec3& x) { return 1 - x.z; }),
                                   Rgb(0.8f), {0.2, 0.8});
   const Vec3 lamp(0.4, 0.7, 1.5);
-  PointLight<3> light;
-  light.position = lamp;
-  light.intensity = Rgb(3.0f);
-  scene.lights.push_back(light);
+  scene.lights.push_back(PointLight<3>{"bulb", lamp, 0, Rgb(3.0f), {}});
   BakeSettings<3> settings = in_passes();
   settings.resolution = {65, 65, 65};  // is the default, but not with sanitizers
   const Baked<3> baked = whole_bake(scene, settings);
@@ -310,10 +293,7 @@ TEST(Passes, PlanesUnderAPointLightFollowItsLaw) {
 TEST(Passes, ALightWithinTheVolumeShinesToAllSides) {
   // Isosurfaces are spheres of radius 0.4 to 0.1 about the light.
   Scene<3> scene = test::scene_of(test::ball<3>(test::sanitized ? 17 : 49), Rgb(0.5f), {0.6, 0.9});
-  PointLight<3> light;
-  light.position = Vec3(0.5);
-  light.intensity = Rgb(1.0f);
-  scene.lights.push_back(light);
+  scene.lights.push_back(PointLight<3>{"bulb", Vec3(0.5), 0, Rgb(1.0f), {}});
   BakeSettings<3> settings = in_passes();
   settings.both_sides = true;
   const Baked<3> baked = whole_bake(scene, settings);
@@ -363,10 +343,8 @@ TEST(Passes, AgreeWithThePathTracer) {
                {"torus", test::cornell(test::torus(33), {0.75, 0.95}), 0.85}};
   for (const auto& [name, scene, c] : cases) {
     const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), c, 40);
-    Progress progress;
-    const auto truth =
-        reference_radiance(scene, points, test::reference_settings(c, 2048, 5), progress);
-    const Baked<3> baked = bake(scene, in_passes(), progress);
+    const auto truth = test::traced(scene, points, c, 2048, 5);
+    const Baked<3> baked = test::baked(scene, in_passes());
     const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
       return test::lookup_world(scene, baked, points[i]);
     });

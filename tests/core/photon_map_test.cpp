@@ -132,31 +132,7 @@ TYPED_TEST(PlanePhotons, HaveTheBiasesStated) {
   check_plane<D>(10, DensityRegion::clipped_sphere, 1.01, 0.015);
 }
 
-template <int D>
-Scene<D> lit_ball();
-
-template <>
-Scene<3> lit_ball<3>() {
-  return test::cornell(test::ball<3>(41), {0.6, 0.9});
-}
-
-template <>
-Scene<2> lit_ball<2>() {
-  Scene<2> scene = test::scene_of(test::ball<2>(65), Rgb(0.75f), IsovalueRange{0.55, 0.9});
-  const auto add = [&](const Vec<2>& a, const Vec<2>& b, const Rgb& albedo) {
-    Mesh<2> mesh;
-    mesh.name = "wall";
-    mesh.vertices = {Vec<2, float>(a), Vec<2, float>(b)};
-    mesh.facets = {{0, 1}};
-    mesh.albedo = albedo;
-    scene.meshes.push_back(mesh);
-  };
-  add({1.3, -0.3}, {1.3, 1.3}, Rgb(0.1f, 0.5f, 0.1f));
-  add({1.3, 1.3}, {-0.3, 1.3}, Rgb(0.7f));
-  add({-0.3, 1.3}, {-0.3, -0.3}, Rgb(0.6f, 0.1f, 0.1f));
-  scene.lights.push_back(AreaLight<2>{"lamp", {0.8, 1.25}, {Vec<2>(-0.6, 0)}, Rgb(3)});
-  return scene;
-}
+Scene<3> lit_ball() { return test::cornell(test::ball<3>(41), {0.6, 0.9}); }
 
 template <int D>
 Vec<D> on_sphere(Random& random) {
@@ -233,11 +209,11 @@ void compare_with_volumetric(const Scene<D>& scene, std::uint64_t count) {
 }
 
 TEST(ThesisEstimator, AgreesWithTheVolumetricOne) {
-  compare_with_volumetric(lit_ball<3>(), 2'000'000);
+  compare_with_volumetric(lit_ball(), 2'000'000);
 }
 
 TEST(ThesisEstimator, AgreesWithTheVolumetricOneInThePlane) {
-  compare_with_volumetric(lit_ball<2>(), 1'000'000);
+  compare_with_volumetric(test::flat_cornell(), 1'000'000);
 }
 
 TEST(PhotonMap, RadiusLimitsTheSearch) {
@@ -278,7 +254,7 @@ TEST(PhotonMap, BadSettingsAreErrors) {
 }
 
 TEST(PhotonMap, IsTheSameForAnyNumberOfThreads) {
-  const Scene<3> scene = lit_ball<3>();
+  const Scene<3> scene = lit_ball();
   const SceneTracer<3> tracer(scene);
   std::vector<StoredPhoton<3>> one, all = photons_of(tracer, 50'000);
   tbb::task_arena(1).execute([&] { one = photons_of(tracer, 50'000); });

@@ -23,9 +23,11 @@ Found edges_of(const std::vector<std::int32_t>& corners, int sides, std::size_t 
                const PolygonEdges::Wanted& wanted = {}) {
   const PolygonEdges edges(corners.data(), corners.size() / sides, sides, vertices, wanted);
   Found found{std::vector<Edge>(edges.count()), std::vector<std::int32_t>(edges.corners(), -1)};
-  edges.visit([&](std::int32_t edge, std::int32_t lower,
-                  std::int32_t other) { found.vertices[edge] = {lower, other}; },
-              [&](std::int32_t corner, std::int32_t edge) { found.corner_edge[corner] = edge; });
+  edges.visit(
+      [&](std::int32_t edge, std::int32_t lower, std::int32_t other) {
+        found.vertices[edge] = {lower, other};
+      },
+      [&](std::int32_t corner, std::int32_t edge) { found.corner_edge[corner] = edge; });
   return found;
 }
 

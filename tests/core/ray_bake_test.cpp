@@ -12,7 +12,6 @@
 namespace leaflight {
 namespace {
 
-using test::previous_light;
 using test::same_bits;
 using test::stopped_after;
 
@@ -77,8 +76,7 @@ TEST(RayBake, IsTheSameForAnyNumberOfThreads) {
     std::vector<Baked<3>> bakes;
     for (const int threads : {1, 3}) {
       settings.threads = threads;
-      Progress progress;
-      bakes.push_back(bake(scene, settings, progress));
+      bakes.push_back(test::baked(scene, settings));
     }
     expect_same(bakes[0], bakes[1]);
     EXPECT_GT(bakes[0].statistics.blocks, 0);
@@ -101,14 +99,13 @@ TEST(RayBake, GoesOnFromACheckpointWithTheSameBits) {
     };
     BakeHooks<3> hooks;
     hooks.checkpoints = &leaves;
-    Progress progress;
-    const Baked<3> whole = bake<3>(scene, settings, progress, hooks);
+    const Baked<3> whole = test::baked(scene, settings, hooks);
     ASSERT_FALSE(state.empty());
     std::istringstream stream(state);
     Checkpoints from;
     from.restore = [&](const Checkpoints::Read& read) { read(stream); };
     hooks.checkpoints = &from;
-    const Baked<3> resumed = bake<3>(scene, settings, progress, hooks);
+    const Baked<3> resumed = test::baked(scene, settings, hooks);
     expect_same(whole, resumed);
     EXPECT_EQ(whole.statistics.blocks, resumed.statistics.blocks);
     EXPECT_EQ(whole.statistics.passes, resumed.statistics.passes);
@@ -120,8 +117,7 @@ TEST(RayBake, ContinuesSeveralVolumes) {
   BakeSettings<3> settings = by_rays(1e-3);
   const Baked<3> first = stopped_after(1, scene, settings);
   EXPECT_TRUE(first.statistics.stopped);
-  const std::vector<PreviousLight<3>> previous = previous_light(first);
-  const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+  const Baked<3> continued = test::continued(first, scene, settings);
   EXPECT_EQ(continued.statistics.passes, 2);
   EXPECT_EQ(continued.statistics.blocks, 2 * first.statistics.blocks);
   EXPECT_LT(continued.statistics.noise_percent, first.statistics.noise_percent);
@@ -131,10 +127,7 @@ TEST(RayBake, ContinuesWallsAsOneBake) {
   const Scene<3> scene = with_one_wall(two_balls());
   BakeSettings<3> settings = by_rays(1e-3);
   settings.walls = true;
-  settings.resolution = {17, 17, 17};
-  const Baked<3> first = stopped_after(1, scene, settings);
-  const std::vector<PreviousLight<3>> previous = previous_light(first);
-  const Baked<3> continued = stopped_after(1, scene, settings, &previous);
+  const Baked<3> continued = test::continued(stopped_after(1, scene, settings), scene, settings);
   const Baked<3> whole = stopped_after(2, scene, settings);
   ASSERT_EQ(continued.statistics.blocks, whole.statistics.blocks);
   const auto& walls = whole.walls.radiance;
@@ -202,12 +195,10 @@ TEST(RayBake, AgreesWithThePathTracer) {
     for (const Vec3& x : test::isosurface_points(field, 0.7, 10)) {
       if (!tracer.is_covered(0, tracer.frame().point(x), 0.7)) points.push_back(x);
     }
-    Progress progress;
-    const auto truth =
-        reference_radiance(scene, points, test::reference_settings(0.7, 1024, 5), progress);
+    const auto truth = test::traced(scene, points, 0.7, 1024, 5);
     BakeSettings<3> settings = by_rays(error);
     settings.resolution = field.dims;
-    const Baked<3> baked = bake(scene, settings, progress);
+    const Baked<3> baked = test::baked(scene, settings);
     const test::Agreement agreement = test::compare(points.size(), truth, [&](std::size_t i) {
       return test::lookup_world(scene, baked, points[i]);
     });

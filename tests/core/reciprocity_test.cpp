@@ -91,9 +91,7 @@ Flux received(const Scene<3>& scene, int plate, int points) {
     const double root = std::sqrt(random.uniform()), v = random.uniform();
     places.push_back({mesh, i % 2, root * (1 - v), root * v, i % 4 < 2});
   }
-  Progress progress;
-  const auto radiance = reference_radiance(
-      scene, places, test::reference_settings(0.5, test::fewer(256), 5 + plate), progress);
+  const auto radiance = test::traced(scene, places, 0.5, test::fewer(256), 5 + plate);
   Flux flux;
   const double scale = pi / scene.meshes[mesh].albedo.x * 2 * plate_area;
   for (const auto& r : radiance) flux.mean += Imath::V3d(r.radiance) * (scale / points);
@@ -159,8 +157,7 @@ TEST(Reciprocity, OfPhotonsAndPaths) {
 // normals do not conserve energy (Veach 1997, ch. 5), so the isosurface is flat.
 TEST(Energy, IsConservedWithinItsNoise) {
   Scene<3> scene = plates(0, flat_isosurfaces());
-  scene.environment = Environment<3>{};
-  scene.environment->radiance = Rgb(0.1f, 0.2f, 0.3f);
+  scene.environment = Environment<3>{"sky", Rgb(0.1f, 0.2f, 0.3f), nullptr, {}};
   const SceneTracer<3> tracer(scene);
   const LightSampler<3> lights(tracer);
   constexpr int batches = 30, count = test::fewer(15'000);

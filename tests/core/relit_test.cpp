@@ -110,8 +110,7 @@ TEST(Relit, OfOneLampAllLightIsThatOfTheOtherStrength) {
     lamp.radiance *= brighter;
     BakeSettings<3> settings = test::all_light(17);
     settings.exposure = 1 / brighter;
-    Progress progress;
-    return bake(scene, settings, progress);
+    return test::baked(scene, settings);
   };
   const Scene<3> scene = test::small_scene();
   const Field<3>& field = test::field_of(scene);
@@ -159,8 +158,7 @@ TEST(Relit, IndirectLightGrowsWithWhatComesBack) {
   expect_equal(factor({Rgb(1), Rgb(1), Rgb(100)}), {1, 1, 34}, 1);
   scene.lights.pop_back();
   // Another emitter keeps its strength.
-  scene.environment =
-      Environment<3>{"world", Rgb(0.2f), nullptr, {{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}}};
+  scene.environment = Environment<3>{"world", Rgb(0.2f), nullptr, test::unit_cube<3>(2)};
   const Imath::V3d dark = factor({Rgb(0), Rgb(0)}), double_light = factor({Rgb(2), Rgb(2)});
   EXPECT_EQ(dark.z, 1);
   for (const int i : {0, 1}) {
@@ -177,8 +175,7 @@ TEST(Relit, OwnEmissionStays) {
   const Field<3>& field = test::field_of(scene);
   const Rgb glow(0.5f, 0.25f, 1);
   scene.volumes[0].emission = ColorRamp(glow);
-  Progress progress;
-  const Baked<3> baked = bake(scene, test::all_light(17), progress);
+  const Baked<3> baked = test::baked(scene, test::all_light(17));
   const RadianceGrid<3>& grid = baked.grids[0];
   const std::vector<Rgb> factors{Rgb(0)};
   const DirectLight<3> direct = grid.direct->scaled(factors);

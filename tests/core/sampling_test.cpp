@@ -260,10 +260,7 @@ TEST(Samplers, SphereLights) {
     constexpr int D = d;
     for (const double distance : {0.31, 2.0}) {
       SCOPED_TRACE(distance);
-      PointLight<D> light;
-      light.position = Vec<D>(0.1);
-      light.radius = 0.3;
-      light.intensity = Rgb(3);
+      const PointLight<D> light{"bulb", Vec<D>(0.1), 0.3, Rgb(3), {}};
       const Vec<D> axis = tilted<D>(), from = light.position - axis * distance;
       const double cosine = std::sqrt(1 - std::pow(light.radius / distance, 2));
       const double measure = Cap<D>{axis, 1 - cosine}.measure();
@@ -280,10 +277,7 @@ TEST(Samplers, SphereLights) {
 TEST(Samplers, Suns) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
-    SunLight<D> light;
-    light.direction = tilted<D>();
-    light.irradiance = Rgb(3);
-    light.angle = 0.8;
+    const SunLight<D> light{"sun", tilted<D>(), Rgb(3), 0.8};
     const double width = 1 - std::cos(0.4), sine = std::sin(0.4);
     const double measure = Cap<D>{light.direction, width}.measure();
     expect_light_samples<D>(
@@ -381,15 +375,14 @@ class SkyDensity {
 
 Environment<3> sky() {
   Environment<3> environment{"sky", Rgb(2), sky_image(), {}};
-  environment.world_to_image.column = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  environment.world_to_image = test::unit_cube<3>(2);
   return environment;
 }
 
 TEST(Samplers, Environments) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
-    Environment<D> constant;
-    constant.radiance = Rgb(2);
+    const Environment<D> constant{"sky", Rgb(2), nullptr, {}};
     const EnvironmentSampler<D> sampler(constant);
     const Vec<D> n = tilted<D>();
     expect_light_samples<D>(
@@ -465,10 +458,7 @@ TEST(Emission, AreaLightsAndMeshes) {
 TEST(Emission, SpheresAndSpots) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
-    PointLight<D> light;
-    light.position = Vec<D>(0.1);
-    light.radius = 0.3;
-    light.intensity = Rgb(3);
+    PointLight<D> light{"bulb", Vec<D>(0.1), 0.3, Rgb(3), {}};
     for (const double width : {2.0, 0.3}) {
       SCOPED_TRACE(width);
       const Cap<D> cap{tilted<D>(), width};
@@ -498,16 +488,12 @@ TEST(Emission, SunsAndEnvironments) {
   in_plane_and_space([](auto d) {
     constexpr int D = d;
     const BoundingSphere<D> bounds{Vec<D>(0.3), 1.7};
-    SunLight<D> sun;
-    sun.direction = tilted<D>();
-    sun.irradiance = Rgb(3);
-    sun.angle = 0.8;
+    const SunLight<D> sun{"sun", tilted<D>(), Rgb(3), 0.8};
     const Cap<D> disc{sun.direction, 1 - std::cos(0.4)};
     expect_emission<D>([&](const U& u, const U& v, Random&) { return sun.emit(bounds, u, v); },
                        [&](const auto& p) { return before(bounds, p); },
                        [&](const auto& p) { return disc.coordinates(p.direction); });
-    Environment<D> constant;
-    constant.radiance = Rgb(2);
+    const Environment<D> constant{"sky", Rgb(2), nullptr, {}};
     const EnvironmentSampler<D> sampler(constant);
     const Cap<D> all{tilted<D>()};
     expect_emission<D>([&](const U& u, const U& v, Random&) { return sampler.emit(bounds, u, v); },
@@ -583,8 +569,7 @@ TEST(Emission, ChoosesByPower) {
                   SunLight<3>{"sun", down, Rgb(0.3f), 0}};
   scene.meshes = {test::wall("glow", {0.2, 0.2, 1.3}, {0, 0.5, 0}, {0.7, 0, 0}, Rgb(0))};
   scene.meshes[0].emission = Rgb(1);
-  scene.environment = Environment<3>{};
-  scene.environment->radiance = Rgb(0.1f);
+  scene.environment = Environment<3>{"sky", Rgb(0.1f), nullptr, {}};
   const SceneTracer<3> tracer(scene);
   const LightSampler<3> lights(tracer);
   const double disc = pi * std::pow(tracer.bounds().radius, 2);

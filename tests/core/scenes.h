@@ -29,6 +29,13 @@ Vec<3, float> lookup_world(const Scene<D>& scene, const Baked<D>& baked, const V
   return radiance_at(baked.grids[0], field, field.world_to_index.point(point), false);
 }
 
+template <int D>
+Baked<D> baked(const Scene<D>& scene, const BakeSettings<D>& settings,
+               const BakeHooks<D>& hooks = {}) {
+  Progress progress;
+  return bake<D>(scene, settings, progress, hooks);
+}
+
 inline ReferenceSettings reference_settings(double c, int samples, std::uint64_t seed) {
   ReferenceSettings settings;
   settings.c = c;
@@ -46,6 +53,16 @@ inline Mesh<3> wall(const std::string& name, const Vec3& corner, const Vec3& u, 
     mesh.vertices.emplace_back(p);
   }
   mesh.facets = {{0, 1, 2}, {0, 2, 3}};
+  mesh.albedo = albedo;
+  return mesh;
+}
+
+// Returns a wall in the plane, whose left side is inside.
+inline Mesh<2> wall(const Vec<2>& corner, const Vec<2>& edge, const Rgb& albedo) {
+  Mesh<2> mesh;
+  mesh.name = "wall";
+  mesh.vertices = {Vec<2, float>(corner), Vec<2, float>(corner + edge)};
+  mesh.facets = {{0, 1}};
   mesh.albedo = albedo;
   return mesh;
 }
@@ -85,6 +102,17 @@ inline Scene<3> cornell(Field<3> field, const IsovalueRange& isovalue_range) {
   }
   scene.lights.push_back(
       AreaLight<3>{"lamp", {0.2, 0.2, 1.28}, {Vec3(0, 0.6, 0), Vec3(0.6, 0, 0)}, Rgb(3.0f)});
+  return scene;
+}
+
+// Returns a box in the plane that is open at the bottom and has colored walls left and right. A
+// lamp above shines down.
+inline Scene<2> flat_cornell() {
+  Scene<2> scene = scene_of(ball<2>(65), Rgb(0.75f), {0.55, 0.9});
+  scene.meshes = {wall(Vec<2>(1.3, -0.3), {0, 1.6}, Rgb(0.1f, 0.5f, 0.1f)),
+                  wall(Vec<2>(1.3, 1.3), {-1.6, 0}, Rgb(0.7f)),
+                  wall(Vec<2>(-0.3, 1.3), {0, -1.6}, Rgb(0.6f, 0.1f, 0.1f))};
+  scene.lights.push_back(AreaLight<2>{"lamp", {0.8, 1.25}, {Vec<2>(-0.6, 0)}, Rgb(3)});
   return scene;
 }
 

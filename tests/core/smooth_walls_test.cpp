@@ -8,6 +8,8 @@
 namespace leaflight {
 namespace {
 
+Progress ignored;
+
 constexpr float noise = 0.1f;  // standard deviation of the mean of both halves
 constexpr int nodes = 2;
 
@@ -58,16 +60,14 @@ float rms(const FineMesh<3>& mesh, const std::vector<Vec<3, float>>& radiance, T
 TEST(SmoothWalls, TakesThreeQuartersOfTheNoiseAwayWhereLightIsEven) {
   const FineMesh<3> mesh = square();
   const auto slope = [](const auto& x, int node) { return 1 + 0.5f * x.x + node; };
-  Progress progress;
-  const auto radiance = mean(smooth(mesh, noisy(mesh, noise, slope), 3, progress));
+  const auto radiance = mean(smooth(mesh, noisy(mesh, noise, slope), 3, ignored));
   EXPECT_LT(rms(mesh, radiance, slope, [](const auto&) { return true; }), 0.25f * noise);
 }
 
 TEST(SmoothWalls, KeepsTheEdgeOfAShadow) {
   const FineMesh<3> mesh = square();
   const auto shadow = [](const auto& x, int) { return x.x < 0.5f ? 1.0f : 0.2f; };
-  Progress progress;
-  const auto radiance = mean(smooth(mesh, noisy(mesh, noise, shadow), 3, progress));
+  const auto radiance = mean(smooth(mesh, noisy(mesh, noise, shadow), 3, ignored));
   const auto beside = [](const auto& x) { return std::abs(x.x - 0.5f) < 0.03f; };
   EXPECT_LT(rms(mesh, radiance, shadow, beside), 0.6f * noise);
 }
@@ -76,8 +76,7 @@ TEST(SmoothWalls, LeavesWhatHasNoNoise) {
   const FineMesh<3> mesh = square();
   const auto waves = [](const auto& x, int node) { return 2 + std::sin(40 * x.x) + node * x.y; };
   const Halves halves = noisy(mesh, 0, waves);
-  Progress progress;
-  const auto radiance = mean(smooth(mesh, halves, 3, progress));
+  const auto radiance = mean(smooth(mesh, halves, 3, ignored));
   for (std::size_t i = 0; i < radiance.size(); ++i) {
     EXPECT_NEAR(radiance[i].x, halves[0][i].x, 1e-6f);
   }

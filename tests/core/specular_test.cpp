@@ -140,9 +140,7 @@ Scene<3> specular_furnace() {
 TEST(Specular, FurnaceIsExact) {
   const Scene<3> scene = specular_furnace();
   const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), 0.72, 40);
-  Progress progress;
-  const auto reference = reference_radiance(
-      scene, points, test::reference_settings(0.72, test::fewer(4096), 1), progress);
+  const auto reference = test::traced(scene, points, 0.72, test::fewer(4096), 1);
   EXPECT_NEAR(test::mean_of(reference) * 0.5, 1, test::sanitized ? 0.3 : 0.01);
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
     const test::Agreement found =
@@ -197,8 +195,7 @@ TEST(Energy, IsConserved) {
   glass_isosurface.volumes[0].albedo = Rgb(1);
   expect_balance(glass_isosurface);
   Scene<3> sky = test::cornell(test::ball<3>(41), {0.6, 0.9});
-  sky.environment = Environment<3>{};
-  sky.environment->radiance = Rgb(1);
+  sky.environment = Environment<3>{"sky", Rgb(1), nullptr, {}};
   expect_balance(sky);
   Scene<2> flat = test::scene_of(test::ball<2>(65), Rgb(0.7f), IsovalueRange{0.55, 0.9});
   flat.lights = {PointLight<2>{"bulb", {0.5, 1.2}, 0.1, Rgb(1), {}}};

@@ -70,10 +70,9 @@ Estimate texel_truth(const SceneTracer<D>& tracer, const LightSampler<D>& lights
 template <int D>
 std::vector<Estimate> over_seeds(const Scene<D>& scene, FixedSettings<D> settings, int seeds) {
   std::vector<std::vector<Vec<3, float>>> radiance;
-  Progress progress;
   for (int seed = 0; seed < seeds; ++seed) {
     settings.seed = 1 + seed;
-    radiance.push_back(bake_with_fixed_samples(scene, settings, progress).grids[0].radiance);
+    radiance.push_back(test::baked(scene, settings).grids[0].radiance);
   }
   std::vector<Estimate> estimates(radiance[0].size());
   for (std::size_t s = 0; s < estimates.size(); ++s) {
@@ -158,11 +157,8 @@ class TexelZ {
 
   testing::AssertionResult agrees(EstimatorName estimator, int samples, int photons, int seeds,
                                   const Bias& bias, const std::string& name) const {
-    FixedSettings<D> settings;
+    auto settings = test::fixed_settings<D>(estimator, samples, photons);
     settings.resolution = resolution_;
-    settings.samples = samples;
-    settings.photons = settings.caustic_photons = photons;
-    settings.estimator = estimator;
     const std::vector<Estimate> baked = over_seeds(scene_, settings, seeds);
     if (test::sanitized) return testing::AssertionSuccess();
     std::vector<Imath::V3d> z(baked.size(), Imath::V3d(0));
@@ -238,11 +234,7 @@ TEST(TexelZ, InSpace) {
 TEST(TexelZ, InThePlane) {
   Scene<2> scene = test::scene_of(test::ball<2>(33), Rgb(0.8f, 0.5f, 0.3f), {0.6, 0.9});
   scene.lights = {AreaLight<2>{"lamp", {0.8, 1.25}, {Vec<2>(-0.6, 0)}, Rgb(3)}};
-  scene.meshes.emplace_back();
-  scene.meshes[0].name = "floor";
-  scene.meshes[0].vertices = {{-0.3f, -0.3f}, {1.3f, -0.3f}};
-  scene.meshes[0].facets = {{0, 1}};
-  scene.meshes[0].albedo = Rgb(0.3f, 0.6f, 0.9f);
+  scene.meshes = {test::wall(Vec<2>(-0.3, -0.3), {1.6, 0}, Rgb(0.3f, 0.6f, 0.9f))};
   const TexelZ<2> z(std::move(scene), {33, 33}, test::fewer(2048));
   EXPECT_TRUE(z.agrees(EstimatorName::path, 64, 1, seeds, {}, "flat_path"));
   EXPECT_TRUE(z.agrees(EstimatorName::gather, 64, photons, seeds, gathered, "flat_gather"));

@@ -23,10 +23,8 @@ TEST_P(Furnace, PathTracerIsExact) {
   const double albedo = GetParam();
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
-  Progress progress;
   const auto reference =
-      reference_radiance(scene, test::isosurface_points(test::field_of(scene), c, 40),
-                         test::reference_settings(c, 8192, 1), progress);
+      test::traced(scene, test::isosurface_points(test::field_of(scene), c, 40), c, 8192, 1);
   ASSERT_GT(reference.size(), 50u);
   EXPECT_NEAR(test::mean_of(reference) * (1 - albedo), 1, 0.01);
   for (const auto& r : reference) {
@@ -42,17 +40,11 @@ TEST_P(Furnace, BakesAreExact) {
   const Scene<3> scene =
       test::furnace(test::ball<3>(33), {0.55, 0.9}, 1, static_cast<Real>(albedo));
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    FixedSettings<3> settings;
-    settings.samples = 64;
-    settings.photons = 1'000'000;
-    settings.estimator = estimator;
-    Progress progress;
-    const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
+    const Baked<3> baked_scene =
+        test::baked(scene, test::fixed_settings<3>(estimator, 64, 1'000'000));
     double sum = 0;
     const std::vector<Vec3> points = test::isosurface_points(test::field_of(scene), c, 7);
-    for (const Vec3& p : points) {
-      sum += test::lookup_world(scene, baked_scene, p).x;
-    }
+    for (const Vec3& p : points) sum += test::lookup_world(scene, baked_scene, p).x;
     EXPECT_NEAR(sum / static_cast<double>(points.size()) * (1 - albedo), 1, 0.01)
         << (estimator == EstimatorName::gather ? "gather" : "volumetric");
   }
@@ -81,8 +73,7 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   scene.lights = {lamp};
   FixedSettings<3> settings;
   settings.samples = 256;
-  Progress progress;
-  const Baked<3> baked_scene = bake_with_fixed_samples(scene, settings, progress);
+  const Baked<3> baked_scene = test::baked(scene, settings);
   const std::vector<Vec3> polygon{lamp.point({0, 0}), lamp.point({1, 0}), lamp.point({1, 1}),
                                   lamp.point({0, 1})};
   Random random(5);
@@ -90,8 +81,7 @@ TEST(DirectLight, RectangleOverPlaneHasTheClosedForm) {
   for (int i = 0; i < 200; ++i) {
     points.emplace_back(0.1 + 0.8 * random.uniform(), 0.1 + 0.8 * random.uniform(), 0.5);
   }
-  const auto reference =
-      reference_radiance(scene, points, test::reference_settings(0.5, 1024, 2), progress);
+  const auto reference = test::traced(scene, points, 0.5, 1024, 2);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double expected = 0.8 / pi * lambert_irradiance(points[i], {0, 0, -1}, polygon);
     for (int k = 0; k < 3; ++k) {

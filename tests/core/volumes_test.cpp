@@ -48,11 +48,9 @@ test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int
 TEST(Volumes, OfOneSceneSeeEachOther) {
   const Scene<3> scene = two_balls();
   for (const EstimatorName estimator : {EstimatorName::gather, EstimatorName::volumetric}) {
-    FixedSettings<3> settings;
-    settings.samples = test::fewer(64);
-    settings.photons = test::fewer(4'000'000);
-    settings.estimator = estimator;
-    const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
+    const auto settings =
+        test::fixed_settings<3>(estimator, test::fewer(64), test::fewer(4'000'000));
+    const Baked<3> baked = test::baked(scene, settings);
     ASSERT_EQ(baked.grids.size(), 2u);
     for (const int volume : {0, 1}) {
       SCOPED_TRACE(volume);
@@ -66,11 +64,8 @@ TEST(Volumes, OfOneSceneSeeEachOther) {
   Scene<3> alone = two_balls();
   alone.volumes.pop_back();
   const std::vector<Vec3> points = test::isosurface_points(alone.volumes[0].field, 0.8, 17);
-  const auto settings = test::reference_settings(0.8, 256, 1);
-  EXPECT_GT(std::abs(test::mean_of(reference_radiance(alone, points, settings, ignored)) /
-                         test::mean_of(reference_radiance(scene, points, settings, ignored)) -
-                     1),
-            0.005);
+  const double before = test::mean_of(test::traced(scene, points, 0.8, 256, 1));
+  EXPECT_GT(std::abs(test::mean_of(test::traced(alone, points, 0.8, 256, 1)) / before - 1), 0.005);
 }
 
 // Doubled values with the same common isovalues must give the same scene.
@@ -80,11 +75,8 @@ TEST(Volumes, IsosurfaceCoordinateIsAffine) {
       test::sampled<3>(25, [](const Vec3& x) { return 2 * (1 - (x - Vec3(0.5)).length()) + 3; });
   doubled.volumes[0].offset = 3;
   doubled.volumes[0].scale = 2;
-  FixedSettings<3> settings;
-  settings.samples = 16;
-  settings.photons = 200'000;
-  const Baked<3> a = bake_with_fixed_samples(scene, settings, ignored),
-                 b = bake_with_fixed_samples(doubled, settings, ignored);
+  const auto settings = test::fixed_settings<3>(EstimatorName::gather, 16, 200'000);
+  const Baked<3> a = test::baked(scene, settings), b = test::baked(doubled, settings);
   ASSERT_EQ(a.grids[0].lattice.active.size(), b.grids[0].lattice.active.size());
   double difference = 0, sum = 0;
   for (std::size_t s = 0; s < a.grids[0].radiance.size(); ++s) {
@@ -120,12 +112,9 @@ TEST(Isosurfaces, HaveTwoSides) {
   for (const EstimatorName estimator :
        {EstimatorName::gather, EstimatorName::volumetric, EstimatorName::path}) {
     SCOPED_TRACE(static_cast<int>(estimator));
-    FixedSettings<3> settings;
-    settings.samples = test::fewer(64);
-    settings.photons = test::fewer(4'000'000);
-    settings.estimator = estimator;
+    auto settings = test::fixed_settings<3>(estimator, test::fewer(64), test::fewer(4'000'000));
     settings.both_sides = true;
-    const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
+    const Baked<3> baked = test::baked(scene, settings);
     ASSERT_TRUE(baked.grids[0].has_back());
     for (const bool back : {false, true}) {
       const test::Agreement found = side_agreement(scene, baked, 0, back, 0.5);
@@ -151,8 +140,7 @@ WallSums wall_sums(const Scene<3>& scene, const Baked<3>& baked, double c, int p
       points.push_back(walls.meshes[m].fine.places[v]);
       vertices.push_back(v);
     }
-    const auto reference =
-        reference_radiance(scene, points, test::reference_settings(c, paths, 1), ignored);
+    const auto reference = test::traced(scene, points, c, paths, 1);
     const auto radiance = radiance_at(walls, static_cast<int>(m), c, false);
     for (std::size_t i = 0; i < points.size(); ++i, ++sums.count) {
       const double found = radiance[vertices[i]].y, expected = reference[i].radiance.y;
@@ -169,7 +157,7 @@ TEST(Walls, AreLitPerIsovalue) {
   FixedSettings<3> settings;
   settings.walls = true;
   settings.samples = test::fewer(64);
-  const Baked<3> baked = bake_with_fixed_samples(scene, settings, ignored);
+  const Baked<3> baked = test::baked(scene, settings);
   ASSERT_EQ(baked.walls.radiance.size(), scene.meshes.size());
   for (const double c : {0.62, 0.75, 0.88}) {
     const WallSums walls = wall_sums(scene, baked, c, test::fewer(1024));
@@ -185,13 +173,12 @@ TEST(Walls, ShowTheCausticOfAGlassIsosurface) {
   scene.volumes[0].scattering = Scattering::glass;
   scene.volumes[0].albedo = Rgb(1);
   FixedSettings<3> settings;
-  EXPECT_THROW(bake_with_fixed_samples(scene, settings, ignored), Error);
+  EXPECT_THROW(test::baked(scene, settings), Error);
   settings.walls = true;
   settings.samples = test::fewer(64);
   settings.photons = test::fewer(2'000'000);
   settings.caustic_photons = test::fewer(8'000'000);
-  const WallSums walls =
-      wall_sums(scene, bake_with_fixed_samples(scene, settings, ignored), 0.8, test::fewer(4096));
+  const WallSums walls = wall_sums(scene, test::baked(scene, settings), 0.8, test::fewer(4096));
   EXPECT_NEAR(walls.baked / walls.truth, 1, test::sanitized ? 0.3 : 0.02);
 }
 

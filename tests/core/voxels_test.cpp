@@ -65,10 +65,8 @@ TYPED_TEST(VoxelsOf, AreReadAsIfTheyWereFloats) {
     const CellPoint<3> at = locate(pair.integers, p);
     ASSERT_EQ(load_corners(pair.integers, at.cell).h, load_corners(pair.floats, at.cell).h);
     ASSERT_EQ(shading_gradient(pair.integers, at), shading_gradient(pair.floats, at));
-    IsosurfaceRay<3> ray;
-    ray.position = p;
-    ray.direction = test::random_direction(random);
-    ray.isovalue = pair.isovalue(random.uniform());
+    const Vec3 direction = test::random_direction(random);
+    const IsosurfaceRay<3> ray{{}, p, direction, pair.isovalue(random.uniform())};
     const auto hit = intersect(pair.integers, ray), same = intersect(pair.floats, ray);
     ASSERT_EQ(hit.has_value(), same.has_value());
     if (!hit) continue;
@@ -105,16 +103,12 @@ TYPED_TEST(VoxelsOf, BakeToTheSameBits) {
   const Pair<TypeParam> pair(test::sanitized ? 8 : 15);
   BakeSettings<3> passes;
   passes.error = 20;
-  FixedSettings<3> fixed;
-  fixed.samples = 2;
-  fixed.photons = 20'000;
+  const auto fixed = test::fixed_settings<3>(EstimatorName::gather, 2, 20'000);
   for (const bool in_passes : {true, false}) {
     std::vector<Baked<3>> bakes;
     for (const Field<3>& field : {pair.integers, pair.floats}) {
       const Scene<3> scene = test::cornell(field, {pair.isovalue(0.6), pair.isovalue(0.9)});
-      Progress progress;
-      bakes.push_back(in_passes ? bake(scene, passes, progress)
-                                : bake_with_fixed_samples(scene, fixed, progress));
+      bakes.push_back(in_passes ? test::baked(scene, passes) : test::baked(scene, fixed));
     }
     const RadianceGrid<3>&integers = bakes[0].grids[0], &floats = bakes[1].grids[0];
     EXPECT_GT(integers.lattice.active.size(), test::sanitized ? 50u : 1000u);

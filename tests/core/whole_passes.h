@@ -80,4 +80,11 @@ inline Baked<3> stopped_after(int passes, const Scene<3>& scene, const BakeSetti
   return bake<3>(scene, settings, progress, {look, previous});
 }
 
+// Returns a bake that continues another for a pass.
+inline Baked<3> continued(const Baked<3>& baked, const Scene<3>& scene,
+                          const BakeSettings<3>& settings) {
+  const std::vector<PreviousLight<3>> previous = previous_light(baked);
+  return stopped_after(1, scene, settings, &previous);
+}
+
 }  // namespace leaflight::test

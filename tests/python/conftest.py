@@ -2,6 +2,7 @@
 """Fixtures of all tests: small volumes, one small bake, and two ways to call the command line."""
 
 import importlib
+import json
 import math
 import signal
 import subprocess
@@ -133,9 +134,7 @@ def lapr_scene():
 
 @pytest.fixture(scope="session")
 def lapr_bake(lapr_scene):
-    """Returns a bake of two volumes with both sides and the walls. Light enters at the open
-    border.
-    """
+    """Returns a bake of two volumes with both sides and walls. Light enters at the open border."""
     volumes = [replace(one, values=one.values[:, :, :20].copy()) for one in lapr(30)]
     return leaflight.bake(volumes, lapr_scene, error=5.0, both_sides=True, walls=True)
 
@@ -147,21 +146,44 @@ def lapr_file(lapr_bake, tmp_path_factory):
     return path
 
 
-@pytest.fixture
-def cli(capsys):
-    """Returns a function that calls the command line in this process: cli("info", "x.nii") ->
-    Outcome.
-    """
+class CommandLine:
+    """Calls of the command line in this process: cli("info", "x.nii") -> Outcome."""
 
-    def call(*arguments):
+    def __init__(self, capsys):
+        self.capsys = capsys
+
+    def __call__(self, *arguments):
         # After a program has written its files it ignores Ctrl-C, but the tests continue.
         before = signal.getsignal(signal.SIGINT)
         status = main([str(argument) for argument in arguments])
         signal.signal(signal.SIGINT, before)
-        captured = capsys.readouterr()
+        captured = self.capsys.readouterr()
         return Outcome(status, captured.out, captured.err)
 
-    return call
+    def runs(self, *arguments):
+        """Checks that a call succeeds, and returns what it prints."""
+        __tracebackhide__ = True
+        outcome = self(*arguments)
+        assert outcome.status == 0, outcome.err
+        return outcome.out
+
+    def json(self, *arguments):
+        """Returns the JSON on the last line of a call that succeeds."""
+        __tracebackhide__ = True
+        return json.loads(self.runs(*arguments, "--json").splitlines()[-1])
+
+    def refuses(self, words, *arguments):
+        """Checks that a call fails with one line that contains words, and returns the line."""
+        __tracebackhide__ = True
+        outcome = self(*arguments)
+        assert outcome.status == 2 and words in outcome.err, outcome.err
+        assert outcome.err.count("\n") == 1, outcome.err
+        return outcome.err
+
+
+@pytest.fixture
+def cli(capsys):
+    return CommandLine(capsys)
 
 
 @pytest.fixture(scope="session")
@@ -176,11 +198,7 @@ def script():
 
     def call(*arguments, cwd="/"):
         done = subprocess.run(
-            [*program, *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            timeout=HANG,
-            cwd=cwd,
+            [*program, *map(str, arguments)], capture_output=True, text=True, timeout=HANG, cwd=cwd
         )
         return Outcome(done.returncode, done.stdout, done.stderr)
 

@@ -48,12 +48,13 @@ def write_slice(path, pixels, place, series=SERIES, **tags):
 
 
 def write_series(folder, values, apart=2.0, **tags):
-    """Writes a folder of slices with the given values."""
+    """Writes a folder of slices with the given values; a tag may be a function of its slice."""
     folder.mkdir(parents=True, exist_ok=True)
-    tags = {"RescaleSlope": 1, "RescaleIntercept": 0, **tags}
+    numbers = {"InstanceNumber": lambda k: k + 1}
+    tags = {"RescaleSlope": 1, "RescaleIntercept": 0, **numbers, **tags}
     for k, plane in enumerate(values):
-        place = round(apart * k, 6)
-        write_slice(folder / f"IM{k:04}", plane, place, **{"InstanceNumber": k + 1, **tags})
+        own = {name: tag(k) if callable(tag) else tag for name, tag in tags.items()}
+        write_slice(folder / f"IM{k:04}", plane, round(apart * k, 6), **own)
     return folder
 
 
@@ -74,16 +75,13 @@ def edit(path, without=(), syntax=None, **tags):
 
 def item(**tags):
     """Returns a sequence of one item with these tags."""
+    return pydicom.Sequence([items(**tags)])
+
+
+def items(**tags):
+    """Returns one item with these tags or sequences."""
     data = pydicom.Dataset()
     for name, value in tags.items():
-        setattr(data, name, value)
-    return pydicom.Sequence([data])
-
-
-def items(**sequences):
-    """Returns one item with these sequences."""
-    data = pydicom.Dataset()
-    for name, value in sequences.items():
         setattr(data, name, value)
     return data
 

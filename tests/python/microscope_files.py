@@ -10,7 +10,14 @@ import sys
 from importlib import import_module
 
 import numpy as np
+import pytest
 from leaflight.io import reader_process
+
+
+def needs(package):
+    if not reader_process.has_package(package):
+        pytest.skip(f"{package} is not installed")
+
 
 STEPS = {"X": 0.5e-6, "Y": 0.25e-6, "Z": 2e-6}
 

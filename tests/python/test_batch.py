@@ -30,8 +30,7 @@ def scan(tmp_path):
 
 
 def listed(tmp_path, *lines):
-    path = written(tmp_path / "bakes.txt", "# what to bake\n\n" + "\n".join(lines) + "\n")
-    return path
+    return written(tmp_path / "bakes.txt", "# what to bake\n\n" + "\n".join(lines) + "\n")
 
 
 @pytest.mark.slow
@@ -39,16 +38,11 @@ def test_frames_volumes_and_settings(cli, scan, tmp_path):
     lines = [f"{scan} --frame {t} --error 5 --out '{tmp_path}/frame {t}.vdb'" for t in range(2)]
     lines.append(f"bump_box --dims 10 --error 5 --out {tmp_path}/box.vdb  # generated")
     path = listed(tmp_path, *lines)
-    done = cli("batch", path, "--workers", "2")
-    assert done.status == 0, done.err
-    assert "3 baked, 0 already complete" in done.out
-    # Each must be equal to the result of `bake`.
+    assert "3 baked, 0 already complete" in cli.runs("batch", path, "--workers", "2")
     alone = tmp_path / "alone.vdb"
-    assert cli("bake", scan, "--frame", 1, "--error", 5, "--out", alone).status == 0
-    other = load_bake(tmp_path / "frame 1.vdb")
-    np.testing.assert_array_equal(
-        load_bake(alone).grid.dense("radiance"), other.grid.dense("radiance")
-    )
+    cli.runs("bake", scan, "--frame", 1, "--error", 5, "--out", alone)
+    found = [load_bake(one).grid.dense("radiance") for one in (alone, tmp_path / "frame 1.vdb")]
+    np.testing.assert_array_equal(*found)
     # A second run has nothing to do. It bakes files that are missing, damaged or have other
     # settings.
     assert "0 baked, 3 already complete" in cli("batch", path).out
@@ -136,14 +130,11 @@ def test_a_folder_makes_a_table_and_one_damaged_file_stops_nothing(cli, scan, tm
 
 def test_a_folder_needs_another_one_for_its_bakes(cli, tmp_path):
     for options in ((), ("--out", tmp_path), ("--out", tmp_path / "none")):
-        done = cli("batch", tmp_path, *options)
-        assert done.status == 2 and "another folder" in done.err
+        cli.refuses("another folder", "batch", tmp_path, *options)
     (tmp_path / "out").mkdir()
-    done = cli("batch", tmp_path / "out", "--out", tmp_path)
-    assert done.status == 2 and "no volumes" in done.err
+    cli.refuses("no volumes", "batch", tmp_path / "out", "--out", tmp_path)
     for options in (("--out", tmp_path / "out"), ("--each", "--error 2")):
-        done = cli("batch", listed(tmp_path, "bump_box --out a.vdb"), *options)
-        assert done.status == 2 and "for a folder" in done.err
+        cli.refuses("for a folder", "batch", listed(tmp_path, "bump_box --out a.vdb"), *options)
 
 
 @pytest.mark.parametrize(
@@ -158,24 +149,18 @@ def test_a_folder_needs_another_one_for_its_bakes(cli, tmp_path):
 )
 def test_lists_that_make_no_sense(cli, tmp_path, monkeypatch, line, words):
     monkeypatch.chdir(tmp_path)
-    done = cli("batch", listed(tmp_path, line))
-    assert done.status == 2 and words in done.err and len(done.err.splitlines()) == 1
-    assert cli("batch", tmp_path / "none.txt").status == 2
+    cli.refuses(words, "batch", listed(tmp_path, line))
+    cli.refuses("none.txt", "batch", tmp_path / "none.txt")
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        ("batch", "bakes.txt"),
-        ("render", "x.blend", "--out", "frames"),
-        ("bake", "bump_box", "--out", "x.vdb"),
-    ],
+    "command", ["batch bakes.txt", "render x.blend --out frames", "bake bump_box --out x.vdb"]
 )
 def test_workers_are_of_one_kind(cli, command):
-    done = cli(*command, "--workers", "2", "--scheduler", "tcp://127.0.0.1:1")
-    assert done.status == 2 and "--workers" in done.err
+    options = ("--workers", "2", "--scheduler", "tcp://127.0.0.1:1")
+    cli.refuses("--workers", *command.split(), *options)
 
 
 def test_no_workers_are_none(cli, tmp_path):
-    done = cli("batch", listed(tmp_path, f"bump_box --out {tmp_path}/x.vdb"), "--workers", "0")
-    assert done.status == 2 and "workers is 0" in done.err
+    path = listed(tmp_path, f"bump_box --out {tmp_path}/x.vdb")
+    cli.refuses("workers is 0", "batch", path, "--workers", "0")

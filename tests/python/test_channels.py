@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the names and colors of channels, and their choice by name."""
 
-import json
-
 import h5py
 import microscope_files
 import numpy as np
 import pytest
 import tifffile
 from leaflight import read_volume
-from leaflight.io.reader_process import has_package
 from leaflight.io.readers import probe
 from leaflight.io.readers.channels import Channel, channel_of
+from microscope_files import needs
 from outcomes import reads, refused, written
 from PIL import Image
 
@@ -78,14 +76,11 @@ def test_an_absent_channel_is_refused(tmp_path, chosen, sentence):
     refused(sentence, read_volume, path, channel=chosen)
 
 
-def test_a_name_without_names_is_refused(tmp_path):
+def test_ambiguous_and_absent_names_are_refused(tmp_path):
     tifffile.imwrite(tmp_path / "x.tif", np.moveaxis(PIXELS, 0, 1), imagej=True)
     refused("no channel 'GFP'; choose one of 0..3.", read_volume, tmp_path / "x.tif", channel="GFP")
     np.save(tmp_path / "x.npy", PIXELS[0])
     refused("'GFP'; choose none, because", read_volume, tmp_path / "x.npy", channel="GFP")
-
-
-def test_a_name_of_two_channels_is_refused(tmp_path):
     path = ome_tiff(tmp_path / "x.ome.tif", ("a", "b", "a", "c"))
     refused("'a' is that of 2 channels; choose one of 0, 2.", read_volume, path, channel="a")
     reads(PIXELS[2], path, channel=2)
@@ -97,19 +92,18 @@ def test_wavelengths_are_names(tmp_path, cli):
     # A number that exists counts first, because other files have no names.
     reads(PIXELS[1], path, channel=1)
     reads(PIXELS[2], path, channel="1")
-    assert cli("info", path, "--channel", "640").status == 0
+    cli.runs("info", path, "--channel", "640")
 
 
 def test_the_command_line(tmp_path, cli):
     path = ome_tiff(tmp_path / "cells.ome.tif")
     assert "(DAPI, GFP, Cy5, bright field)" in cli("info", path).err
-    outcome = cli("info", path, "--channel", "bright field", "--json")
-    assert "channels 0 DAPI, 1 GFP, 2 Cy5, 3 bright field" in outcome.out
-    result = json.loads(outcome.out.splitlines()[-1])
+    chosen = ("info", path, "--channel", "bright field")
+    assert "channels 0 DAPI, 1 GFP, 2 Cy5, 3 bright field" in cli.runs(*chosen)
+    result = cli.json(*chosen)
     assert result["name"] == "cells.ome bright field"
     assert result["channels"][1] == {"name": "GFP", "color": [0, 1, 0]}
-    outcome = cli("info", path, "--channel", "x")
-    assert outcome.status == 2 and "among DAPI" in outcome.err and "(--channel)" in outcome.err
+    assert "(--channel)" in cli.refuses("among DAPI", "info", path, "--channel", "x")
 
 
 def test_colors_that_say_nothing():
@@ -229,11 +223,6 @@ def test_components_of_vtk(tmp_path):
     writer.Write()
     assert [channel.name for channel in probe(path).channel_list] == ["along", "across"]
     assert reads(PIXELS[1], path, channel="across").name == "x across"
-
-
-def needs(package):
-    if not has_package(package):
-        pytest.skip(f"{package} is not installed")
 
 
 def test_czi(tmp_path):

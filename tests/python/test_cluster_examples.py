@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests the form of what examples/ hand to Slurm and Kubernetes, by dask-jobqueue and
-dask-kubernetes.
-"""
+"""Tests what examples give to Slurm and Kubernetes, by dask-jobqueue and dask-kubernetes."""
 
 import json
 import subprocess

@@ -72,9 +72,7 @@ def test_parts_of_an_error():
 
 
 def test_colors_saturate(box_bake):
-    """Checks that an exposure at which all is white hides differences of color, but not of
-    radiance.
-    """
+    """Checks that an exposure at which all is white hides differences of color alone."""
     white = replace(box_bake, scene=replace(box_bake.scene, exposure=1e9))
     result = leaflight.compare(white, 47.0, points=50, spp=256)
     assert result["rms_percent"] < 1e-6 < result["relative_rms"]
@@ -119,51 +117,29 @@ def test_compare_on_a_wall(lapr_bake):
     assert result["mean_ratio"] == pytest.approx(1, abs=0.03 + 4 * result["mean_ratio_error"])
     assert 0 < result["relative_rms"] < 0.5
     outside = leaflight.compare(lapr_bake, 0.5, points=50, spp=4, mesh="floor", back=True)
-    # It must be black from below.
     assert outside["mean_radiance"] == 0 and outside["mean_ratio"] is None
 
 
+FEW = {"points": 10, "spp": 4}
+
+
 def test_compare_on_walls_needs_them(box_bake, lapr_bake):
-    refused(
-        "bake again with walls",
-        leaflight.compare,
-        box_bake,
-        47.0,
-        points=10,
-        spp=4,
-        mesh="far wall",
-    )
-    refused("floor, ceiling", leaflight.compare, lapr_bake, 0.5, points=10, spp=4, mesh="moon")
+    refused("bake again with walls", leaflight.compare, box_bake, 47.0, mesh="far wall", **FEW)
+    refused("floor, ceiling", leaflight.compare, lapr_bake, 0.5, mesh="moon", **FEW)
 
 
 def test_a_mirror_has_no_radiance_of_its_own(box_bake):
-    mirrors = [
-        replace(isosurfaces, scattering="mirror") for isosurfaces in box_bake.scene.isosurfaces
-    ]
-    bake = replace(box_bake, scene=replace(box_bake.scene, isosurfaces=mirrors))
-    refused("depends on the view", leaflight.compare, bake, 47.0, points=10, spp=4)
+    mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")
+    bake = replace(box_bake, scene=replace(box_bake.scene, isosurfaces=[mirror]))
+    refused("depends on the view", leaflight.compare, bake, 47.0, **FEW)
 
 
-def test_cycles_needs_blender(box_bake, tmp_path, monkeypatch):
+def test_cycles_needs_blender_and_names_its_error(box_bake, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    refused(
-        "package blender", leaflight.compare, box_bake, 47.0, points=10, spp=4, reference="cycles"
-    )
-
-
-def test_what_blender_says_when_it_fails(box_bake, tmp_path, monkeypatch):
-    blender = written(tmp_path / "blender", "#!/bin/sh\necho no display\nexit 3\n")
-    blender.chmod(0o755)
-    monkeypatch.setenv("PATH", str(tmp_path))
-    refused(
-        "Blender failed: no display",
-        leaflight.compare,
-        box_bake,
-        47.0,
-        points=10,
-        spp=4,
-        reference="cycles",
-    )
+    settings = {"reference": "cycles", **FEW}
+    refused("package blender", leaflight.compare, box_bake, 47.0, **settings)
+    written(tmp_path / "blender", "#!/bin/sh\necho no display\nexit 3\n").chmod(0o755)
+    refused("Blender failed: no display", leaflight.compare, box_bake, 47.0, **settings)
 
 
 @pytest.mark.parametrize("arguments", [{"points": 0}, {"spp": 0}, {"isovalue": 10.0}])
@@ -178,14 +154,10 @@ def picture():
     return np.stack([x, y, 0.5 * (x + y)], axis=-1).astype(np.float32)
 
 
-def test_equal_pictures_do_not_differ(picture):
+def test_equal_pictures_do_not_differ_and_black_and_white_do_most(picture):
     found = flip(picture, picture)
     assert found.map.shape == (48, 64) and found.mean == 0.0 == found.percentile_95
-
-
-def test_black_and_white_differ_most(picture):
-    found = flip(np.zeros_like(picture), np.ones_like(picture))
-    assert found.mean > 0.9
+    assert flip(np.zeros_like(picture), np.ones_like(picture)).mean > 0.9
 
 
 def test_only_what_is_displayed_counts(picture):
@@ -206,6 +178,7 @@ def test_a_patch_is_found_where_it_is(picture):
 # A bent sheet of three triangles; the last one is much smaller.
 VERTICES = np.array([[0, 0, 0], [3, 0, 0], [3, 3, 0], [0, 3, 0], [3, 0, 0.5]], dtype=np.float32)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]], dtype=np.uint32)
+SOME_FLAT = np.array([*TRIANGLES, [0, 0, 1], [2, 2, 2]], dtype=np.uint32)
 AREAS = np.array([4.5, 4.5, 0.75])
 
 
@@ -213,9 +186,10 @@ def linear(points):
     return np.stack([points @ [1.0, 2.0, 3.0], 5.0 - points @ [2.0, 0.0, 1.0]], axis=-1)
 
 
-def test_what_is_linear_over_the_mesh_is_interpolated_exactly():
-    points = positions(VERTICES, TRIANGLES, *random_places(VERTICES, TRIANGLES, 500, seed=2))
-    found = interpolated(VERTICES, TRIANGLES, linear(VERTICES), points)
+@pytest.mark.parametrize("triangles", [TRIANGLES, SOME_FLAT], ids=["all", "some without area"])
+def test_what_is_linear_over_the_mesh_is_interpolated_exactly(triangles):
+    points = positions(VERTICES, triangles, *random_places(VERTICES, triangles, 500, seed=2))
+    found = interpolated(VERTICES, triangles, linear(VERTICES), points)
     np.testing.assert_allclose(found, linear(points), atol=1e-5)
 
 
@@ -230,13 +204,6 @@ def test_between_the_vertices_of_a_large_mesh(box_bake):
     # A point far from the mesh takes values of the nearest triangle.
     far = interpolated(surface.vertices, surface.triangles, surface.radiance, points[:1] + 9.0)
     assert np.isfinite(far).all()
-
-
-def test_triangles_without_area_hold_no_points():
-    flat = np.concatenate([TRIANGLES, [[0, 0, 1], [2, 2, 2]]]).astype(np.uint32)
-    points = positions(VERTICES, flat, *random_places(VERTICES, flat, 100, seed=2))
-    found = interpolated(VERTICES, flat, linear(VERTICES), points)
-    np.testing.assert_allclose(found, linear(points), atol=1e-5)
 
 
 @pytest.mark.parametrize("sides", [[3, 1, 0, 2, 1, 1], [1], [5], [1] * 100, [0, 40, 1]])

@@ -47,9 +47,8 @@ def test_contour_and_lookup_at_once(box_bake):
     field, grid = box_bake.volume.field(), box_bake.grid
     vertices, normals, triangles = contour(field, 47.0)
     lit = grid.lit_contour(field, 47.0, normals=True)
-    np.testing.assert_array_equal(lit[0], vertices)
-    np.testing.assert_array_equal(lit[1], normals)
-    np.testing.assert_array_equal(lit[2], triangles)
+    for found, expected in zip(lit, (vertices, normals, triangles)):
+        np.testing.assert_array_equal(found, expected)
     # The core looks up radiance before it rounds vertices to single precision.
     radiance = grid.lookup(field, vertices)
     np.testing.assert_allclose(lit[3], radiance, atol=1e-4 * radiance.max())
@@ -60,14 +59,8 @@ def test_contour_and_lookup_at_once(box_bake):
 
 def test_both_sides_and_texels_narrower_than_voxels(bump_scene):
     volume = leaflight.bump_box(12)
-    bake = leaflight.bake(
-        volume,
-        bump_scene,
-        isovalues=(40, 60),
-        both_sides=True,
-        error=20.0,
-        resolution=23,
-    )
+    settings = {"isovalues": (40, 60), "both_sides": True, "error": 20.0, "resolution": 23}
+    bake = leaflight.bake(volume, bump_scene, **settings)
     field, grid = bake.volume.field(), bake.grid
     lit = grid.lit_contour(field, 50.0, back=True)
     assert len(lit[0]) > 3 * len(contour(field, 50.0)[0])
@@ -139,9 +132,8 @@ def test_lookup_of_any_numbers(box_bake):
     field, grid = box_bake.volume.field(), box_bake.grid
     vertices = contour(field, 47.0)[0][:100]
     radiance = grid.lookup(field, vertices)
-    np.testing.assert_array_equal(grid.lookup(field, vertices.astype(np.float64)), radiance)
-    np.testing.assert_array_equal(grid.lookup(field, np.asfortranarray(vertices)), radiance)
+    for points in (vertices.astype(np.float64), np.asfortranarray(vertices), vertices.tolist()):
+        np.testing.assert_array_equal(grid.lookup(field, points), radiance)
     np.testing.assert_array_equal(grid.lookup(field, vertices[::3]), radiance[::3])
-    np.testing.assert_array_equal(grid.lookup(field, vertices.tolist()), radiance)
     refused(r"shape \(n, 3\)", grid.lookup, field, vertices[:, :2])
     refused("numbers", grid.lookup, field, "nowhere")

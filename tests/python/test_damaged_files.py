@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small files of each format, which test_fuzz.py damages, and damaged files that fuzzing has
-found.
-"""
+"""Small files of each format, which test_fuzz.py damages, and files that fuzzing has found."""
 
 import base64
 import gzip

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests the documentation site and the notebook."""
 
-import importlib.util
 import inspect
 import json
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -144,9 +144,7 @@ nbformat.write(notebook, sys.argv[2])
 @pytest.mark.slow
 def test_the_notebook_is_executed(tmp_path):
     for name in ("nbclient", "ipykernel", "pyvista"):
-        pytest.importorskip(
-            name, reason="Jupyter or PyVista is not installed; scripts/setup --tests"
-        )
+        pytest.importorskip(name, reason=f"{name} is not installed: run scripts/setup --tests")
     notebook, executed = ROOT / "examples" / "lit_surface.ipynb", tmp_path / "executed.ipynb"
     found = os.pathsep.join(filter(None, map(str, sys.path)))
     done = subprocess.run(
@@ -168,20 +166,9 @@ def test_the_notebook_is_executed(tmp_path):
     assert (tmp_path / "lit_surface.vtp").stat().st_size > 10_000
 
 
-SOURCE = Path(__file__).resolve().parents[2] / "docs" / "plain_docstrings.py"
-
-
 @pytest.fixture(scope="module")
 def plain_docstrings():
-    spec = importlib.util.spec_from_file_location(SOURCE.stem, SOURCE)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture(scope="module")
-def rewritten(plain_docstrings):
-    return plain_docstrings.rewritten
+    return runpy.run_path(str(ROOT / "docs" / "plain_docstrings.py"))
 
 
 def rows(lines):
@@ -190,7 +177,7 @@ def rows(lines):
     return [tuple(cells[i : i + 3]) for i in range(0, len(cells), 3)]
 
 
-def test_parameters_become_a_table(rewritten):
+def test_parameters_become_a_table(plain_docstrings):
     lines = [
         "Reads a file.",
         "",
@@ -199,7 +186,8 @@ def test_parameters_become_a_table(rewritten):
         'kind ("a", "b"), end: of the values.',
         "Returns a dict: of *all* and `code`.",
     ]
-    found = rewritten(lines, {"path": "str | None", "time": "", "kind": "str", "end": "str"})
+    types = {"path": "str | None", "time": "", "kind": "str", "end": "str"}
+    found = plain_docstrings["rewritten"](lines, types)
     assert rows(found) == [
         ("Parameter", "Type", "Description"),
         ("``path``", "``str | None``", "of the file, with its suffix; None: takes one"),
@@ -211,12 +199,12 @@ def test_parameters_become_a_table(rewritten):
 
 def test_options_are_parameters(plain_docstrings):
     lines = inspect.getdoc(leaflight.bake).splitlines()
-    plain_docstrings._process(None, None, None, leaflight.bake, None, lines)
+    plain_docstrings["_process"](None, None, None, leaflight.bake, None, lines)
     described = " ".join(names for names, *_ in rows(lines))
     for name in ("isovalues", "error", "seed", "on_pass", "checkpoint"):
         assert f"``{name}``" in described
 
 
-def test_a_paragraph_with_indentation_keeps_its_lines(rewritten):
-    found = rewritten(["Use it:", "", "    one", "      two"], {})
+def test_a_paragraph_with_indentation_keeps_its_lines(plain_docstrings):
+    found = plain_docstrings["rewritten"](["Use it:", "", "    one", "      two"], {})
     assert found[-6:-1] == ["::", "", "        one", "          two", ""] and not rows(found)

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests that the error bars of texels are right: 95 % intervals contain the truth that often, and
-that a bake errs as much as it reports.
-"""
+"""Tests that error bars contain the truth as often as they claim, and the errors of bakes."""
 
 import leaflight
 import numpy as np
@@ -28,9 +26,7 @@ def volumes(bump_scene):
 
 
 def deviations_over_errors(bake, volume, scene, **settings):
-    """Returns the deviation of each seed and lit texel from the mean of the others, over the
-    reported error of the texel.
-    """
+    """Returns how far each seed and lit texel is from the mean of the others, over its error."""
     values, errors = [], []
     for seed in range(1000, 1000 + SEEDS):
         grid = bake(volume, scene, seed=seed, **settings).grid
@@ -70,9 +66,7 @@ def test_intervals_hold(thesis, volumes, name, estimator):
 
 
 def test_no_texel_is_sure_to_be_dark(thesis, volumes):
-    """Checks the last texels of an isovalue range, which have few samples, if any. They take light
-    of their neighbors.
-    """
+    """Checks the last texels of an isovalue range, which take light of their neighbors."""
     volume, scene, isovalues = volumes["nucleons"]
     grid = thesis.bake(volume, scene, isovalues=isovalues, photons=10_000, samples=8).grid
     active = grid.mask().astype(bool)
@@ -80,9 +74,7 @@ def test_no_texel_is_sure_to_be_dark(thesis, volumes):
 
 
 def test_estimated_error_of_the_bake(thesis, bump_scene):
-    """Checks that it falls with samples as expected, and equals the difference between two
-    seeds.
-    """
+    """Checks that it falls with samples, and equals the difference between two seeds."""
     few, more = (
         thesis.bake(leaflight.bump_box(20), bump_scene, photons=100_000, samples=samples)
         for samples in (8, 128)
@@ -126,17 +118,13 @@ def test_a_bake_errs_as_much_as_it_says(box):
 
 @pytest.mark.parametrize("isovalue", [30.02, 69.98])
 def test_isosurfaces_at_the_ends_of_the_range_are_lit_like_others(box, isovalue):
-    """Checks the ends of the range. Shadows there are interpolated with values outside the
-    range.
-    """
+    """Checks the ends of the range, where shadows are interpolated with values outside it."""
     assert found_percent(box, isovalue) < 1.6 * found_percent(box, 50.0)
 
 
 @pytest.mark.slow
 def test_corners_are_smooth():
-    """Checks that corners have no noise. Half of the rays there hit the adjacent wall, and must not
-    all use one of its patches.
-    """
+    """Checks that corners have no noise, although half of the rays hit the adjacent wall."""
     box = leaflight.bump_box(24)
     bake = leaflight.bake(
         box, packaged_scene("open_floor.json"), isovalues=(30, 70), error=3.0, walls=True

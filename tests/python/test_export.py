@@ -11,6 +11,7 @@ import leaflight
 import meshio
 import numpy as np
 import pytest
+import vtk_files
 from leaflight import Surface
 from leaflight.export.point_grid import point_grid
 from leaflight.io.ply import display_colors, write_ply
@@ -22,14 +23,8 @@ ISOVALUES = (40.0, 47.0, 60.0)
 @pytest.fixture(scope="module")
 def finer(bump_scene):
     """Returns a bake with texels half as wide as voxels, and with backs."""
-    return leaflight.bake(
-        leaflight.bump_box(12),
-        bump_scene,
-        isovalues=(30, 70),
-        resolution=23,
-        error=5.0,
-        both_sides=True,
-    )
+    settings = {"isovalues": (30, 70), "resolution": 23, "error": 5.0, "both_sides": True}
+    return leaflight.bake(leaflight.bump_box(12), bump_scene, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -44,28 +39,13 @@ def srgb(linear):
     return 255 * encoded
 
 
-# --- volumes
-
-
 def read_vti(path):
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
-
-    reader = vtkXMLImageDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    image = reader.GetOutput()
-    data = image.GetPointData()
-    arrays = {
-        data.GetArrayName(k): vtk_to_numpy(data.GetArray(k))
-        for k in range(data.GetNumberOfArrays())
-    }
-    return image, arrays
+    image = vtk_files.read("XMLImageData", path)
+    return image, vtk_files.numbers_of(image.GetPointData())
 
 
 def test_vti_holds_values_and_radiance(box_bake, tmp_path):
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    vtk_files.vtk()
     assert leaflight.export(box_bake, tmp_path / "box.vti") == {}
     image, arrays = read_vti(tmp_path / "box.vti")
     assert image.GetDimensions() == (20, 20, 20)
@@ -86,23 +66,20 @@ def test_vti_holds_values_and_radiance(box_bake, tmp_path):
 
 def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_path):
     """Checks what a user of ParaView does: a contour of the value, colored by the radiance."""
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkFiltersCore import vtkContourFilter
-
+    vtk = vtk_files.vtk()
     map_coordinates = pytest.importorskip("scipy.ndimage").map_coordinates
 
     leaflight.export(finer, tmp_path / "finer.vti")
     image, arrays = read_vti(tmp_path / "finer.vti")
     assert image.GetDimensions() == (23, 23, 23) and "radiance_back" in arrays
-    contour = vtkContourFilter()
+    contour = vtk.vtkContourFilter()
     contour.SetInputData(image)
     contour.SetInputArrayToProcess(0, 0, 0, 0, "value")
     contour.SetValue(0, 47.0)
     contour.Update()
     mesh = contour.GetOutput()
-    points = vtk_to_numpy(mesh.GetPoints().GetData())
-    found = vtk_to_numpy(mesh.GetPointData().GetArray("radiance"))
+    points = vtk_files.numpy_of(mesh.GetPoints().GetData())
+    found = vtk_files.numbers_of(mesh.GetPointData())["radiance"]
     # Compare the radiance of the texels. The box is 22 texel spacings wide.
     radiance = finer.grid.dense("radiance")
     places = 22 * points.T[::-1]
@@ -112,7 +89,7 @@ def test_vti_contoured_and_probed_by_vtk_shows_the_lit_isosurface(finer, tmp_pat
 
 
 def test_a_sheared_volume_is_refused_as_vti_and_placed_by_amira(box_bake, tmp_path):
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    vtk_files.vtk()
     matrix = box_bake.volume.index_to_world.copy()
     matrix[0, 1] = 0.01
     sheared = replace(box_bake, volumes=[replace(box_bake.volume, index_to_world=matrix)])
@@ -139,13 +116,8 @@ def test_amira_holds_four_bytes_a_texel(finer, tmp_path):
 
 
 def test_where_texels_are_wider_the_points_are_voxels(bump_scene):
-    bake = leaflight.bake(
-        leaflight.bump_box(20),
-        bump_scene,
-        isovalues=(30, 70),
-        resolution=10,
-        error=5.0,
-    )
+    settings = {"isovalues": (30, 70), "resolution": 10, "error": 5.0}
+    bake = leaflight.bake(leaflight.bump_box(20), bump_scene, **settings)
     grid = point_grid(bake)
     assert grid.radiance.shape == (20, 20, 20, 3)
     np.testing.assert_array_equal(grid.values, bake.volume.values)
@@ -159,30 +131,22 @@ def test_between_voxels_values_are_those_of_the_field(finer):
     grid = point_grid(finer)
     index = np.random.default_rng(3).integers(1, 22, (50, 3))
     points = (np.c_[index, np.ones(50)] @ grid.index_to_world.T)[:, :3]
-    np.testing.assert_allclose(
-        grid.values[tuple(index.T[::-1])], finer.volume.field().sample(points), atol=1e-4
-    )
-
-
-# --- isosurfaces
+    expected = finer.volume.field().sample(points)
+    np.testing.assert_allclose(grid.values[tuple(index.T[::-1])], expected, atol=1e-4)
 
 
 def test_vtp(box_bake, surface, tmp_path):
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-
+    vtk_files.vtk()
     written = leaflight.export(box_bake, tmp_path / "box.vtp", [47.0])[47.0]
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(tmp_path / "box.vtp"))
-    reader.Update()
-    mesh = reader.GetOutput()
-    data = mesh.GetPointData()
-    np.testing.assert_array_equal(vtk_to_numpy(mesh.GetPoints().GetData()), written.vertices)
-    triangles = vtk_to_numpy(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    mesh = vtk_files.read("XMLPolyData", tmp_path / "box.vtp")
+    data = vtk_files.numbers_of(mesh.GetPointData())
+    points = vtk_files.numpy_of(mesh.GetPoints().GetData())
+    np.testing.assert_array_equal(points, written.vertices)
+    triangles = vtk_files.numpy_of(mesh.GetPolys().GetConnectivityArray()).reshape(-1, 3)
     np.testing.assert_array_equal(triangles, written.triangles)
-    np.testing.assert_array_equal(vtk_to_numpy(data.GetArray("radiance")), written.radiance)
-    np.testing.assert_array_equal(vtk_to_numpy(data.GetNormals()), written.normals)
+    np.testing.assert_array_equal(data["radiance"], written.radiance)
+    normals = vtk_files.numpy_of(mesh.GetPointData().GetNormals())
+    np.testing.assert_array_equal(normals, written.normals)
     assert mesh.GetFieldData().GetArray("isovalue").GetValue(0) == 47.0
     np.testing.assert_array_equal(written.vertices, surface.vertices)
 
@@ -206,13 +170,7 @@ def test_glb(box_bake, surface, tmp_path):
     v = surface.vertices
     turned = np.stack([v[:, 0], v[:, 2], -v[:, 1]], axis=1)
     np.testing.assert_allclose(scene.bounds, [turned.min(axis=0), turned.max(axis=0)], atol=1e-5)
-
-
-def test_glb_colors_arrive_in_trimesh(box_bake, surface, tmp_path):
-    """Checks colors of a mesh with a material; trimesh stores them as an attribute."""
-    trimesh = pytest.importorskip("trimesh", reason="trimesh of PyPI is not installed")
-    leaflight.export(box_bake, tmp_path / "box.glb", [47.0])
-    (mesh,) = trimesh.load(tmp_path / "box.glb", process=False).geometry.values()
+    # Trimesh stores colors of a mesh with a material as an attribute.
     linear = np.clip(surface.radiance * box_bake.scene.exposure, 0, 1)
     colors = mesh.visual.vertex_attributes["color"]
     assert linear.max() > 0.2
@@ -314,9 +272,6 @@ def test_a_sequence_as_usd_has_a_time_sample_each(box_bake, tmp_path):
         np.testing.assert_array_equal(np.array(mesh.GetPointsAttr().Get(frame)), surface.vertices)
 
 
-# --- what cannot be
-
-
 def test_sentences(box_bake, tmp_path):
     for name, isovalues, words in (
         ("x.obj", None, ".vti, .am, .blend, .vtp, .ply, .glb, .usda"),
@@ -348,11 +303,10 @@ def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypa
 
 def test_the_command(cli, box_file, tmp_path):
     out = tmp_path / "box.ply"
-    done = cli("export", box_file, "--isovalue", 47, "--out", out, "--json")
-    assert done.status == 0, done.err
-    assert '"isovalue": 47.0' in done.out and len(meshio.read(out).points) > 100
-    refused = cli("export", box_file, "--isovalue", 40, 47, "--out", tmp_path / "two.ply")
-    assert refused.status == 2 and refused.err.count("\n") == 1 and "(--isovalue)" in refused.err
+    printed = cli.runs("export", box_file, "--isovalue", 47, "--out", out, "--json")
+    assert '"isovalue": 47.0' in printed and len(meshio.read(out).points) > 100
+    two = ("--isovalue", 40, 47, "--out", tmp_path / "two.ply")
+    cli.refuses("(--isovalue)", "export", box_file, *two)
     assert list(tmp_path.iterdir()) == [out]
 
 

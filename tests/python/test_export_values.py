@@ -5,6 +5,7 @@ import leaflight
 import meshio
 import numpy as np
 import pytest
+import vtk_files
 from leaflight import Volume, texture_of
 from leaflight.export.gltf import LACKING
 from leaflight.export.point_grid import point_grid
@@ -81,20 +82,14 @@ def test_usd(bake, tmp_path):
 def test_ply_and_vtp(bake, tmp_path):
     leaflight.export(bake, tmp_path / "box.ply", [ISOVALUE])
     check(meshio.read(tmp_path / "box.ply").point_data, bake)
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-
+    vtk_files.vtk()
     leaflight.export(bake, tmp_path / "box.vtp", [ISOVALUE])
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(tmp_path / "box.vtp"))
-    reader.Update()
-    data = reader.GetOutput().GetPointData()
-    check({name: vtk_to_numpy(data.GetArray(name)) for name in expected(bake)}, bake)
+    mesh = vtk_files.read("XMLPolyData", tmp_path / "box.vtp")
+    check(vtk_files.numbers_of(mesh.GetPointData()), bake)
 
 
 def test_vti(bake, tmp_path):
-    pytest.importorskip("vtkmodules", reason="VTK (python3-vtk9) is not installed")
+    vtk_files.vtk()
     leaflight.export(bake, tmp_path / "box.vti")
     (name, *_) = expected(bake)
     volume = leaflight.read_volume(tmp_path / "box.vti", dataset=name)

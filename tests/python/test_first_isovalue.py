@@ -6,6 +6,7 @@ import warnings
 import leaflight
 import numpy as np
 import pytest
+import vtk_files
 from leaflight import Volume, default_isovalue, default_isovalue_range
 from leaflight.bake.both_sides import why_both_sides
 from leaflight.bake.settings import ChosenSetting
@@ -25,10 +26,8 @@ def volume(values):
 
 def mesh_volume(field, isovalue):
     vertices, _, triangles = leaflight._core.contour(field, isovalue)
-    corners = vertices[triangles].astype(np.float64)
-    return abs(
-        np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
-    )
+    a, b, c = np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
+    return abs(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
 
 @pytest.mark.parametrize(
@@ -193,15 +192,7 @@ def by_nibabel(path, values):
 
 
 def by_vtk(path, values):
-    vtk = pytest.importorskip("vtkmodules.all")
-    support = pytest.importorskip("vtkmodules.util.numpy_support")
-    image = vtk.vtkImageData()
-    image.SetDimensions(values.shape[::-1])
-    image.GetPointData().SetScalars(support.numpy_to_vtk(values.ravel(), deep=True))
-    writer = vtk.vtkXMLImageDataWriter()
-    writer.SetFileName(str(path))
-    writer.SetInputData(image)
-    assert writer.Write()
+    vtk_files.write("XMLImageData", path, vtk_files.image_of(values))
 
 
 def by_ase(path, values):
@@ -235,9 +226,7 @@ SMALL = {"error": 50.0, "resolution": 8}
 
 def test_both_sides_are_baked_where_the_back_is_seen(bump_scene):
     level_set = volume((R - 8)[::3, ::3, ::3])
-    with pytest.warns(
-        ChosenSetting, match="seen from their backs, so both sides are baked; both_s"
-    ):
+    with pytest.warns(ChosenSetting, match="seen from their backs, so both sides are baked"):
         chosen = leaflight.bake(level_set, bump_scene, **SMALL)
     assert chosen.provenance.both_sides and chosen.grid.has_back
     with warnings.catch_warnings():
@@ -253,9 +242,9 @@ def test_both_sides_are_baked_where_the_back_is_seen(bump_scene):
 
 def test_the_command_line_says_so(cli, tmp_path):
     np.save(tmp_path / "p.npy", ORBITAL[::3, ::3, ::3])
-    options = ("bake", tmp_path / "p.npy", "--error", 50, "--resolution", 8, "--out")
-    done = cli(*options, tmp_path / "p.vdb", "--json")
+    options = ("bake", tmp_path / "p.npy", "--error", 50, "--resolution", 8, "--json", "--out")
+    done = cli(*options, tmp_path / "p.vdb")
     assert done.status == 0 and '"both_sides": true' in done.out
     assert "leaflight: p: its isosurfaces below 0 are seen from their backs, so both" in done.err
-    done = cli(*options, tmp_path / "q.vdb", "--json", "--no-both-sides")
+    done = cli(*options, tmp_path / "q.vdb", "--no-both-sides")
     assert '"both_sides": false' in done.out and "backs" not in done.err

@@ -49,7 +49,6 @@ def test_the_isosurface_fills_half_to_all_of_a_picture(sides, size):
     rows, columns = np.nonzero(picture[..., 3])
     filled = max(np.ptp(rows) / size[1], np.ptp(columns) / size[0])
     assert 0.5 < filled < 0.95
-    # It must be in the middle of the picture.
     assert abs(rows.min() + rows.max() - size[1]) < 0.1 * size[1]
     assert abs(columns.min() + columns.max() - size[0]) < 0.1 * size[0]
 
@@ -68,7 +67,6 @@ def test_a_patient_is_seen_from_the_front_and_the_room_stands_around_it(cornell_
     walls = {mesh.name: mesh.vertices.mean(axis=0) for mesh in cornell_patient.scene.meshes}
     middle = np.full(3, 1.55)
     assert walls["back wall"][1] < middle[1] - 1 and walls["left wall"][0] > middle[0] + 1
-    # The file must store the direction.
     assert azimuth(framing(lit(block(12, 20, 20, patient=True)))) == 180
 
 
@@ -108,18 +106,15 @@ def test_a_camera_of_ones_own(cornell_patient):
 
 
 def test_tones():
-    """Checks Khronos PBR Neutral above 0.8: it ascends, and approaches white without
-    exceeding it.
-    """
+    """Checks that Khronos PBR Neutral ascends above 0.8, and approaches white from below."""
     grays = np.linspace(0, 20, 2001)[:, None] * np.ones(3)
     shown = tone_mapped(grays)
     np.testing.assert_array_equal(shown[grays <= 0.8], np.float32(grays[grays <= 0.8]))
     assert (np.diff(shown[:, 0]) > 0).all() and shown.max() < 1
     red = tone_mapped([[2.0, 0.2, 0.1], [200.0, 20.0, 10.0]])
     assert red[0, 0] > 2 * red[0, 1] and red[1].min() > 0.9
-    assert (
-        photographed(np.full((2, 2, 4), 8.0, np.float32) / [1, 1, 1, 8], 1.0)[..., :3].max() < 255
-    )
+    white = np.full((2, 2, 4), 8.0, np.float32) / [1, 1, 1, 8]
+    assert photographed(white, 1.0)[..., :3].max() < 255
 
 
 @pytest.mark.parametrize("times", [0.1, 1.0, 10.0])
@@ -167,9 +162,8 @@ def test_open_isosurfaces_show_their_shape_inside():
 def test_bins_hold_the_same_number_of_steps():
     steps = np.arange(0, 256, dtype=np.uint8).repeat(5)
     assert bin_width(steps, -0.5, 255.5) == 1.0
-    assert bin_width(steps.astype(np.float32) / 1000, -5e-4, 0.2555) == pytest.approx(
-        1e-3, rel=1e-3
-    )
+    thousandths = steps.astype(np.float32) / 1000
+    assert bin_width(thousandths, -5e-4, 0.2555) == pytest.approx(1e-3, rel=1e-3)
     # 3000 integers have at most 256 bins of equally many integers; here 12.
     assert bin_width(np.arange(3000), -0.5, 2999.5) == 12.0
     # The number of bins for other values follows from the number of values.

@@ -203,24 +203,14 @@ def test_passes_and_an_interruption(tmp_path):
 
     progress = Progress()
     path = tmp_path / "flat.checkpoint"
+    arguments = {"checkpoint": Checkpoint(path, seconds=0.0), "progress": progress, **settings}
     with pytest.raises(Cancelled):
-        bake_flatland(
-            volume,
-            on_pass=lambda _: progress.cancel(),
-            progress=progress,
-            checkpoint=Checkpoint(path, seconds=0.0),
-            **settings,
-        )
+        bake_flatland(volume, on_pass=lambda _: progress.cancel(), **arguments)
     resumed = bake_flatland(volume, checkpoint=Checkpoint(path, resume=True), **settings)
     assert resumed.id == whole.id
     np.testing.assert_array_equal(resumed.texture(), whole.texture())
-    refused(
-        "belongs to another bake",
-        bake_flatland,
-        volume,
-        checkpoint=Checkpoint(path, resume=True),
-        **{**settings, "seed": 1},
-    )
+    other = {**settings, "seed": 1, "checkpoint": Checkpoint(path, resume=True)}
+    refused("belongs to another bake", bake_flatland, volume, **other)
 
 
 @pytest.mark.parametrize("name", ["both_sides", "walls"])

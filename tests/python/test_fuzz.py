@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests a few damaged files of each kind, the same in every run, and that no reader returns memory
-that it has not filled. validation/run fuzz tests many more.
-"""
+"""Tests a few damaged files of each kind, and that no reader returns memory it has not filled."""
 
 import json
 import platform

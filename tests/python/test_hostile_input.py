@@ -85,6 +85,7 @@ def test_nrrd_encodings(tmp_path):
 
 LONG = 1 << 20
 ARRAY = "\nLattice { byte Data } @1\n# Data section follows\n@1\n"
+MRTRIX = "mrtrix image\ndim: 2,2,2\nvox: 1,1,1\ndatatype: Int8\nfile: x"
 
 
 @pytest.mark.parametrize(
@@ -92,10 +93,7 @@ ARRAY = "\nLattice { byte Data } @1\n# Data section follows\n@1\n"
     [
         ("x.nrrd", NRRD + "space directions: " + "(" * LONG + "\n\n"),
         ("x.mhd", "DimSize = 2 2 2\nElementType = MET_CHAR\nElementDataFile = %d" + " 1" * LONG),
-        (
-            "x.mif",
-            "mrtrix image\ndim: 2,2,2\nvox: 1,1,1\ndatatype: Int8\nfile: x" + " " * LONG + "y\nEND",
-        ),
+        ("x.mif", MRTRIX + " " * LONG + "y\nEND"),
         ("x.am", "# AmiraMesh ASCII 2.0\n" + "\n" * LONG + ARRAY),
         ("x.am", "# AmiraMesh ASCII 2.0\ndefine Lattice 2 2 2\n" + "Units {" * (LONG // 8) + ARRAY),
         ("x.am", "# AmiraMesh ASCII 2.0\ndefine Lattice 2 2 2\nBoundingBox " + "1" * LONG + ARRAY),
@@ -108,12 +106,7 @@ def test_long_headers_take_no_long_time(tmp_path, name, text):
     assert len(refused(".", read_volume, tmp_path / name)) < 500
 
 
-FAR = {
-    "nan": np.nan,
-    "infinite": np.inf,
-    "beyond the bounds": 1e19,
-    "beyond any number": -1e308,
-}
+FAR = {"nan": np.nan, "infinite": np.inf, "beyond bounds": 1e19, "beyond any number": -1e308}
 
 
 @pytest.mark.parametrize("far", FAR)
@@ -124,9 +117,7 @@ def test_points_are_in_bounds(box_bake, lapr_bake, far):
         lambda: box_bake.radiance(points),
         lambda: box_bake.radiance_error(points),
         lambda: box_bake.reference(points, 47.0, spp=1),
-        lambda: lapr_bake.mesh_reference(
-            0, ([0, 0, 0], points[:, :2][:, ::-1] * 0 + FAR[far]), 0.5
-        ),
+        lambda: lapr_bake.mesh_reference(0, ([0, 0, 0], np.full((3, 2), FAR[far])), 0.5),
     ]
     if abs(FAR[far]) < 1e30 or not np.isfinite(FAR[far]):
         calls.append(lambda: box_bake.radiance(points.astype(np.float32)))
@@ -164,8 +155,7 @@ def test_scenes_are_in_bounds(cli, root, tmp_path):
         change(bad)
         path.write_text(json.dumps(bad))
         out = tmp_path / "x.vdb"
-        outcome = cli("bake", "bump_box", "--dims", 8, "--scene", path, "--out", out)
-        assert outcome.status == 2 and outcome.err.count("\n") == 1
+        cli.refuses("", "bake", "bump_box", "--dims", 8, "--scene", path, "--out", out)
         assert not out.exists()
     path.write_text("[" * 100_000)
     assert cli("bake", "bump_box", "--scene", path, "--out", tmp_path / "x.vdb").status == 2
@@ -230,8 +220,9 @@ def test_vdb_files_that_ended_it(script, tmp_path, name):
     ],
 )
 def test_numbers_of_options(cli, tmp_path, arguments, sentence):
-    outcome = cli("bake", "bump_box", "--dims", 8, "--out", tmp_path / "x.vdb", *arguments)
-    assert outcome.status == 2 and sentence in outcome.err and len(outcome.err) < 300
+    out = tmp_path / "x.vdb"
+    said = cli.refuses(sentence, "bake", "bump_box", "--dims", 8, "--out", out, *arguments)
+    assert len(said) < 300
 
 
 @pytest.mark.parametrize("name", ["x" * 300 + ".vdb", "\udcff\udcfe.vdb", "\ud800.vdb", "a\0.vdb"])

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests that each program of validation/ runs, with little work. Parts of scripts/test run those
-that take longer: every_scene, faults, fuzz, mutations, races, tables, report, against_cycles.
-"""
+"""Tests that each program of validation/ runs, with little work, or is a part of scripts/test."""
 
 import importlib
 import json
@@ -106,9 +104,7 @@ def test_the_table_of_blenders(tmp_path):
 
 
 def test_the_bugs_of_mutations_fit_the_sources():
-    """Checks that each bug's text occurs once in the core, and that the test that caught it
-    exists.
-    """
+    """Checks that each bug's text occurs once in the core, and that its test exists."""
     mutations = importlib.import_module("break.mutations").MUTATIONS
     tests = "".join(path.read_text() for path in (ROOT / "tests/core").glob("*.cpp"))
     for mutation in mutations:

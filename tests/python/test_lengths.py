@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests units of length: bakes, files and worlds of several units, and scenes of any size."""
 
-import json
-import struct
 from dataclasses import replace
 
 import leaflight
@@ -11,6 +9,7 @@ import numpy as np
 import pytest
 from leaflight import Volume
 from outcomes import refused
+from test_export import gltf_of
 
 # Longest side of a head in millimeters, as in its scan.
 SIDE = 220.0
@@ -36,16 +35,9 @@ def head(head_file, bump_scene, tmp_path_factory):
     return leaflight.load_bake(path)
 
 
-def gltf_of(path):
-    """Returns the JSON of a .glb."""
-    content = path.read_bytes()
-    (length,) = struct.unpack("<I", content[12:16])
-    return json.loads(content[20 : 20 + length])
-
-
 def longest_side_in_meters(path):
     """Returns the longest side of the first mesh of a .glb, times the scale of its root."""
-    file = gltf_of(path)
+    file, _ = gltf_of(path)
     (root,) = file["scenes"][0]["nodes"]
     mesh = file["meshes"][0]["primitives"][0]
     positions = file["accessors"][mesh["attributes"]["POSITION"]]
@@ -146,10 +138,8 @@ def test_powers_of_two_change_no_bit(request, work):
         assert np.array_equal(same.vertices, surface.vertices), exponent
         assert np.array_equal(same.radiance, surface.radiance), exponent
         for name in ("estimated_rms_percent", "passes", "texels", "rays"):
-            assert getattr(other.statistics, name) == getattr(bake.statistics, name), (
-                exponent,
-                name,
-            )
+            found = [getattr(one.statistics, name) for one in (bake, other)]
+            assert found[0] == found[1], (exponent, name)
 
 
 def test_beyond_single_precision_is_refused():

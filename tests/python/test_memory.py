@@ -69,9 +69,7 @@ def bake_in_subprocess(path, out, limit=0, **settings):
 
 @pytest.fixture(scope="module")
 def large(tmp_path_factory):
-    """Returns (folder, bake_in_subprocess() with a limit, without a limit) of a volume above the
-    limit.
-    """
+    """Returns (folder, results of baking a volume above the limit with the limit, and without)."""
     n = 384
     x = np.linspace(-1, 1, n, dtype=np.float32)
     plane = np.cos(9 * x)[:, None] * np.sin(7 * x)
@@ -155,12 +153,8 @@ def test_small_machine_gets_coarser_texels(monkeypatch):
 
 def test_light_that_does_not_fit_is_refused_before_it_is_computed():
     limit_memory(LEAST_LIMIT)
-    refused(
-        r"300 x 300 x 300 texels takes (about|over) .*without one it is [3-7][0-9]\)",
-        leaflight.bake,
-        bump_box(100),
-        resolution=300,
-    )
+    words = r"300 x 300 x 300 texels takes (about|over) .*without one it is [3-7][0-9]\)"
+    refused(words, leaflight.bake, bump_box(100), resolution=300)
 
 
 def test_limits_that_no_process_can_keep():

@@ -7,6 +7,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.io.images import display_colors
+from outcomes import refused
 
 EXPOSURE = 2.0
 
@@ -55,7 +56,6 @@ def test_xarray(bake, tmp_path):
     data = bake.to_xarray()
     assert dict(data.sizes) == dict(zip("zyx", data.value.shape)) | {"channel": 3}
     assert data.attrs["bake_id"] == bake.id and data.radiance.attrs["units"] == "W m-2 sr-1"
-    # Coordinates select what the bake has there.
     point = {"x": 0.3, "y": 0.6, "z": 0.5}
     near = data.sel(point, method="nearest")
     places = [[float(near[axis]) for axis in "xyz"]]
@@ -64,7 +64,6 @@ def test_xarray(bake, tmp_path):
     np.testing.assert_allclose(near.value, field.sample(np.array(places))[0], rtol=1e-5)
     assert float(data.radiance.sel(channel="r").max()) > 0.1
     assert data.radiance_back.shape == data.radiance.shape
-    # The values are a volume again, at the same place.
     again = leaflight.as_volume(data.value)
     corner = np.array([[0.0, 0.0, 0.0]])
     np.testing.assert_allclose(again.field().sample(corner), field.sample(corner), rtol=1e-5)
@@ -88,5 +87,4 @@ def test_a_missing_package_is_one_sentence(bake, surface, package, monkeypatch):
     monkeypatch.setitem(sys.modules, package, None)
     owner = bake if package == "xarray" else surface
     method = surface.to_vtk if package == "vtkmodules" else getattr(owner, f"to_{package}")
-    with pytest.raises(leaflight.LeaflightError, match="pip install"):
-        method()
+    refused("pip install", method)

@@ -15,13 +15,8 @@ NEW_LAMP = PointLight("Side lamp", (-0.1, -0.4, 1.2), 0.05, (2.0, 1.5, 0.7))
 
 
 def baked(volume, scene, **settings):
-    settings = {
-        "error": 8.0,
-        "isovalues": ISOVALUES,
-        "walls": True,
-        "resolution": 10,
-        **settings,
-    }
+    defaults = {"error": 8.0, "isovalues": ISOVALUES, "walls": True, "resolution": 10}
+    return leaflight.bake(volume, scene, **{**defaults, **settings})
     return leaflight.bake(volume, scene, **settings)
 
 
@@ -57,9 +52,8 @@ def assert_same_maps(ours, theirs):
     assert ours.grid.direct.resolution == theirs.grid.direct.resolution
     np.testing.assert_array_equal(ours.grid.direct.light_points, theirs.grid.direct.light_points)
     for point in range(len(theirs.grid.direct.light_points)):
-        np.testing.assert_array_equal(
-            ours.grid.direct.codes(point), theirs.grid.direct.codes(point)
-        )
+        codes = (one.grid.direct.codes(point) for one in (ours, theirs))
+        np.testing.assert_array_equal(*codes)
 
 
 def direct(bake):
@@ -118,12 +112,8 @@ def test_the_volume_moves(bake, scene):
     ours, theirs = bake.moved(there, scene), baked(there, scene)
     assert_direct_light_of(ours, theirs)
     # Texels move with the volume.
-    vertices = ours.surface(47.0).vertices
-    np.testing.assert_allclose(
-        vertices.mean(axis=0),
-        bake.surface(47.0).vertices.mean(axis=0) + (0.04, 0, 0.03),
-        atol=0.005,
-    )
+    now, before = (one.surface(47.0).vertices.mean(axis=0) for one in (ours, bake))
+    np.testing.assert_allclose(now, before + (0.04, 0, 0.03), atol=0.005)
 
 
 def test_walls_move_come_and_go(bake, scene):
@@ -150,6 +140,10 @@ def test_walls_move_come_and_go(bake, scene):
     assert not ours.walls.indirect(0).any() and ours.walls.indirect(1).any()
 
 
+PAIR = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
+OF_PAIR = {"isovalues": None, "walls": False, "resolution": 8, "error": 20.0}
+
+
 def test_back_sides_and_several_volumes(scene):
     both = baked(BOX, scene, both_sides=True, walls=False)
     there = with_lamp_moved(scene)
@@ -157,26 +151,21 @@ def test_back_sides_and_several_volumes(scene):
     for point in range(len(theirs.grid.direct.light_points)):
         codes = (one.grid.direct.codes(point, back=True) for one in (ours, theirs))
         np.testing.assert_array_equal(*codes)
-    pair = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
-    scene = leaflight.fit_scene(leaflight.cornell_box(), pair)
+    scene = leaflight.fit_scene(leaflight.cornell_box(), PAIR)
     there = with_lamp_moved(scene)
-    settings = {"isovalues": None, "walls": False, "resolution": 8, "error": 20.0}
-    two = baked(pair, scene, **settings)
-    ours, theirs = two.moved(pair, there), baked(pair, there, **settings)
+    ours, theirs = baked(PAIR, scene, **OF_PAIR).moved(PAIR, there), baked(PAIR, there, **OF_PAIR)
     for own, other in zip(ours.grids, theirs.grids):
         for point in range(len(other.direct.light_points)):
             np.testing.assert_array_equal(own.direct.codes(point), other.direct.codes(point))
 
 
-def test_beside_a_mirror_what_is_diffuse_is_lit(scene):
-    pair = [BOX, shifted(BOX, (1.4, 0.0, 0.0))]
-    scene = leaflight.fit_scene(leaflight.cornell_box(), pair)
+def test_beside_a_mirror_what_is_diffuse_is_lit():
+    scene = leaflight.fit_scene(leaflight.cornell_box(), PAIR)
     mirror = replace(scene.isosurfaces[0], name="mirror", scattering="mirror")
     scene = replace(scene, isosurfaces=[scene.isosurfaces[0], mirror])
     there = with_lamp_moved(scene)
-    settings = {"isovalues": None, "walls": False, "resolution": 8, "error": 20.0}
-    ours = baked(pair, scene, **settings).moved(pair, there)
-    assert_same_maps(ours, baked(pair, there, **settings))
+    ours = baked(PAIR, scene, **OF_PAIR).moved(PAIR, there)
+    assert_same_maps(ours, baked(PAIR, there, **OF_PAIR))
     assert ours.grids[1].direct is None
 
 
@@ -195,14 +184,12 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
     there = with_lamp_moved(scene)
     ours = bake.moved(BOX, there)
     assert ours.original is bake and len({bake.id, ours.id, baked(BOX, there).id}) == 3
-    # Move a moved bake again, and back.
     again = bake.moved(BOX, with_wall_moved(scene)).moved(BOX, there)
     assert again.original is bake and again.id == ours.id
     np.testing.assert_array_equal(again.grid.dense("radiance"), ours.grid.dense("radiance"))
     back = ours.moved(BOX, scene)
-    np.testing.assert_allclose(
-        back.grid.dense("radiance"), bake.grid.dense("radiance"), rtol=1e-5, atol=1e-6
-    )
+    light = [one.grid.dense("radiance") for one in (back, bake)]
+    np.testing.assert_allclose(*light, rtol=1e-5, atol=1e-6)
     bake.save(tmp_path / "bake.vdb")
     loaded = leaflight.load_bake(tmp_path / "bake.vdb").moved(BOX, there)
     assert loaded.id == ours.id
@@ -214,16 +201,12 @@ def test_it_is_a_bake_but_for_its_file(bake, scene, tmp_path):
 
 def test_it_says_what_cannot_move(bake, scene):
     other = leaflight.Volume(BOX.values + 1, BOX.index_to_world, BOX.name)
+    mirror = replace(scene, isosurfaces=[replace(scene.isosurfaces[0], scattering="mirror")])
     for volume, changed, settings, what in (
         (other, scene, {}, "values have changed"),
         ([BOX, BOX], scene, {}, "1 volumes, .* 2"),
         (BOX, scene, {"isovalues": (30.0, 60.0)}, "isovalue range has changed"),
-        (
-            BOX,
-            replace(scene, isosurfaces=[replace(scene.isosurfaces[0], scattering="mirror")]),
-            {},
-            "material",
-        ),
+        (BOX, mirror, {}, "material"),
     ):
         refused(what, bake.moved, volume, changed, **settings)
     progress = leaflight.Progress()

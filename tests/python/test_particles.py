@@ -32,15 +32,12 @@ def test_the_nodes_sample_one_density(generate):
     for coarse, fine in zip(generate(17), generate(33)):
         # Each volume is scaled by its own maximum.
         ratio = fine.values[::2, ::2, ::2].sum() / coarse.values.sum()
-        np.testing.assert_allclose(
-            fine.values[::2, ::2, ::2], ratio * coarse.values, atol=0.01, rtol=1e-3
-        )
+        near = fine.values[::2, ::2, ::2]
+        np.testing.assert_allclose(near, ratio * coarse.values, atol=0.01, rtol=1e-3)
 
 
 def test_neuron():
-    """Checks that dendrites fill little of the volume, and reach far without touching the
-    border.
-    """
+    """Checks that dendrites are thin, and reach far without touching the border."""
     values = neuron(60).values
     assert values.shape == (60,) * 3 and values.max() == 255
     branches = values > 30

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests bakes in passes. Each pass gives a complete bake. An error, a time or a stop ends it."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -9,11 +8,10 @@ import leaflight
 import numpy as np
 import pytest
 from cone import FINE, stopping
-from leaflight import Cancelled, Progress, _core, load_bake
+from leaflight import Cancelled, Progress, load_bake
 from leaflight.bake.estimate import extrapolated
 from leaflight.bake.statistics import Statistics, outcome
 from leaflight.volume.setting_error import SettingError
-from outcomes import refused
 from waiting import HANG
 
 ISOVALUES = (30.0, 70.0)
@@ -43,13 +41,11 @@ def test_each_pass_leaves_a_better_bake(box, tmp_path):
     points = last.surface(47.0).vertices
     noise = [one.radiance_error(points).mean() for one in (seen[0], last)]
     assert noise[1] < 0.8 * noise[0]
-    # The bake of a pass can be saved like any other.
     seen[0].save(tmp_path / "first.vdb")
     first = load_bake(tmp_path / "first.vdb")
     assert first.id == seen[0].id and first.provenance.passes == 1
-    np.testing.assert_allclose(
-        first.radiance(points), seen[0].radiance(points), rtol=2**-10, atol=1e-6
-    )
+    light = [one.radiance(points) for one in (first, seen[0])]
+    np.testing.assert_allclose(*light, rtol=2**-10, atol=1e-6)
 
 
 @pytest.mark.slow
@@ -119,15 +115,12 @@ def test_what_goes_wrong_in_on_pass_ends_the_bake(box):
 
 
 def test_what_to_do_where_the_error_was_not_reached(box):
-    """Checks the advice after passes end by themselves: it depends on the largest part of the
-    error.
-    """
+    """Checks the advice after passes end by themselves, by the largest part of the error."""
     baked = box(error=20.0)
     provenance = replace(baked.provenance, error=1.0)
     for noise, sentence in ((1.2, "detail finer than the texels"), (4.0, "continue the bake")):
-        statistics = replace(
-            baked.statistics, estimated_error_percent=5.0, estimated_noise_percent=noise
-        )
+        parts = {"estimated_error_percent": 5.0, "estimated_noise_percent": noise}
+        statistics = replace(baked.statistics, **parts)
         found = outcome(replace(baked, provenance=provenance, statistics=statistics))
         assert sentence in found and "\n" not in found
 
@@ -137,14 +130,6 @@ def test_what_to_do_where_the_error_was_not_reached(box):
 def test_bad_limits(box, limit, value):
     with pytest.raises(SettingError, match=f"The {limit} must be a number of .* above 0"):
         box(**{limit: value})
-
-
-def test_a_bake_without_provenance_is_of_an_earlier_leaflight(box_bake, tmp_path):
-    path = tmp_path / "old.vdb"
-    metadata = {"id": box_bake.id, "statistics": json.dumps(box_bake.statistics.record())}
-    fields = [volume.field() for volume in box_bake.volumes]
-    _core.write_bake(str(path), fields, box_bake.grids, None, metadata)
-    refused("old.vdb: .*earlier", load_bake, path)
 
 
 @pytest.fixture

@@ -33,9 +33,7 @@ def test_they_lie_on_their_isosurfaces(photons):
 
 
 def test_they_carry_the_light_of_the_lamp(photons, bump_scene):
-    """Checks that direct light is most of what the lamp emits over the isovalue range, but not
-    more.
-    """
+    """Checks that direct light is most of what the lamp emits over the isovalue range."""
     volume = leaflight.bump_box(24)
     (volume,), scene, isovalue_range = placed(volume, bump_scene, None)
     core = core_scene(scene, [volume.field()], isovalue_range)

@@ -13,7 +13,7 @@ from hypothesis.extra import numpy as npst
 from leaflight import read_volume
 from leaflight.io.readers import format_of
 from leaflight.io.readers.raw import ENDIANS, TYPES
-from outcomes import refused, written
+from outcomes import reads, refused, written
 
 
 @st.composite
@@ -62,21 +62,17 @@ def test_no_claim_allocates_or_crashes(dims, type, size):
         refused("field.raw", read_volume, path, dims=dims, type=type)
 
 
-@pytest.mark.parametrize(
-    "name", ["x.vol", "x.bin", "x.dat", "x.raw", "x", "x.xyz", "x.nii", "x.img"]
-)
+@pytest.mark.parametrize("name", "x.vol x.bin x.dat x.raw x x.xyz x.nii x.img".split())
 @pytest.mark.parametrize("skip", [0, 13, -1])
 def test_headers_of_any_file(tmp_path, cli, values, name, skip):
     """Checks that the suffix does not count if the dimensions and the type are given."""
     values = values.astype(">i2")
     path = written(tmp_path / name, bytes(range(13 if skip else 0)) + values.tobytes())
     options = {"dims": (6, 5, 4), "type": "int16", "endian": "big", "skip": skip}
-    volume = read_volume(path, **options)
-    np.testing.assert_array_equal(volume.values, values)
+    volume = reads(values, path, **options)
     assert volume.name == "x"
     flags = ("--dims", 6, 5, 4, "--type", "int16", "--endian", "big", "--skip", skip)
-    outcome = cli("info", path, *flags)
-    assert outcome.status == 0 and "6 x 5 x 4 voxels" in outcome.out
+    assert "6 x 5 x 4 voxels" in cli.runs("info", path, *flags)
 
 
 @pytest.mark.parametrize(
@@ -84,11 +80,7 @@ def test_headers_of_any_file(tmp_path, cli, values, name, skip):
     [
         (0, 133, r"133: 13 .*\(--dims, --type, --skip\)"),
         (13, 140, r"127 behind the 13 .*7 more"),
-        (
-            13,
-            132,
-            r"120 bytes.* 119 .*13.*type \(--dims, --type, --sk",
-        ),
+        (13, 132, r"120 bytes.* 119 .*13.*type \(--dims, --type, --sk"),
         (500, 133, r"0 behind the 500"),
         (-1, 119, r"120 bytes.* 119;.*type \(--dims, --type\)"),
         (-2, 120, r"-2; .*\(--skip\)"),

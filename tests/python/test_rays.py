@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests bakes by rays: several volumes, mirrors and glass, to an error, in a time, and
-continued.
-"""
+"""Tests bakes by rays: several volumes, mirrors and glass, to an error, in a time, continued."""
 
 from dataclasses import replace
+from functools import partial
 
 import leaflight
 import numpy as np
@@ -19,34 +18,30 @@ UNREACHED = 1e-3
 @pytest.fixture
 def two(lapr_scene):
     """Returns bake(**settings) of two volumes of 10^3 nodes."""
-
-    def bake(**settings):
-        return leaflight.bake(list(lapr(10)), lapr_scene, **settings)
-
-    return bake
+    return partial(leaflight.bake, list(lapr(10)), lapr_scene)
 
 
 @pytest.fixture
-def mirror(root):
-    """Returns bake(**settings) of the bump box with 8^3 nodes beside a mirror."""
-    scene = leaflight.load_scene(root / "scenes" / "mirror.json")
+def beside(root):
+    """Returns f(name) -> bake(**settings) of the bump box with 8^3 nodes in a shipped scene."""
 
-    def bake(**settings):
-        return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
+    def bake_in(name, **settings):
+        scene = leaflight.load_scene(root / "scenes" / f"{name}.json")
+        settings = {"isovalues": (30.0, 70.0), **settings}
+        return partial(leaflight.bake, leaflight.bump_box(8), scene, **settings)
 
-    return bake
+    return bake_in
 
 
 @pytest.fixture
-def glass(root):
-    """Returns bake(**settings) of a floor with the caustics of a glass isosurface."""
-    scene = leaflight.load_scene(root / "scenes" / "glass_isosurface.json")
+def mirror(beside):
+    return beside("mirror")
 
-    def bake(**settings):
-        settings = {"walls": True, **settings}
-        return leaflight.bake(leaflight.bump_box(8), scene, isovalues=(30.0, 70.0), **settings)
 
-    return bake
+@pytest.fixture
+def glass(beside):
+    """Returns a bake of a floor with the caustics of a glass isosurface."""
+    return beside("glass_isosurface", walls=True)
 
 
 def test_an_error_is_reached_in_passes(two, mirror):
@@ -77,14 +72,9 @@ def test_an_interrupted_bake_goes_on_with_the_same_bits(mirror, two, tmp_path):
     for number, bake in enumerate((two, mirror)):
         checkpoint = Checkpoint(tmp_path / str(number), seconds=0.0)
         progress = Progress()
+        hooks = {"on_pass": lambda _: progress.cancel(), "progress": progress}
         with pytest.raises(Cancelled):
-            bake(
-                error=2.0,
-                threads=1,
-                checkpoint=checkpoint,
-                on_pass=lambda _: progress.cancel(),
-                progress=progress,
-            )
+            bake(error=2.0, threads=1, checkpoint=checkpoint, **hooks)
         resumed = bake(error=2.0, threads=2, checkpoint=replace(checkpoint, resume=True))
         assert_same_light(resumed, bake(error=2.0))
 
@@ -95,9 +85,8 @@ def test_it_is_continued_from_its_file(two, tmp_path):
     first.save(tmp_path / "first.vdb")
     loaded = load_bake(tmp_path / "first.vdb")
     points = first.surface(0.5, 1).vertices
-    np.testing.assert_allclose(
-        loaded.radiance(points, 1), first.radiance(points, 1), rtol=2**-9, atol=1e-5
-    )
+    light = [one.radiance(points, 1) for one in (loaded, first)]
+    np.testing.assert_allclose(*light, rtol=2**-9, atol=1e-5)
     more = [refine(one, error=2.0) for one in (first, loaded)]
     assert_same_light(*more)
     was, now = (one.statistics.estimated_error_percent for one in (first, more[0]))
@@ -108,6 +97,5 @@ def test_lamps_of_several_volumes_are_relit(two):
     baked = two(error=20.0)
     lamp = baked.scene.lights[0].name
     points = baked.surface(0.5).vertices
-    np.testing.assert_allclose(
-        baked.relit({lamp: 2}).radiance(points), 2 * baked.radiance(points), rtol=1e-3
-    )
+    relit = baked.relit({lamp: 2}).radiance(points)
+    np.testing.assert_allclose(relit, 2 * baked.radiance(points), rtol=1e-3)

@@ -63,9 +63,7 @@ def test_damaged_npy(tmp_path, values):
 
 
 def test_ome_tiff_of_five_dimensions(tmp_path, values):
-    """Checks that times and channels are distinguished, and that only the requested pages
-    are read.
-    """
+    """Checks that times and channels are distinguished, and that only chosen pages are read."""
     path = tmp_path / "x.ome.tif"
     whole = np.stack([np.stack([values + 10 * t + c for c in range(2)]) for t in range(3)])
     metadata = {"axes": "TCZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 1, "PhysicalSizeZ": 2}

@@ -7,15 +7,10 @@ import numpy as np
 import pytest
 from leaflight import read_volume
 from leaflight.io.readers import probe
-from outcomes import refused, written
+from outcomes import reads, refused, written
 
 # Edges of a cell without right angles, as rows.
 LATTICE = np.array([[3.0, 0, 0], [1, 4, 0], [0, 0.5, 5]])
-
-
-def read_back(path, content, **options):
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return read_volume(path, **options)
 
 
 def opendx(values, more="data follows", kind="double"):
@@ -26,16 +21,14 @@ def opendx(values, more="data follows", kind="double"):
     lines += [f"object 2 class gridconnections counts {dims}"]
     lines += [f"object 3 class array type {kind} rank 0 items {values.size} {more}"]
     numbers = list(map(str, values.transpose(2, 1, 0).ravel().tolist()))
-    return "\n".join(
-        [*lines, *(" ".join(numbers[at : at + 3]) for at in range(0, len(numbers), 3))]
-    )
+    rows = (" ".join(numbers[at : at + 3]) for at in range(0, len(numbers), 3))
+    return "\n".join([*lines, *rows])
 
 
 def test_a_map_of_apbs(tmp_path, values):
     content = opendx(values) + '\nattribute "dep" string "positions"\n'
     for name, data in (("x.dx", content.encode()), ("x.dx.gz", gzip.compress(content.encode()))):
-        volume = read_back(tmp_path / name, data)
-        np.testing.assert_array_equal(volume.values, values)
+        volume = reads(values, written(tmp_path / name, data))
         np.testing.assert_array_equal(volume.index_to_world[:3, :3], LATTICE.T)
         np.testing.assert_array_equal(volume.index_to_world[:3, 3], [1, 2, 3])
         assert (volume.unit, volume.name) == ("Å", "x") and "angstrom" in volume.notes[0]
@@ -55,24 +48,19 @@ def test_a_map_of_griddataformats(tmp_path, values, suffix):
 
 def test_other_arrays_of_opendx(tmp_path, values):
     path = tmp_path / "x.dx"
-    follows = opendx(values, "follows", '"float"')
-    np.testing.assert_array_equal(read_back(path, follows).values, values)
+    reads(values, written(path, opendx(values, "follows", '"float"')))
     numbers = values.transpose(2, 1, 0).astype(">f4").tobytes()
     binary = opendx(values, "msb ieee data follows", "float").partition("follows")[0] + "follows\n"
-    np.testing.assert_array_equal(read_back(path, binary.encode() + numbers).values, values)
+    reads(values, written(path, binary.encode() + numbers))
     (tmp_path / "x.bin").write_bytes(b"abc" + numbers)
-    elsewhere = opendx(values, 'msb ieee data file "x.bin",3', "float")
-    np.testing.assert_array_equal(read_back(path, elsewhere).values, values)
+    reads(values, written(path, opendx(values, 'msb ieee data file "x.bin",3', "float")))
     # Values of connections are at their centers.
-    text = opendx(values).replace("counts 6 5 4", "counts 7 6 5")
-    volume = read_back(path, text)
-    np.testing.assert_array_equal(volume.values, values)
+    volume = reads(values, written(path, opendx(values).replace("counts 6 5 4", "counts 7 6 5")))
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1 + 2, 2 + 2.25, 3 + 2.5])
     vectors = opendx(values).replace("rank 0", "rank 1 shape 2 ")
     numbers = np.stack([values, -values], -1).transpose(2, 1, 0, 3).ravel().tolist()
     head = vectors.partition("follows\n")[0] + "follows\n"
-    volume = read_back(path, head + "\n".join(map(str, numbers)), channel=1)
-    np.testing.assert_array_equal(volume.values, -values)
+    reads(-values, written(path, head + "\n".join(map(str, numbers))), channel=1)
 
 
 def test_damaged_maps(tmp_path, values):
@@ -89,13 +77,11 @@ def test_damaged_maps(tmp_path, values):
         (whole.partition("object 2")[0], "readable OpenDX map"),
         ("", "readable OpenDX map"),
     ):
-        refused(f"x.dx: .*{sentence}", read_back, path, broken)
+        refused(f"x.dx: .*{sentence}", read_volume, written(path, broken))
 
 
 def vasp(*grids, title="some crystal", scale="1.0", selective=False, augmented=True):
-    """Returns a handwritten file of VASP: each grid is [z, y, x]; between them are values of
-    spheres.
-    """
+    """Returns a file of VASP: each grid is [z, y, x]; between them are values of spheres."""
     lines = [title, scale, *(" ".join(map(str, axis)) for axis in LATTICE), "C O", "1 2"]
     lines += ["Selective dynamics"] * selective + ["Direct", *["0.1 0.2 0.3"] * 3, ""]
     for grid in grids:
@@ -130,21 +116,21 @@ def test_densities_of_vasp(tmp_path, values, name):
 def test_other_files_of_vasp(tmp_path, values):
     potential = vasp(values, selective=True, augmented=False)
     for name in ("LOCPOT", "ELFCAR", "LOCPOT.vasp"):
-        np.testing.assert_allclose(read_back(tmp_path / name, potential).values, values)
+        volume = read_volume(written(tmp_path / name, potential))
+        np.testing.assert_allclose(volume.values, values)
     # If the name does not tell, the values are read as a density, with a note.
-    volume = read_back(tmp_path / "x.vasp", potential)
+    volume = read_volume(written(tmp_path / "x.vasp", potential))
     np.testing.assert_allclose(volume.values, values / VOLUME, rtol=1e-6)
     assert "divided by the volume" in volume.notes[0]
-    doubled = vasp(values, scale="2.0")
-    volume = read_back(tmp_path / "CHGCAR", doubled)
+    volume = read_volume(written(tmp_path / "CHGCAR", vasp(values, scale="2.0")))
     np.testing.assert_allclose(volume.values, values / (8 * VOLUME), rtol=1e-6)
     for scale in ("-480", "2 2 2"):
-        again = read_back(tmp_path / "CHGCAR", vasp(values, scale=scale))
+        again = read_volume(written(tmp_path / "CHGCAR", vasp(values, scale=scale)))
         np.testing.assert_allclose(again.index_to_world, volume.index_to_world)
     run = vasp(values, augmented=False) + vasp(2 * values, augmented=False, scale="2.0")
-    path = tmp_path / "CHG"
+    path = written(tmp_path / "CHG", run)
     for frame, size in ((0, VOLUME), (1, 4 * VOLUME)):
-        volume = read_back(path, run, frame=frame)
+        volume = read_volume(path, frame=frame)
         np.testing.assert_allclose(volume.values, values / size, rtol=1e-6)
     assert (probe(path).frames, probe(path).channels) == (2, 1)
 
@@ -161,7 +147,7 @@ def test_damaged_files_of_vasp(tmp_path, values):
         (head, "no values"),
         ("", "readable VASP file"),
     ):
-        refused(f"CHGCAR: .*({sentence})", read_back, path, broken)
+        refused(f"CHGCAR: .*({sentence})", read_volume, written(path, broken))
 
 
 def test_a_density_of_ase(tmp_path, values):
@@ -192,14 +178,12 @@ def xsf(*named):
 
 def test_grids_of_xcrysden(tmp_path, values):
     path = tmp_path / "x.xsf"
-    volume = read_back(path, xsf(("rho", values)))
-    np.testing.assert_array_equal(volume.values, values)
+    volume = reads(values, written(path, xsf(("rho", values))))
     # The last point is at the end of the vectors.
     np.testing.assert_allclose(volume.index_to_world[:3, :3] * [5, 4, 3], LATTICE.T)
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
     assert volume.unit == "Å"
-    volume = read_back(path, xsf(("up", values), ("down", -values)), dataset="down")
-    np.testing.assert_array_equal(volume.values, -values)
+    reads(-values, written(path, xsf(("up", values), ("down", -values))), dataset="down")
     assert probe(path).datasets == ("up", "down")
     whole = xsf(("rho", values))
     for broken, sentence in (
@@ -210,7 +194,7 @@ def test_grids_of_xcrysden(tmp_path, values):
         (whole.replace("_3D", "_2D"), "three-dimensional"),
         ("", "three-dimensional"),
     ):
-        refused(f"x.xsf: .*{sentence}", read_back, path, broken)
+        refused(f"x.xsf: .*{sentence}", read_volume, written(path, broken))
 
 
 def test_a_grid_of_ase(tmp_path, values):

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests maps of crystallography: DSN6, BRIX, and structure factors, which gemmi turns into a
-map.
-"""
+"""Tests maps of crystallography: DSN6, BRIX, and structure factors, which gemmi makes a map."""
 
 import gzip
 
@@ -41,9 +39,8 @@ def brix(values, plus="34", factor=44):
     nz, ny, nx = values.shape
     cell = "".join(f"{number:10.3f}" for number in CELL)
     head = f":-) Origin   -3    2    5 Extent{nx:5}{ny:5}{nz:5} Grid   24   30   18 Cell {cell} "
-    return f"{head}Prod{factor:12.5f} Plus{plus:>8} Sigma      0.30094".encode().ljust(
-        512
-    ) + bricks(values)
+    head += f"Prod{factor:12.5f} Plus{plus:>8} Sigma      0.30094"
+    return head.encode().ljust(512) + bricks(values)
 
 
 @pytest.fixture

@@ -51,8 +51,7 @@ def test_damaged_cubes(tmp_path, values):
         ("a\nb\nc\n", "readable"),
         (cube(values).replace("0.5 0 0", "0 0 0"), "not invertible"),
     ):
-        path.write_text(broken)
-        refused(f"x.cube: .*{sentence}", read_volume, path)
+        refused(f"x.cube: .*{sentence}", read_volume, written(path, broken))
     refused("2 channels.* 0..1", read_volume, written(path, cube(values, 2)))
 
 
@@ -113,12 +112,11 @@ def test_numbers_of_a_line():
 def test_a_cube_whose_columns_touch(tmp_path, values, write):
     """Checks small numbers with exponents of three digits, which leave no space between columns."""
     small = -values * np.float32(1e-3)
-    path = tmp_path / "x.cube"
     text = cube(values).splitlines()[:7]
     numbers = [write.format(float(number)) for number in small.transpose(2, 1, 0).ravel()]
     numbers[7] = "-1.20000E-100"
     text += ["".join(numbers[at : at + 6]) for at in range(0, len(numbers), 6)]
-    path.write_text("\n".join(text))
+    path = written(tmp_path / "x.cube", "\n".join(text))
     read = read_volume(path).values.transpose(2, 1, 0).ravel()
     expected = small.transpose(2, 1, 0).ravel()
     expected[7] = 0
@@ -127,9 +125,8 @@ def test_a_cube_whose_columns_touch(tmp_path, values, write):
 
 def test_several_values_of_a_voxel_without_a_list(tmp_path, values):
     """Checks the fifth number of the third line (NVAL)."""
-    path = tmp_path / "x.cube"
     text = cube(values, 2).replace("-1 -1 2 3", "1 -1 2 3 2").replace("\n2 11\n12\n", "\n")
-    path.write_text(text)
+    path = written(tmp_path / "x.cube", text)
     assert probe(path).channels == 2
     reads(-values, path, channel=1)
 

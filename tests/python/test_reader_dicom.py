@@ -40,32 +40,20 @@ def test_one_of_its_files_stands_for_the_series(folder, values):
 
 
 def test_hounsfield_units_stay_integers(tmp_path, values):
-    for k in range(4):
-        path = tmp_path / f"{k}.dcm"
-        write_slice(path, values[k], k, RescaleSlope=1, RescaleIntercept=-1024, BitsStored=12)
-    volume = read_volume(tmp_path / "0.dcm")
+    write_series(tmp_path, values, 1.0, RescaleIntercept=-1024, BitsStored=12)
+    volume = reads(values - 1024, tmp_path / "IM0000")
     assert volume.values.dtype == np.int16 and probe(tmp_path).dtype == np.int16
-    np.testing.assert_array_equal(volume.values, values - 1024)
 
 
 def test_slices_across_the_patient(tmp_path, values):
     """Checks coronal slices: columns run down, and slices from front to back."""
-    for k in range(4):
-        axes = [1, 0, 0, 0, 0, -1]
-        place = [0, 2 * k, 50]
-        write_slice(
-            tmp_path / str(k),
-            values[k],
-            0,
-            ImageOrientationPatient=axes,
-            ImagePositionPatient=place,
-        )
-    volume = read_volume(tmp_path)
+    tags = {"ImageOrientationPatient": [1, 0, 0, 0, 0, -1]}
+    write_series(tmp_path, values, ImagePositionPatient=lambda k: [0, 2 * k, 50], **tags)
+    volume = reads(values, tmp_path)
     # Our axes: x to the right, y to the front, z up.
     np.testing.assert_allclose(volume.index_to_world @ [1, 0, 0, 1], [-0.25, 0, 50, 1])
     np.testing.assert_allclose(volume.index_to_world @ [0, 1, 0, 1], [0, 0, 49.5, 1])
     np.testing.assert_allclose(volume.index_to_world @ [0, 0, 1, 1], [0, -2, 50, 1])
-    np.testing.assert_array_equal(volume.values, 2 * values - 1000)
 
 
 def test_times_are_frames(folder, values):
@@ -77,30 +65,19 @@ def test_times_are_frames(folder, values):
 
 def test_several_series_are_chosen_by_name(folder, values):
     other = generate_uid(entropy_srcs=["other"])
-    for k in range(4):
-        write_slice(
-            folder / f"other{k}",
-            values[k] + 5,
-            2 * k,
-            other,
-            SeriesNumber=4,
-            SeriesDescription="Neck",
-        )
+    tags = {"series": other, "SeriesNumber": 4, "SeriesDescription": "Neck"}
+    write_series(folder, values + 5, **tags)
     assert set(probe(folder).datasets) == {"3 Head CT", "4 Neck CT"}
-    reads(2 * (values + 5) - 1000, folder, dataset="4 Neck CT")
+    reads(values + 5, folder, dataset="4 Neck CT")
     reads(2 * values - 1000, folder / "a")
     refused("2 volumes; choose one of .*4 Neck CT", read_volume, folder)
 
 
 def test_values_beyond_sixteen_bits(tmp_path, values):
-    for k in range(4):
-        pixels = values[k] + 60000 * (k == 2)
-        write_slice(tmp_path / str(k), pixels, k, RescaleSlope=1, RescaleIntercept=-1024)
-    volume = read_volume(tmp_path)
+    pixels = values.copy()
+    pixels[2] += 60000
+    volume = reads(pixels - 1024, write_series(tmp_path, pixels, RescaleIntercept=-1024))
     assert volume.values.dtype == np.float32
-    expected = values - 1024
-    expected[2] += 60000
-    np.testing.assert_array_equal(volume.values, expected)
 
 
 def test_damaged(folder, values):
@@ -126,9 +103,7 @@ def test_slices_of_any_distance(tmp_path, values, apart):
 
 
 def test_places_that_are_rounded(tmp_path, values):
-    """Checks positions of 0.0625 mm in hundredths of a millimeter, and times that differ in the
-    last digit.
-    """
+    """Checks positions of 0.0625 mm that are rounded, and times that differ in the last digit."""
     for k, place in enumerate([0, 0.06, 0.13, 0.19]):
         write_slice(tmp_path / f"{k}", values[k], place, InstanceNumber=k)
         write_slice(tmp_path / f"{k} later", values[k], place + 1e-5, InstanceNumber=10 + k)
@@ -138,29 +113,27 @@ def test_places_that_are_rounded(tmp_path, values):
 
 
 def test_axes_that_differ_in_their_last_digits(tmp_path, values):
-    for k in range(4):
-        axes = [0.9995 + 2e-7 * k, 0.0316176, 0, -0.0316176, 0.9995 - 2e-7 * k, 0]
-        write_slice(tmp_path / str(k), values[k], k, ImageOrientationPatient=axes)
-    reads(2 * values - 1000, tmp_path)
+    def axes(k):
+        return [0.9995 + 2e-7 * k, 0.0316176, 0, -0.0316176, 0.9995 - 2e-7 * k, 0]
+
+    reads(values, write_series(tmp_path, values, ImageOrientationPatient=axes))
 
 
 def test_a_tilted_gantry(tmp_path, values):
     axes = [1, 0, 0, 0, 0.9397, -0.342]
-    for k in range(4):
-        write_slice(tmp_path / str(k), values[k], 2 * k, ImageOrientationPatient=axes)
+    write_series(tmp_path, values, ImageOrientationPatient=axes)
     matrix = read_volume(tmp_path).index_to_world
     np.testing.assert_allclose(matrix[:3, 2], [0, 0, 2], atol=1e-9)
     np.testing.assert_allclose(matrix[:3, 1], [0, -0.46985, -0.171], atol=1e-9)
 
 
 def test_slices_beside_each_other(tmp_path, values):
-    for k in range(4):
-        write_slice(tmp_path / str(k), values[k], k, ImagePositionPatient=[50 * (k == 2), 0, k])
+    write_series(tmp_path, values, 1.0, ImagePositionPatient=lambda k: [50 * (k == 2), 0, k])
     refused("50 mm off", read_volume, tmp_path)
+    write_series(tmp_path, values, 1.0)
     for k in range(4):
-        write_slice(tmp_path / str(k), values[k], k)
         place = {"ImagePositionPatient": [60, 20, k], "InstanceNumber": 10 + k}
-        write_slice(tmp_path / f"{k} aside", values[k], k, **place)
+        write_slice(tmp_path / f"{k} aside", values[k], k, RescaleIntercept=0, **place)
     refused("50 mm off", read_volume, tmp_path)
 
 
@@ -169,9 +142,7 @@ def test_a_slice_that_is_there_twice(folder, values):
     # Add a copy with other identifiers, like a second anonymization.
     write_slice(folder / "e", values[0], 100, InstanceNumber=50)
     volume = reads(2 * values - 1000, folder)
-    assert volume.notes == (
-        "2 slices are stored twice with equal values; the copies are left out.",
-    )
+    assert volume.notes[0].startswith("2 slices are stored twice") and len(volume.notes) == 1
     write_slice(folder / "e", values[0] + 1, 100, InstanceNumber=50)
     refused("1 to 2 different slices", read_volume, folder)
 
@@ -194,12 +165,9 @@ def test_times_with_blank_slices_are_no_copies(tmp_path, values):
 
 def test_each_slice_has_its_own_slope(tmp_path, values):
     """Checks slopes as in a PET scan against pydicom's pixel_array."""
-    for k in range(4):
-        slope = 0.5 + k
-        write_slice(tmp_path / str(k), values[k], k, RescaleSlope=slope, RescaleIntercept=0)
-    slopes = 0.5 + np.arange(4)[:, None, None]
-    reads(values * slopes, tmp_path)
-    own = pydicom.dcmread(tmp_path / "2")
+    write_series(tmp_path, values, RescaleSlope=lambda k: 0.5 + k)
+    reads(values * (0.5 + np.arange(4)[:, None, None]), tmp_path)
+    own = pydicom.dcmread(tmp_path / "IM0002")
     np.testing.assert_array_equal(own.pixel_array * own.RescaleSlope, values[2] * 2.5)
 
 
@@ -207,9 +175,7 @@ def test_a_localizer_in_the_series(folder, values):
     write_slice(folder / "scout", values[0], 0, ImageOrientationPatient=[0, 1, 0, 0, 0, -1])
     write_slice(folder / "small", values[0, :-1], 104)
     volume = reads(2 * values - 1000, folder)
-    assert volume.notes == (
-        "2 slices of other sizes or directions are left out, such as a localizer.",
-    )
+    assert len(volume.notes) == 1 and "2 slices of other sizes or directions" in volume.notes[0]
 
 
 def test_directions_of_a_series_are_volumes(folder, values):
@@ -231,10 +197,8 @@ def test_slices_without_a_place(tmp_path, values):
     assert not volume.patient and volume.notes == (
         "The headers have no positions of the slices; they are sorted by number, 3 mm apart.",
     )
-    for k, location in enumerate([9, 4.5, 0, -4.5]):
-        tags = {"ImagePositionPatient": None, "SliceLocation": location, "RescaleIntercept": 0}
-        write_slice(folder / f"IM{k:04}", values[k], 0, RescaleSlope=1, **tags)
-    volume = reads(values[::-1], folder)
+    places = {"ImagePositionPatient": None, "SliceLocation": lambda k: 9 - 4.5 * k}
+    volume = reads(values[::-1], write_series(folder, values, **places))
     assert volume.spacing[2] == 4.5
 
 

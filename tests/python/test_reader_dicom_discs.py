@@ -12,6 +12,9 @@ from outcomes import reads, refused
 pytest.importorskip("pydicom")
 from dicom_files import uid, write_disc, write_series, write_slice  # noqa: E402
 
+COLOR = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
+COLOR |= {"Columns": 6}
+
 
 @pytest.fixture
 def study(tmp_path, values):
@@ -23,9 +26,8 @@ def study(tmp_path, values):
     write_series(folder / "b", values + 1, **neck)
     scout = {"SeriesNumber": 1, "SeriesDescription": "Scout", **tags}
     write_slice(folder / "b" / "scout", values[0], 0, uid("scout"), **scout)
-    color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
     pixels = np.zeros((5, 18))
-    write_slice(folder / "b" / "report", pixels, 0, uid("color"), Columns=6, **color, **tags)
+    write_slice(folder / "b" / "report", pixels, 0, uid("color"), **COLOR, **tags)
     (folder / "b" / "notes.txt").write_text("no slice")
     return folder
 
@@ -108,8 +110,7 @@ def test_files_beside_slices(tmp_path, values):
     (folder / "._IM0001").write_bytes(b"\0\5\x16\7" + bytes(200))
     (folder / ".DS_Store").write_bytes(bytes(200))
     (folder / "broken").write_bytes(bytes(128) + b"DICM" + b"\2\0\0\0UL\4\0\x10")
-    cut = (folder / "IM0003").read_bytes()[:-70]
-    (folder / "cut").write_bytes(cut)
+    (folder / "cut").write_bytes((folder / "IM0003").read_bytes()[:-70])
     volume = reads(values, folder)
     assert volume.notes == (
         "These are left out, because they are damaged or hold no pixels: cut, broken.",
@@ -118,9 +119,8 @@ def test_files_beside_slices(tmp_path, values):
 
 
 def test_folders_of_no_volume(tmp_path, values):
-    color = {"SamplesPerPixel": 3, "PhotometricInterpretation": "RGB", "PlanarConfiguration": 0}
     for k in range(2):
-        write_slice(tmp_path / f"{k}", np.zeros((5, 18)), k, Columns=6, **color)
+        write_slice(tmp_path / f"{k}", np.zeros((5, 18)), k, **COLOR)
     refused("2 DICOM pictures .*colors", read_volume, tmp_path)
     for k in range(2):
         write_slice(tmp_path / f"{k}", values[k], k, uid(f"{k}"))

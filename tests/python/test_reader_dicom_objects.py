@@ -10,17 +10,7 @@ from leaflight.volume.label_table import Label
 from outcomes import reads, refused
 
 pydicom = pytest.importorskip("pydicom")
-from dicom_files import (  # noqa: E402
-    at,
-    camera,
-    dose,
-    edit,
-    item,
-    items,
-    segments,
-    write_pages,
-    write_slice,
-)
+from dicom_files import at, camera, dose, edit, item, items, segments, write_pages, write_slice  # noqa: E402
 
 PARAMETRIC_MAP = "1.2.840.10008.5.1.4.1.1.30"
 LABEL_MAP = "1.2.840.10008.5.1.4.1.1.66.7"
@@ -64,28 +54,25 @@ def test_stacks_of_an_enhanced_file(tmp_path, values):
     assert volume.index_to_world[2, 3] == 100
 
 
+AXIAL = [1, 0, 0, 0, 1, 0]
+
+
 @pytest.mark.parametrize(
-    "offsets, axes, first, apart",
+    "offsets, axes, first, step",
     [
-        ([0, 3, 6, 9], [1, 0, 0, 0, 1, 0], 50, 3),
-        ([2, 5, 8, 11], [1, 0, 0, 0, 1, 0], 52, 3),
+        ([0, 3, 6, 9], AXIAL, 50, 1),
+        ([2, 5, 8, 11], AXIAL, 52, 1),
+        ([0, -3, -6, -9], AXIAL, 41, -1),
         # Use heights in the patient, which the standard permits for axial planes.
-        ([50, 53, 56, 59], [1, 0, 0, 0, 1, 0], 50, 3),
-        ([50, 53, 56, 59], [-1, 0, 0, 0, -1, 0], 50, 3),
+        ([50, 53, 56, 59], AXIAL, 50, 1),
+        ([50, 47, 44, 41], AXIAL, 41, -1),
+        ([50, 53, 56, 59], [-1, 0, 0, 0, -1, 0], 50, 1),
     ],
 )
-def test_planes_of_a_dose(tmp_path, values, offsets, axes, first, apart):
-    path = dose(tmp_path / "dose.dcm", values, offsets, ImageOrientationPatient=axes)
-    volume = read_volume(path)
-    np.testing.assert_allclose(volume.values, values * 0.05, rtol=1e-6)
-    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, apart, first], atol=1e-9)
-
-
-@pytest.mark.parametrize("offsets", [[0, -3, -6, -9], [50, 47, 44, 41]])
-def test_planes_of_a_dose_that_descend(tmp_path, values, offsets):
-    volume = read_volume(dose(tmp_path / "dose.dcm", values, offsets))
-    np.testing.assert_allclose(volume.values, values[::-1] * 0.05, rtol=1e-6)
-    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, 3, 41])
+def test_planes_of_a_dose(tmp_path, values, offsets, axes, first, step):
+    volume = read_volume(dose(tmp_path / "x.dcm", values, offsets, ImageOrientationPatient=axes))
+    np.testing.assert_allclose(volume.values, values[::step] * 0.05, rtol=1e-6)
+    np.testing.assert_allclose(volume.index_to_world[2], [0, 0, 3, first], atol=1e-9)
 
 
 def test_damaged_doses(tmp_path, values):
@@ -96,21 +83,15 @@ def test_damaged_doses(tmp_path, values):
 def test_doses_of_two_beams(tmp_path, values):
     """Checks that the doses of one series are separate volumes."""
     for beam in range(2):
-        path = tmp_path / f"{beam}.dcm"
-        dose(path, values + beam, [0, 3, 6, 9])
+        path = dose(tmp_path / f"{beam}.dcm", values + beam, [0, 3, 6, 9])
     assert probe(tmp_path).datasets == ("3 Head RTDOSE", "3 Head RTDOSE (2)")
     np.testing.assert_allclose(read_volume(path).values, (values + 1) * 0.05, rtol=1e-6)
 
 
 @pytest.mark.parametrize("apart", [2.5, -2.5])
 def test_planes_of_a_camera(tmp_path, values, apart):
-    path = camera(
-        tmp_path / "nm.dcm",
-        values,
-        SpacingBetweenSlices=apart,
-        FrameIncrementPointer=0x00540080,
-        SliceVector=[1, 2, 3, 4],
-    )
+    tags = {"FrameIncrementPointer": 0x00540080, "SliceVector": [1, 2, 3, 4]}
+    path = camera(tmp_path / "nm.dcm", values, SpacingBetweenSlices=apart, **tags)
     volume = reads(values, path)
     np.testing.assert_allclose(volume.index_to_world[:3, 2], [0, 0, apart])
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [8, -5, -3])
@@ -244,10 +225,8 @@ def test_segments_of_highdicom(tmp_path, masks):
         series_number=300,
         sop_instance_uid=highdicom.UID(),
         instance_number=1,
-        manufacturer="",
-        manufacturer_model_name="",
-        software_versions="",
-        device_serial_number="",
+        **dict.fromkeys(("manufacturer", "manufacturer_model_name"), ""),
+        **dict.fromkeys(("software_versions", "device_serial_number"), ""),
     ).save_as(path)
     for n, label in enumerate(["Liver", "Spleen"]):
         reads(masks[n], path, dataset=label)

@@ -42,11 +42,15 @@ def within(monkeypatch):
     monkeypatch.setattr(hdf5, "ReaderProcess", Within)
 
 
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "x.h5"
+
+
 quick = pytest.mark.usefixtures("within")
 
 
-def test_hdf5(tmp_path, values):
-    path = tmp_path / "x.h5"
+def test_hdf5(path, values):
     with h5py.File(path, "w") as file:
         file["a/h"] = values[None]
         file["a/h"].attrs["element_size_um"] = (3.0, 2.0, 1.0)
@@ -79,8 +83,7 @@ def tags(keys, **resolutions):
 
 @pytest.mark.parametrize("keys", ["zyxc", "xyzc", "tzyxc", "cxyz"])
 @quick
-def test_axistags_of_vigra_and_ilastik(tmp_path, values, keys):
-    path = tmp_path / "x.h5"
+def test_axistags_of_vigra_and_ilastik(path, values, keys):
     both = np.stack([values, values + 1])[None]
     order = ["tczyx".index(key) for key in keys]
     data = both.transpose([*order, *(place for place in range(5) if place not in order)])
@@ -96,9 +99,8 @@ def test_axistags_of_vigra_and_ilastik(tmp_path, values, keys):
 
 
 @quick
-def test_which_axes_hold_a_volume(tmp_path):
+def test_which_axes_hold_a_volume(path):
     """Checks how axes are found: by tags, by labels, or by order."""
-    path = tmp_path / "x.h5"
     cases = {
         # shape, tags, labels: frames, channels, dims as z, y, x
         "film": ((7, 5, 6), "tyx", None, (1, 1, [7, 5, 6])),
@@ -132,16 +134,13 @@ def test_which_axes_hold_a_volume(tmp_path):
 
 
 @quick
-def test_sizes_of_other_programs(tmp_path, values):
-    path = tmp_path / "x.h5"
+def test_sizes_of_other_programs(path, values):
     with h5py.File(path, "w") as file:
         file["raw"] = values
         file["raw"].attrs["resolution"] = (40.0, 4.0, 4.0)
     volume = read_volume(path)
     assert volume.spacing == (4, 4, 40) and volume.unit == ""
-    assert volume.notes == (
-        "The voxel size is read from the attribute resolution, in the order z, y, x.",
-    )
+    assert "attribute resolution, in the order z, y, x" in volume.notes[0]
 
 
 def big_data_viewer(path, values, xml=True):
@@ -160,43 +159,36 @@ def big_data_viewer(path, values, xml=True):
         for setup in range(2)
     )
     if xml:
-        path.with_suffix(".xml").write_text(
-            f"<SpimData><SequenceDescription><ViewSetups>{setups}</ViewSetups>"
-            "</SequenceDescription></SpimData>"
-        )
+        text = f"<SpimData><SequenceDescription><ViewSetups>{setups}</ViewSetups>"
+        path.with_suffix(".xml").write_text(f"{text}</SequenceDescription></SpimData>")
 
 
 @quick
-def test_big_data_viewer(tmp_path, values):
+def test_big_data_viewer(path, values):
     values = values[:, :4].astype(np.uint16) + 50_000
-    path = tmp_path / "x.h5"
     big_data_viewer(path, values)
     refused("2 volumes.* s00, s01", read_volume, path)
     stored = probe(path, dataset="s01")
     assert (stored.frames, stored.levels) == (2, ((6, 4, 4), (3, 2, 4)))
     assert (stored.voxel_size, stored.unit) == ((0.5, 0.5, 3), "µm")
-    volume = read_volume(path, dataset="s01", frame=1)
+    volume = reads(values + 11, path, dataset="s01", frame=1)
     assert volume.values.dtype == np.uint16
-    np.testing.assert_array_equal(volume.values, values + 11)
     coarse = reads(values[:, ::2, ::2] + 11, path, dataset="s01", frame=1, level=1)
-    np.testing.assert_allclose(
-        coarse.index_to_world[:3], np.c_[np.diag([1, 1, 3]), [0.25, 0.25, 0]]
-    )
+    matrix = np.c_[np.diag([1, 1, 3]), [0.25, 0.25, 0]]
+    np.testing.assert_allclose(coarse.index_to_world[:3], matrix)
     refused("level 2.* 0..1", read_volume, path, dataset="s01", frame=1, level=2)
 
 
 @quick
-def test_an_array_of_big_data_viewer_by_its_path(tmp_path, values):
+def test_an_array_of_big_data_viewer_by_its_path(path, values):
     values = values[:, :4].astype(np.uint16) + 50_000
-    path = tmp_path / "x.h5"
     big_data_viewer(path, values, xml=False)
     volume = reads(values[:, ::2, ::2] + 1, path, dataset="/t00001/s00/1/cells")
     assert volume.spacing == (2, 2, 1) and volume.unit == ""
 
 
 @quick
-def test_signed_numbers_of_other_programs_stay_so(tmp_path, values):
-    path = tmp_path / "x.h5"
+def test_signed_numbers_of_other_programs_stay_so(path, values):
     with h5py.File(path, "w") as file:
         file["t00000/s00/cells"] = values.astype(np.int16) - 300
     assert read_volume(path).values.min() == values.min() - 300
@@ -271,9 +263,8 @@ def test_nexus(tmp_path, values, style):
     volume = reads(values, path)
     assert volume.unit == "µm"
     # The file stores edges along z; voxels lie at their midpoints.
-    np.testing.assert_allclose(
-        volume.index_to_world[:3], [[1.5, 0, 0, 3], [0, 0.5, 0, 0], [0, 0, 2, 1]]
-    )
+    matrix = [[1.5, 0, 0, 3], [0, 0.5, 0, 0], [0, 0, 2, 1]]
+    np.testing.assert_allclose(volume.index_to_world[:3], matrix)
     assert volume.notes == ("This is entry/plot/counts, the default of the 2 volumes in the file.",)
     reads(values[:3], path, dataset="entry/instrument/raw")
     assert probe(path).datasets == ("entry/instrument/raw", "entry/plot/counts")
@@ -293,36 +284,33 @@ def scaled(path, values, names="zyx", **units):
 
 
 @quick
-def test_dimension_scales(tmp_path, values):
-    volume = reads(values, scaled(tmp_path / "x.h5", values))
+def test_dimension_scales(path, values):
+    volume = reads(values, scaled(path, values))
     assert volume.unit == "µm" and volume.notes == ()
-    np.testing.assert_allclose(
-        volume.index_to_world[:3], np.c_[np.diag([1.2, 0.9, 2.5]), [10, 10, 10]]
-    )
-    path = scaled(tmp_path / "x.h5", values.transpose(2, 0, 1), "xzy", z="nm", x="mm")
+    matrix = np.c_[np.diag([1.2, 0.9, 2.5]), [10, 10, 10]]
+    np.testing.assert_allclose(volume.index_to_world[:3], matrix)
+    scaled(path, values.transpose(2, 0, 1), "xzy", z="nm", x="mm")
     with h5py.File(path, "a") as file:
         file["y"][:] = 20 - file["y"][:]
         file["z"][1] -= 1.5
     volume = reads(values, path)
     assert volume.unit == "mm"
     np.testing.assert_allclose(np.diag(volume.index_to_world)[:3], [1.2, -9e-4, 2.5e-6])
-    assert volume.notes == (
-        "The samples along z are unevenly spaced; their mean distance is used.",
-    )
+    assert len(volume.notes) == 1 and "along z are unevenly spaced" in volume.notes[0]
     assert read_volume(path, spacing=3).spacing == (3, 3, 3)
 
 
 @quick
-def test_missing_data(tmp_path, values):
+def test_missing_data(path, values):
     """Fill values are missing data, and packed values are unpacked."""
     holes = values.astype(np.float32)
     holes[1, 2, 3:5] = -9999
-    path = scaled(tmp_path / "x.h5", holes)
+    scaled(path, holes)
     with h5py.File(path, "a") as file:
         file["temperature"].attrs["_FillValue"] = -9999.0
     volume = reads(np.where(holes < 0, np.nan, holes), path)
     assert volume.notes == ("2 of the voxels are missing data, which the file marks by -9999.",)
-    path = scaled(tmp_path / "x.h5", values.astype(np.int16))
+    scaled(path, values.astype(np.int16))
     with h5py.File(path, "a") as file:
         about = file["temperature"].attrs
         about["scale_factor"], about["add_offset"] = np.float32(0.5), 100.0
@@ -334,9 +322,8 @@ def test_missing_data(tmp_path, values):
 
 
 @quick
-def test_absent_chunks_hold_no_chance_values(tmp_path):
+def test_absent_chunks_hold_no_chance_values(path):
     """Checks that absent chunks of a file without a fill value are 0."""
-    path = tmp_path / "x.h5"
     with h5py.File(path, "w") as file:
         how = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
         how.set_chunk((2, 16, 16))
@@ -359,8 +346,7 @@ def packed(path, code, values):
         data.write_direct_chunk((0, 0, 0), values.astype("<i2").tobytes())
 
 
-def test_filters_that_are_not_at_hand(tmp_path, values):
-    path = tmp_path / "x.h5"
+def test_filters_that_are_not_at_hand(path, values):
     packed(path, LZO, values)
     assert probe(path).dims == (6, 5, 4)
     refused(r"by the HDF5 filter LZO \(305\), .*h5repack", read_volume, path)
@@ -369,9 +355,8 @@ def test_filters_that_are_not_at_hand(tmp_path, values):
         refused(r"filter bitshuffle \(32008\).* needs the .*package hdf5plugin", read_volume, path)
 
 
-def test_filters_of_hdf5plugin(tmp_path, values):
+def test_filters_of_hdf5plugin(path, values):
     hdf5plugin = pytest.importorskip("hdf5plugin")
-    path = tmp_path / "x.h5"
     for kind in (hdf5plugin.Bitshuffle, hdf5plugin.Blosc, hdf5plugin.LZ4, hdf5plugin.Zstd):
         with h5py.File(path, "w") as file:
             file.create_dataset("h", data=values, chunks=(2, 5, 6), **kind())
@@ -379,8 +364,8 @@ def test_filters_of_hdf5plugin(tmp_path, values):
 
 
 @quick
-def test_values_in_other_files(tmp_path, values):
-    path, other = tmp_path / "x.h5", tmp_path / "part.h5"
+def test_values_in_other_files(tmp_path, path, values):
+    other = tmp_path / "part.h5"
     with h5py.File(other, "w") as file:
         file["h"] = values
     layout = h5py.VirtualLayout((4, 5, 6), values.dtype)

@@ -5,18 +5,23 @@ import microscope_files as files
 import numpy as np
 import pytest
 from leaflight import read_volume
-from leaflight.io.reader_process import has_package
 from leaflight.io.readers import format_of, probe
+from microscope_files import needs
 from outcomes import refused, written
 
 # [t, p, c, z, y, x]
 PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 2, 3, 4, 5, 6)).astype(np.uint16)
 RIGHT = np.diag([0.5, 0.25, 2, 1])
-
-
-def needs(package):
-    if not has_package(package):
-        pytest.skip(f"{package} is not installed")
+CHANNELS_LAST = np.moveaxis(PIXELS[:, 0], 1, -1)
+# Package and writer of two times with three channels each.
+WRITERS = {
+    "czi": ("pylibCZIrw", lambda path: files.czi(path, PIXELS[:, 0])),
+    "lif": (
+        "liffile",
+        lambda path: files.lif(path, {"a": ("TZCYX", PIXELS[:, 0].swapaxes(1, 2).copy())}),
+    ),
+    "nd2": ("nd2", lambda path: files.nd2(path, "TZYXC", CHANNELS_LAST)),
+}
 
 
 def check(path, values, **options):
@@ -28,14 +33,26 @@ def check(path, values, **options):
     return volume
 
 
-def test_czi(tmp_path):
-    needs("pylibCZIrw")
-    path = tmp_path / "x.czi"
-    files.czi(path, PIXELS[:, 0])
-    stored = probe(path)
+@pytest.fixture(params=WRITERS)
+def whole(request, tmp_path):
+    package, write = WRITERS[request.param]
+    needs(package)
+    path = tmp_path / f"x.{request.param}"
+    write(path)
+    return path
+
+
+def test_times_and_channels(whole):
+    stored = probe(whole)
     assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
     assert stored.dtype == np.uint16 and stored.notes == ()
-    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
+    check(whole, PIXELS[1, 0, 2], frame=1, channel=2)
+
+
+def test_truncated_files_are_refused(whole):
+    data = whole.read_bytes()
+    written(whole, data[: int(0.9 * len(data))])
+    refused("damaged|ends before", read_volume, whole, frame=1, channel=2)
 
 
 def test_scenes_of_czi(tmp_path):
@@ -63,16 +80,6 @@ def test_colors_of_czi(tmp_path):
     check(path, colors[..., 1], channel=1)
 
 
-def test_lif(tmp_path):
-    needs("liffile")
-    path = tmp_path / "x.lif"
-    whole = np.ascontiguousarray(PIXELS[:, 0].swapaxes(1, 2))
-    files.lif(path, {"cells": ("TZCYX", whole)})
-    stored = probe(path)
-    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
-    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
-
-
 def test_images_of_lif(tmp_path):
     """Checks images and positions of a mosaic; single planes are not volumes."""
     needs("liffile")
@@ -95,15 +102,6 @@ def test_planes_of_lif_that_stand_upright(tmp_path):
     np.testing.assert_allclose(volume.index_to_world, RIGHT[:, [0, 2, 1, 3]])
 
 
-def test_nd2(tmp_path):
-    needs("nd2")
-    path = tmp_path / "x.nd2"
-    files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1))
-    stored = probe(path)
-    assert (stored.dims, stored.frames, stored.channels) == ((6, 5, 4), 2, 3)
-    check(path, PIXELS[1, 0, 2], frame=1, channel=2)
-
-
 def test_microscopes_are_known_by_their_contents(tmp_path):
     path = written(tmp_path / "x.unknown", b"ZISRAWFILE" + bytes(100))
     assert format_of(path).module == "czi"
@@ -123,25 +121,9 @@ def test_a_missing_frame_of_nd2_is_refused(tmp_path):
     """Checks a missing frame, which the package would return as zeros."""
     needs("nd2")
     path = tmp_path / "x.nd2"
-    files.nd2(path, "TZYXC", np.moveaxis(PIXELS[:, 0], 1, -1), without=[6])
+    files.nd2(path, "TZYXC", CHANNELS_LAST, without=[6])
     check(path, PIXELS[0, 0, 2], frame=0, channel=2)
     refused("frame 6 .*missing", read_volume, path, frame=1, channel=2)
-
-
-@pytest.mark.parametrize(
-    "name, package, write",
-    [
-        ("x.czi", "pylibCZIrw", lambda path: files.czi(path, PIXELS[:1, 0, :1])),
-        ("x.lif", "liffile", lambda path: files.lif(path, {"a": ("ZYX", PIXELS[0, 0, 0])})),
-        ("x.nd2", "nd2", lambda path: files.nd2(path, "ZYXC", PIXELS[0, 0, 0, ..., None])),
-    ],
-)
-def test_truncated_files_of_microscopes_are_refused(tmp_path, name, package, write):
-    needs(package)
-    path = tmp_path / name
-    write(path)
-    data = path.read_bytes()
-    refused("damaged|ends before", read_volume, written(path, data[: int(0.9 * len(data))]))
 
 
 def test_single_planes_are_no_volume(tmp_path):

@@ -49,9 +49,8 @@ def test_the_first_index_is_the_place(tmp_path, values):
 
 
 def test_a_cell_of_other_angles(tmp_path, values):
-    (tmp_path / "x.ccp4").write_bytes(ccp4(values, angles=(80, 95, 120)))
-    matrix = read_volume(tmp_path / "x.ccp4").index_to_world
-    axes = matrix[:3, :3]
+    path = written(tmp_path / "x.ccp4", ccp4(values, angles=(80, 95, 120)))
+    axes = read_volume(path).index_to_world[:3, :3]
     np.testing.assert_allclose(np.linalg.norm(axes, axis=0), [1.5, 2, 4], rtol=1e-6)
     a, b, c = (axes / np.linalg.norm(axes, axis=0)).T
     np.testing.assert_allclose(np.degrees(np.arccos([b @ c, a @ c, a @ b])), [80, 95, 120])

@@ -64,9 +64,8 @@ def test_skips(tmp_path, shorts, encoding, skip, before, behind, lines):
 @pytest.mark.parametrize("encoding", ["ascii", "hex"])
 def test_text_is_not_found_from_its_end(tmp_path, shorts, encoding):
     text = shorts.tobytes().hex() if encoding == "hex" else " ".join(map(str, shorts.ravel()))
-    path = write(
-        tmp_path / "x.nrrd", header((6, 5, 4), encoding, "byte skip: 2"), b"zz" + text.encode()
-    )
+    text_header = header((6, 5, 4), encoding, "byte skip: 2")
+    path = write(tmp_path / "x.nrrd", text_header, b"zz" + text.encode())
     reads(shorts, path)
     write(path, header((6, 5, 4), encoding, "byte skip: -1"), text.encode())
     refused("number of bytes", read_volume, path)
@@ -181,9 +180,8 @@ def test_a_fourth_axis(tmp_path, shorts, encoding, sizes, fields, role, place, n
     count = 2 if role else 1
     data = np.stack([shorts + i for i in range(count)], axis=place if place < 1 else 1)
     assert data.shape == sizes[::-1]
-    path = write(
-        tmp_path / "x.nrrd", header(sizes, encoding, fields), PACK[encoding](data.tobytes())
-    )
+    packed = PACK[encoding](data.tobytes())
+    path = write(tmp_path / "x.nrrd", header(sizes, encoding, fields), packed)
     stored = probe(path)
     assert stored.dims == (6, 5, 4)
     found = {"frames": stored.frames, "channels": stored.channels}
@@ -211,10 +209,8 @@ def test_time_as_a_fourth_dimension_of_space(tmp_path, shorts):
 
 def test_channels_of_frames(tmp_path, shorts):
     data = np.stack([np.stack([shorts + 10 * t + c for c in range(3)], -1) for t in range(2)])
-    fields = "kinds: vector domain domain domain time"
-    path = write(
-        tmp_path / "x.nrrd", header((3, 6, 5, 4, 2), "gzip", fields), gzip.compress(data.tobytes())
-    )
+    start = header((3, 6, 5, 4, 2), "gzip", "kinds: vector domain domain domain time")
+    path = write(tmp_path / "x.nrrd", start, gzip.compress(data.tobytes()))
     reads(shorts + 12, path, frame=1, channel=2)
 
 
@@ -236,8 +232,8 @@ def test_a_picture_is_no_volume(tmp_path, shorts, sizes, fields):
 
 def test_a_picture_of_pynrrd(tmp_path):
     nrrd = pytest.importorskip("nrrd")
-    picture = np.arange(3 * 20 * 30, dtype=np.uint8).reshape(3, 20, 30)
-    nrrd.write(str(tmp_path / "x.nrrd"), picture, {"kinds": ["RGB-color", "domain", "domain"]})
+    picture, kinds = np.arange(1800, dtype=np.uint8), ["RGB-color", "domain", "domain"]
+    nrrd.write(str(tmp_path / "x.nrrd"), picture.reshape(3, 20, 30), {"kinds": kinds})
     refused("x.nrrd: .* 2 of the axes", read_volume, tmp_path / "x.nrrd")
 
 

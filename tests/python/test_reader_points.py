@@ -135,9 +135,7 @@ def test_csv(tmp_path, points, comma, names):
 
 
 def test_csv_of_a_catalogue(tmp_path, points):
-    """Checks quoted names, texts with commas, line numbers, empty fields in other columns,
-    comments.
-    """
+    """Checks quoted names, texts with commas, line numbers, empty other fields, comments."""
     path = tmp_path / "x.csv"
     lines = ['"","z","name","x","y","mag","note"']
     for i, (x, y, z) in enumerate(points):

@@ -76,32 +76,23 @@ def test_vectors_of_nifti_have_channels(tmp_path, shorts, suffix, slope):
         nibabel.save(image, tmp_path / f"x{suffix}")
         stored = probe(tmp_path / f"x{suffix}")
         assert (stored.frames, stored.channels) == (count, 3)
-        chosen = {"frame": 1} if count == 2 else {}
-        reads(
-            slope * (shorts + 10 * (count - 1) + 2) + 1,
-            tmp_path / f"x{suffix}",
-            channel=2,
-            **chosen,
-        )
+        expected = slope * (shorts + 10 * (count - 1) + 2) + 1
+        frame = 1 if count == 2 else None
+        reads(expected, tmp_path / f"x{suffix}", channel=2, frame=frame)
 
 
-PAIRS = (
-    nibabel.Nifti1Pair,
-    nibabel.Nifti2Pair,
-    nibabel.AnalyzeImage,
-    nibabel.Spm99AnalyzeImage,
-    nibabel.Spm2AnalyzeImage,
-)
+PAIRS = ("Nifti1Pair", "Nifti2Pair", "AnalyzeImage", "Spm99AnalyzeImage", "Spm2AnalyzeImage")
 
 
 @pytest.mark.parametrize("kind", PAIRS)
 @pytest.mark.parametrize("end", ["", ".gz"])
 def test_pairs(tmp_path, shorts, kind, end):
     """Checks that either file can be opened; Analyze's header does not tell left from right."""
-    if "Spm" in kind.__name__:
+    if "Spm" in kind:
         pytest.importorskip("scipy")
-    plain = kind is nibabel.AnalyzeImage
-    nibabel.save(kind(shorts.T, None if plain else AFFINE), tmp_path / f"x.img{end}")
+    plain = kind == "AnalyzeImage"
+    image = getattr(nibabel, kind)(shorts.T, None if plain else AFFINE)
+    nibabel.save(image, tmp_path / f"x.img{end}")
     theirs = nibabel.load(tmp_path / f"x.img{end}")
     for name in (f"x.hdr{end}", f"x.img{end}"):
         volume = reads(shorts, tmp_path / name)
@@ -142,43 +133,22 @@ def test_freesurfer(tmp_path, values, name, pack, dtype):
     refused("FreeSurfer", read_volume, written(path, b"\0\0\0\2" + bytes(400)))
 
 
-HEAD = """type = integer-attribute
-name = DATASET_RANK
-count = 2
- 3 {count}
-
-type = integer-attribute
-name = DATASET_DIMENSIONS
-count = 3
- 6 5 4
-
-type = float-attribute
-name = DELTA
-count = 3
- 1 1 1
-
-type = float-attribute
-name = IJK_TO_DICOM_REAL
-count = 12
- 2 0 0 -90
- 0 -2.5 0 126
- 0 0.5 3 -72
-
-type = integer-attribute
-name = BRICK_TYPES
-count = {count}
- {types}
-
-type = float-attribute
-name = BRICK_FLOAT_FACS
-count = {count}
- {factors}
-
-type = string-attribute
-name = BYTEORDER_STRING
-count = 10
-'{order}~
-"""
+def afni_head(types=(1, 1), factors=(0, 0), order="LSB_FIRST"):
+    """Returns the header of an AFNI dataset with the types and factors of its frames."""
+    attributes = {
+        "integer DATASET_RANK": (3, len(types)),
+        "integer DATASET_DIMENSIONS": (6, 5, 4),
+        "float DELTA": (1, 1, 1),
+        "float IJK_TO_DICOM_REAL": (2, 0, 0, -90, 0, -2.5, 0, 126, 0, 0.5, 3, -72),
+        "integer BRICK_TYPES": types,
+        "float BRICK_FLOAT_FACS": factors,
+    }
+    text = ""
+    for key, numbers in attributes.items():
+        kind, name = key.split()
+        text += f"type = {kind}-attribute\nname = {name}\ncount = {len(numbers)}\n"
+        text += f" {' '.join(map(str, numbers))}\n\n"
+    return f"{text}type = string-attribute\nname = BYTEORDER_STRING\ncount = 10\n'{order}~\n"
 
 
 @pytest.mark.parametrize("order", ["LSB_FIRST", "MSB_FIRST"])
@@ -189,9 +159,7 @@ def test_afni(tmp_path, shorts, order, packed, factors):
     both = np.stack([shorts, shorts + 1]).astype("<i2" if order == "LSB_FIRST" else ">i2")
     brick = tmp_path / ("x+orig.BRIK.gz" if packed else "x+orig.BRIK")
     brick.write_bytes(gzip.compress(both.tobytes()) if packed else both.tobytes())
-    head = tmp_path / "x+orig.HEAD"
-    words = " ".join(map(str, factors))
-    head.write_text(HEAD.format(count=2, types="1 1", factors=words, order=order))
+    head = written(tmp_path / "x+orig.HEAD", afni_head(factors=factors, order=order))
     for path in (head, brick):
         volume = reads((shorts + 1) * (factors[1] or 1), path, frame=1)
         np.testing.assert_allclose(volume.index_to_world, AFFINE)
@@ -202,14 +170,12 @@ def test_afni(tmp_path, shorts, order, packed, factors):
 def test_damaged_afni(tmp_path):
     head = tmp_path / "x.HEAD"
     for types, cut, sentence in (
-        ("1 3", 10**4, "nibabel cannot read it .*multiple data types"),
-        ("1 1", 300, "readable AFNI dataset"),
-        ("1 1", 10**4, "x.BRIK: .*6 x 5 x 4 x 2"),
+        ((1, 3), 10**4, "nibabel cannot read it .*multiple data types"),
+        ((1, 1), 300, "readable AFNI dataset"),
+        ((1, 1), 10**4, "x.BRIK: .*6 x 5 x 4 x 2"),
     ):
-        text = HEAD.format(count=2, types=types, factors="0 0", order="LSB_FIRST")
-        head.write_text(text[:cut])
         (tmp_path / "x.BRIK").write_bytes(bytes(100))
-        refused(sentence, read_volume, head)
+        refused(sentence, read_volume, written(head, afni_head(types)[:cut]))
     (tmp_path / "x.BRIK").unlink()
     refused("x.BRIK is missing", read_volume, head)
 

@@ -12,6 +12,11 @@ from PIL import Image
 PIXELS = np.random.default_rng(1).integers(0, 60000, (2, 4, 5, 6)).astype(np.uint16)
 
 
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "x.tif"
+
+
 def diagonal(volume):
     return np.diag(volume.index_to_world)[:3].tolist()
 
@@ -156,29 +161,17 @@ def test_colors_in_ome_tiff_are_channels(tmp_path):
     reads(PIXELS[0] // 2, path, channel=2)
 
 
-@pytest.mark.parametrize(
-    "unit, right",
-    [
-        ("\\u00B5m", "µm"),
-        ("micron", "µm"),
-        ("um", "µm"),
-        ("microns", "µm"),
-        ("Âµm", "µm"),
-        ("nm", "nm"),
-        ("\\u00C5", "Å"),
-        ("mm", "mm"),
-        ("cm", "cm"),
-        ("pixel", ""),
-        ("", ""),
-    ],
-)
-def test_units_of_imagej(tmp_path, unit, right):
-    path = tmp_path / "x.tif"
+UNITS = {unit: "µm" for unit in ("\\u00B5m", "micron", "um", "microns", "Âµm")}
+UNITS |= {"nm": "nm", "\\u00C5": "Å", "mm": "mm", "cm": "cm", "pixel": "", "": ""}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_units_of_imagej(path, unit):
     text = f"ImageJ=1.53t\nimages=4\nslices=4\nunit={unit}\nspacing=3.0\nloop=false\n"
     write_imagej(path, PIXELS[0], text)
     volume = reads(PIXELS[0], path)
     np.testing.assert_allclose(diagonal(volume), [0.5, 0.25, 3])
-    assert volume.unit == right
+    assert volume.unit == UNITS[unit]
 
 
 def write_imagej(path, pages, text, resolution=(2, 4), unit=1):
@@ -200,17 +193,15 @@ def write_imagej(path, pages, text, resolution=(2, 4), unit=1):
         ("", [0.5, 0.25, 1], ""),
     ],
 )
-def test_voxel_size_of_imagej(tmp_path, more, sizes, unit):
+def test_voxel_size_of_imagej(path, more, sizes, unit):
     """Checks that absent sizes are 1, and that an absent unit is that of x."""
-    path = tmp_path / "x.tif"
     write_imagej(path, PIXELS[0], f"ImageJ=1.53t\nimages=4\nslices=4\n{more}")
     volume = read_volume(path)
     np.testing.assert_allclose(diagonal(volume), sizes)
     assert volume.unit == unit
 
 
-def test_resolution_of_a_screen_says_nothing(tmp_path):
-    path = tmp_path / "x.tif"
+def test_resolution_of_a_screen_says_nothing(path):
     text = "ImageJ=1.53t\nimages=4\nslices=4\n"
     write_imagej(path, PIXELS[0], text, (72, 72), 2)
     assert diagonal(read_volume(path)) == [1, 1, 1] and not read_volume(path).unit
@@ -224,8 +215,7 @@ def test_resolution_of_a_screen_says_nothing(tmp_path):
     "c0, c1, dtype, note",
     [(-32768, 1, np.int16, "-32768 + 1 x"), (-10, 0.5, np.float32, "-10 [+] 0.5 x")],
 )
-def test_values_are_those_that_imagej_shows(tmp_path, c0, c1, dtype, note):
-    path = tmp_path / "x.tif"
+def test_values_are_those_that_imagej_shows(path, c0, c1, dtype, note):
     text = f"ImageJ=1.53t\nimages=4\nslices=4\ncf=0\nc0={c0}\nc1={c1}\nvunit=Gray Value\n"
     write_imagej(path, PIXELS[0], text)
     volume = read_volume(path)
@@ -290,39 +280,35 @@ COLORED = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
         ([PREVIEW, PREVIEW], [], "1, of 4 x 3 x 2 voxels"),
     ],
 )
-def test_pictures_beside_a_stack_are_left_out(tmp_path, before, after, said):
-    path = tmp_path / "x.tif"
+def test_pictures_beside_a_stack_are_left_out(path, before, after, said):
     pages(path, *before, PIXELS[0], *after)
     volume = reads(PIXELS[0], path)
     assert volume.notes == (f"Other pictures in the file are left out: {said}.",)
 
 
-def test_pictures_that_were_written_one_by_one_are_a_stack(tmp_path):
-    with tifffile.TiffWriter(tmp_path / "x.tif") as file:
+def test_pictures_that_were_written_one_by_one_are_a_stack(path):
+    with tifffile.TiffWriter(path) as file:
         file.write(np.zeros((3, 4, 3), np.uint8), photometric="rgb", subfiletype=1)
         for plane in PIXELS[0]:
             file.write(plane, photometric="minisblack", contiguous=False)
-    volume = reads(PIXELS[0], tmp_path / "x.tif")
+    volume = reads(PIXELS[0], path)
     assert volume.notes == ("Other pictures in the file are left out: 1, of 4 x 3 pixels.",)
 
 
-def test_an_odd_page_within_a_stack_is_refused(tmp_path):
-    path = tmp_path / "x.tif"
+def test_an_odd_page_within_a_stack_is_refused(path):
     whole = np.concatenate([PIXELS[0], PIXELS[1]])
     pages(path, whole[:3], PREVIEW, whole[3:])
     refused("plane 3 is 4 x 3|readable TIFF|ends before", read_volume, path)
 
 
-def test_two_stacks_in_a_file_are_chosen_by_their_dims(tmp_path):
-    path = tmp_path / "x.tif"
+def test_two_stacks_in_a_file_are_chosen_by_their_dims(path):
     pages(path, PIXELS[0], PIXELS[1, :3, :4])
     assert probe(path).datasets == ("6 x 5 x 4 voxels", "6 x 4 x 3 voxels")
     reads(PIXELS[1, :3, :4], path, dataset="6 x 4 x 3 voxels")
 
 
-def test_gray_colors_are_gray_values(tmp_path):
+def test_gray_colors_are_gray_values(path):
     """Checks that gray pictures in color have one value; others have three channels."""
-    path = tmp_path / "x.tif"
     gray = (PIXELS[0] % 256).astype(np.uint8)
     pages = [Image.fromarray(np.stack([page] * 3, axis=-1)) for page in gray]
     pages[0].save(path, save_all=True, append_images=pages[1:])
@@ -335,8 +321,7 @@ def test_gray_colors_are_gray_values(tmp_path):
     refused("plane 1 .*color", read_volume, path)
 
 
-def test_alpha_is_no_value(tmp_path):
-    path = tmp_path / "x.tif"
+def test_alpha_is_no_value(path):
     both = np.stack([PIXELS[0], PIXELS[1]], axis=-1)
     options = {"extrasamples": ["unassalpha"], "planarconfig": "contig", "metadata": None}
     tifffile.imwrite(path, both, photometric="minisblack", **options)
@@ -348,9 +333,8 @@ def test_alpha_is_no_value(tmp_path):
 
 @pytest.mark.parametrize("byteorder", "<>")
 @pytest.mark.parametrize("options", [{}, {"tile": (16, 16)}, {"rowsperstrip": 2}])
-def test_planes_are_read_one_by_one(tmp_path, byteorder, options):
+def test_planes_are_read_one_by_one(path, byteorder, options):
     """Checks single frames and channels in files of tifffile and ImageJ, contiguous or not."""
-    path = tmp_path / "x.tif"
     whole = np.stack([PIXELS, PIXELS + 1, PIXELS + 2])
     for kind, axes in (({}, "TCZYX"), ({"imagej": True}, "TZCYX")):
         if kind and "tile" in options:
@@ -358,25 +342,15 @@ def test_planes_are_read_one_by_one(tmp_path, byteorder, options):
         stored = whole if axes == "TCZYX" else whole.swapaxes(1, 2)
         packed = {} if kind else {"compression": "zlib"}
         for more in ({}, packed):
-            tifffile.imwrite(
-                path,
-                stored,
-                byteorder=byteorder,
-                metadata={"axes": axes},
-                photometric="minisblack",
-                **options,
-                **kind,
-                **more,
-            )
+            about = {"byteorder": byteorder, "metadata": {"axes": axes}, **options, **kind, **more}
+            tifffile.imwrite(path, stored, photometric="minisblack", **about)
             reads(PIXELS[1] + 2, path, frame=2, channel=1)
 
 
-def test_pages_with_too_few_strips_are_refused(tmp_path):
+def test_pages_with_too_few_strips_are_refused(path):
     """Checks that a page with missing strips is refused; tifffile would return unwritten memory."""
-    path = tmp_path / "x.tif"
-    tifffile.imwrite(
-        path, PIXELS[0], rowsperstrip=2, compression="zlib", metadata=None, photometric="minisblack"
-    )
+    options = {"rowsperstrip": 2, "compression": "zlib", "photometric": "minisblack"}
+    tifffile.imwrite(path, PIXELS[0], metadata=None, **options)
     data = bytearray(path.read_bytes())
     with tifffile.TiffFile(path) as file:
         tags = [file.pages[2].tags[name] for name in ("StripOffsets", "StripByteCounts")]

@@ -9,15 +9,14 @@ import zlib
 
 import numpy as np
 import pytest
+import vtk_files
 from leaflight import read_volume
 from leaflight.io.readers import MissingPackage, probe
 from outcomes import reads, refused, written
 
 
 def header(size, data, *blocks):
-    """Returns the header of VTK's compressed data: number of blocks, two sizes, size of each
-    block.
-    """
+    """Returns the header of VTK's compressed data: number of blocks, and sizes."""
     lengths = [len(block) for block in blocks]
     return np.array([len(blocks), 50, len(data) - 50, *lengths], size).tobytes()
 
@@ -70,11 +69,6 @@ def vti(
     return xml.encode() + inline + close + appended + b"</VTKFile>"
 
 
-def read_back(path, content, **options):
-    path.write_bytes(content)
-    return read_volume(path, **options)
-
-
 @pytest.mark.parametrize(
     "kind, layout",
     [
@@ -86,8 +80,8 @@ def read_back(path, content, **options):
 )
 def test_vtk_images(tmp_path, values, kind, layout):
     values = values.astype(kind.lower())
-    volume = read_back(tmp_path / "x.vti", vti(values, kind, **layout))
-    assert np.array_equal(volume.values, values) and volume.name == "x"
+    volume = reads(values, written(tmp_path / "x.vti", vti(values, kind, **layout)))
+    assert volume.name == "x"
     assert np.diag(volume.index_to_world).tolist() == [1, 2, 3, 1]
 
 
@@ -104,30 +98,28 @@ def test_vtk_images(tmp_path, values, kind, layout):
 )
 def test_other_writers(tmp_path, values, layout):
     values = values.astype(np.int16)
-    volume = read_back(tmp_path / "x.vti", vti(values, "Int16", **layout))
-    assert np.array_equal(volume.values, values)
+    reads(values, written(tmp_path / "x.vti", vti(values, "Int16", **layout)))
 
 
 def test_a_place_in_space(tmp_path, values):
     """Checks VTK's formula: a point is origin + direction (spacing index)."""
     more = 'Origin="10 20 30" Spacing="1 2 3" Direction="0 -1 0 1 0 0 0 0 1"'
     data = vti(values, "Float32", "appended", more=more, first=(2, 0, 0))
-    volume = read_back(tmp_path / "x.vti", data)
+    volume = read_volume(written(tmp_path / "x.vti", data))
     np.testing.assert_array_equal(volume.index_to_world @ [0, 0, 0, 1], [10, 22, 30, 1])
     np.testing.assert_array_equal(volume.index_to_world @ [0, 1, 1, 1], [8, 22, 33, 1])
 
 
 def test_cells_have_their_values_in_the_middle(tmp_path, values):
-    volume = read_back(tmp_path / "x.vti", vti(values, "Float32", "binary", data_of="CellData"))
-    assert np.array_equal(volume.values, values)
+    data = vti(values, "Float32", "binary", data_of="CellData")
+    volume = reads(values, written(tmp_path / "x.vti", data))
     np.testing.assert_array_equal(volume.index_to_world[:3, 3], [0.5, 1, 1.5])
 
 
 def test_components_are_channels(tmp_path, values):
     both = np.stack([values, values + 1], axis=-1)
-    path = tmp_path / "x.vti"
-    data = vti(both, "Float32", "appended", components=2)
-    assert np.array_equal(read_back(path, data, channel=1).values, values + 1)
+    path = written(tmp_path / "x.vti", vti(both, "Float32", "appended", components=2))
+    reads(values + 1, path, channel=1)
     assert probe(path).channels == 2 and probe(path).dims == (6, 5, 4)
     refused("2 channels.* 0..1", read_volume, path)
 
@@ -147,53 +139,30 @@ def test_several_arrays_are_datasets(tmp_path, values):
 
 def test_damaged(tmp_path, values):
     values = values.astype(np.uint8)
-    whole = vti(values, "UInt8", "appended")
-    for broken in (whole[:-200], whole.replace(b"0 5 0 4", b"0 5 0 9"), b"<x", b""):
-        refused("x.vti: .*(truncated|damaged)", read_back, tmp_path / "x.vti", broken)
-    refused("real numbers", read_back, tmp_path / "x.vti", vti(values, "String", "appended"))
-    refused(
-        "ZStdDataCompressor is not supported",
-        read_back,
-        tmp_path / "x.vti",
-        whole.replace(b"ZLib", b"ZStd"),
-    )
-    refused("ends before", read_back, tmp_path / "x.vti", whole.replace(b"ZLib", b"LZ4"))
-    refused(
-        "claims", read_back, tmp_path / "x.vti", whole.replace(b"0 5 0 4", b"0 99999999 0 99999999")
-    )
+    whole, extent = vti(values, "UInt8", "appended"), b"0 5 0 4"
+    damaged = "x.vti: .*(truncated|damaged)"
+    for broken, sentence in (
+        (whole[:-200], damaged),
+        (whole.replace(extent, b"0 5 0 9"), damaged),
+        (b"<x", damaged),
+        (b"", damaged),
+        (vti(values, "String", "appended"), "real numbers"),
+        (whole.replace(b"ZLib", b"ZStd"), "ZStdDataCompressor is not supported"),
+        (whole.replace(b"ZLib", b"LZ4"), "ends before"),
+        (whole.replace(extent, b"0 99999999 0 99999999"), "claims"),
+    ):
+        refused(sentence, read_volume, written(tmp_path / "x.vti", broken))
 
 
-def image_of_vtk(values, cells=None, spacing=(1, 2, 3)):
-    """Returns a vtkImageData with values of points and of cells; its first point has the
-    index -2.
-    """
-    pytest.importorskip("vtkmodules")
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonDataModel import vtkImageData
-
-    image = vtkImageData()
+def image_of_vtk(values, cells=None):
+    """Returns a vtkImageData whose first point has the index -2."""
+    image = vtk_files.image_of(values, (1, 2, 3), (10, 20, 30))
     nz, ny, nx = values.shape
     image.SetExtent(-2, nx - 3, 1, ny, 0, nz - 1)
-    image.SetOrigin(10, 20, 30)
-    image.SetSpacing(*spacing)
     image.SetDirectionMatrix(0, -1, 0, 1, 0, 0, 0, 0, 1)
-    arrays = [(image.GetPointData(), values)] + [(image.GetCellData(), cells)] * (cells is not None)
-    for data, numbers in arrays:
-        array = numpy_to_vtk(numbers.ravel(), deep=True)
-        array.SetName("h")
-        data.SetScalars(array)
+    if cells is not None:
+        image.GetCellData().SetScalars(vtk_files.array_of(cells.ravel(), "h"))
     return image
-
-
-def written_by_vtk(path, image, **settings):
-    from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
-
-    writer = vtkXMLImageDataWriter()
-    writer.SetInputData(image)
-    writer.SetFileName(str(path))
-    for name, value in settings.items():
-        getattr(writer, name)(*value)
-    assert writer.Write()
 
 
 @pytest.mark.parametrize("big_endian", [False, True])
@@ -203,7 +172,8 @@ def test_all_that_vtk_writes(tmp_path, values, mode, compressor, big_endian):
     if compressor == "LZ4":
         pytest.importorskip("lz4")
     image = image_of_vtk(values, cells=-values[:3, :4, :5])
-    written_by_vtk(
+    vtk_files.write(
+        "XMLImageData",
         tmp_path / "x.vti",
         image,
         SetDataMode=[{"Ascii": 0, "Binary": 1}.get(mode, 2)],
@@ -234,7 +204,7 @@ def in_pieces(folder, image, **settings):
         part.SetVOI(number - 2, number - 1, 1, 5, 0, 3)
         part.Update()
         paths.append(folder / f"x_{number}.vti")
-        written_by_vtk(paths[-1], part.GetOutput(), **settings)
+        vtk_files.write("XMLImageData", paths[-1], part.GetOutput(), **settings)
     return paths
 
 
@@ -292,32 +262,26 @@ def test_missing_pieces(tmp_path, values):
 
 
 def test_pieces_that_claim_too_much(tmp_path, values):
-    data = vti(values, "Float32", "appended").replace(b"<Piece>", b'<Piece Extent="0 5 0 4 0 3">')
+    path, extent = tmp_path / "x.vti", b'"0 5 0 4 0 3"'
+    data = vti(values, "Float32", "appended").replace(b"<Piece>", b"<Piece Extent=%b>" % extent)
     far = b'<Piece Extent="99999 99999 99999 99999 9999 9999"/><Piece '
-    refused("nearly all of the", read_back, tmp_path / "x.vti", data.replace(b"<Piece ", far))
-    refused(
-        "claims",
-        read_back,
-        tmp_path / "x.vti",
-        data.replace(b'"0 5 0 4 0 3"', b'"0 9999 0 9999 0 9999"'),
-    )
-    refused(
-        "has 0 pieces",
-        read_back,
-        tmp_path / "x.vti",
-        data.replace(b'"0 5 0 4 0 3"', b'"0 -1 0 -1 0 -1"'),
-    )
+    for broken, sentence in (
+        (data.replace(b"<Piece ", far), "nearly all of the"),
+        (data.replace(extent, b'"0 9999 0 9999 0 9999"'), "claims"),
+        (data.replace(extent, b'"0 -1 0 -1 0 -1"'), "has 0 pieces"),
+    ):
+        refused(sentence, read_volume, written(path, broken))
 
 
 def test_other_data_of_vtk(tmp_path, values):
     data = vti(values, "Float32", "appended").replace(b"ImageData", b"RectilinearGrid")
     sentence = "holds RectilinearGrid data.*Resample To Image"
     for name in ("x.vti", "x.vtr"):
-        refused(sentence, read_back, tmp_path / name, data)
+        refused(sentence, read_volume, written(tmp_path / name, data))
 
 
 def test_lz4_is_not_installed(tmp_path, values, monkeypatch):
     monkeypatch.setitem(sys.modules, "lz4", None)
     data = vti(values, "Float32", "appended").replace(b"ZLib", b"LZ4")
     with pytest.raises(MissingPackage, match="x.vti: .*lz4"):
-        read_back(tmp_path / "x.vti", data)
+        read_volume(written(tmp_path / "x.vti", data))

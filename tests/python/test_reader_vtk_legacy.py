@@ -5,6 +5,7 @@ import locale
 
 import numpy as np
 import pytest
+import vtk_files
 from leaflight import read_volume
 from leaflight.io.readers import probe
 from outcomes import reads, refused, written
@@ -37,11 +38,6 @@ def by_hand(values, form="ASCII", kind="float", more="LOOKUP_TABLE default\n"):
     return head.encode() + values.astype(values.dtype.newbyteorder(">")).tobytes()
 
 
-def read_back(path, content, **options):
-    path.write_bytes(content)
-    return read_volume(path, **options)
-
-
 TYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "f4", "f8"]
 
 
@@ -49,37 +45,23 @@ TYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64
 @pytest.mark.parametrize("ascii", [False, True])
 @pytest.mark.parametrize("dtype", TYPES)
 def test_all_that_vtk_writes(tmp_path, values, dtype, ascii, version):
-    pytest.importorskip("vtkmodules")
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonCore import vtkStringArray
-    from vtkmodules.vtkCommonDataModel import vtkImageData
-    from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
-
     def array(name, numbers, channels=1):
-        made = numpy_to_vtk(numbers.reshape(-1, channels).astype(dtype), deep=True)
-        made.SetName(name)
-        return made
+        return vtk_files.array_of(numbers.reshape(-1, channels).astype(dtype), name)
 
-    image = vtkImageData()
-    image.SetDimensions(6, 5, 4)
-    image.SetOrigin(1, 2, 3)
-    image.SetSpacing(0.5, 1, 2)
+    image = vtk_files.image_of(values, (0.5, 1, 2), (1, 2, 3))
     vectors = np.stack([values, 119 - values, values // 2], axis=-1)
     cells = values[:3, :4, :5]
     image.GetPointData().SetScalars(array("density", values))
     image.GetPointData().SetVectors(array("velocity", vectors, 3))
     image.GetPointData().AddArray(array("2 theta", 119 - values))
+    image.GetPointData().RemoveArray("h")
     image.GetCellData().AddArray(array("label", cells))
-    words = vtkStringArray()
+    words = vtk_files.vtk().vtkStringArray()
     words.SetName("words")
     words.InsertNextValue("of no length that is known")
     image.GetFieldData().AddArray(words)
-    writer = vtkStructuredPointsWriter()
-    writer.SetInputData(image)
-    writer.SetFileName(str(tmp_path / "x.vtk"))
-    writer.SetFileType(1 if ascii else 2)
-    writer.SetFileVersion(version)
-    assert writer.Write()
+    form = {"SetFileType": [1 if ascii else 2], "SetFileVersion": [version]}
+    vtk_files.write("StructuredPoints", tmp_path / "x.vtk", image, **form)
 
     path = tmp_path / "x.vtk"
     assert probe(path).datasets == ("label", "density", "velocity", "2 theta")
@@ -111,8 +93,7 @@ def test_files_by_hand(tmp_path, values, form, change):
         content = (head + mark).decode().replace(*change).encode() + numbers
     else:
         content = (head + mark + numbers).decode().replace(*change).encode()
-    volume = read_back(tmp_path / "x.vtk", content)
-    np.testing.assert_array_equal(volume.values, values)
+    volume = reads(values, written(tmp_path / "x.vtk", content))
     assert np.diag(volume.index_to_world).tolist() == [0.5, 1, 2, 1]
 
 
@@ -122,9 +103,8 @@ def test_colors_and_their_table(tmp_path, values):
     content += np.stack([bytes_of, 119 - bytes_of], axis=-1).tobytes()
     content += b"\nLOOKUP_TABLE t 2\n" + b"\nSCALARS" + b"\nMETADATA\nINFORMATION 0\n\n"
     content += b"SCALARS h unsigned_char\nLOOKUP_TABLE t\n" + bytes_of.tobytes()
-    path = tmp_path / "x.vtk"
-    volume = read_back(path, content, dataset="c", channel=1)
-    np.testing.assert_array_equal(volume.values, 119 - bytes_of)
+    path = written(tmp_path / "x.vtk", content)
+    reads(119 - bytes_of, path, dataset="c", channel=1)
     reads(bytes_of, path, dataset="h")
 
 
@@ -153,4 +133,4 @@ def test_damaged(tmp_path, values):
         (whole[:44], "holds no data"),
         (b"", "legacy VTK"),
     ):
-        refused(f"x.vtk: .*({sentence})", read_back, path, broken)
+        refused(f"x.vtk: .*({sentence})", read_volume, written(path, broken))

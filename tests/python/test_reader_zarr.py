@@ -95,9 +95,8 @@ def test_a_translation_is_in_the_unit_of_its_axis(tmp_path, values):
     place = {"type": "translation", "translation": [3000, 2, 1]}
     shear = {"type": "affine", "affine": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}
     axes = space(z="nanometer", y="micrometer", x="micrometer")
-    path = image(
-        tmp_path / "x.zarr", values, axes, [500, 1, 1], coordinateTransformations=[place, shear]
-    )
+    changes = {"coordinateTransformations": [place, shear]}
+    path = image(tmp_path / "x.zarr", values, axes, [500, 1, 1], **changes)
     volume = read_volume(path)
     np.testing.assert_allclose(volume.index_to_world[:3, 3], [1, 2, 3])
     np.testing.assert_allclose(volume.spacing, [1, 1, 0.5])
@@ -111,9 +110,8 @@ def test_axes_in_any_order(tmp_path, values):
     path = image(tmp_path / "x.zarr", whole, axes, [1, 1, 2, 3])
     reads(values + 1, path, channel=1)
     assert probe(path).voxel_size == (1, 2, 3)
-    path = image(
-        tmp_path / "y.zarr", values[None, None], space(t="", c="", z="", y="", x=""), [1] * 5
-    )
+    axes = space(t="", c="", z="", y="", x="")
+    path = image(tmp_path / "y.zarr", values[None, None], axes, [1] * 5)
     reads(values, path)
     path = image(tmp_path / "z.zarr", values[:1], space(z="", y="", x=""), [1] * 3)
     refused("z 1, y 5, x 6", read_volume, path)
@@ -169,16 +167,14 @@ def test_shards(tmp_path, values):
     """Checks shards of which some are absent, and some lack chunks."""
     path = tmp_path / "x.zarr"
     group = zarr.open_group(str(path), mode="w", zarr_format=3)
-    array = group.create_array(
-        "s0", shape=(16, 8, 8), chunks=(2, 4, 4), shards=(4, 8, 8), dtype="i2", fill_value=-3
-    )
+    about = {"shape": (16, 8, 8), "chunks": (2, 4, 4), "shards": (4, 8, 8), "dtype": "i2"}
+    array = group.create_array("s0", fill_value=-3, **about)
     expected = np.full((16, 8, 8), -3, np.int16)
     expected[5, :, 6] = np.arange(8)
     array[5, :, 6] = np.arange(8)
     axes = space(z="nanometer", y="micrometer", x="micrometer")
-    datasets = [
-        {"path": "s0", "coordinateTransformations": [{"type": "scale", "scale": [9, 1, 2]}]}
-    ]
+    scale = {"type": "scale", "scale": [9, 1, 2]}
+    datasets = [{"path": "s0", "coordinateTransformations": [scale]}]
     group.attrs["ome"] = {"version": "0.5", "multiscales": [{"axes": axes, "datasets": datasets}]}
     volume = reads(expected, path)
     np.testing.assert_allclose(volume.spacing, [2, 1, 0.009])

@@ -58,10 +58,8 @@ def test_colin27(colin27):
 @pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"imagej": True}, {"ome": True}])
 def test_tiff_stack(tmp_path, values, options):
     path = tmp_path / ("stack.ome.tif" if "ome" in options else "stack.tif")
-    metadata = {"axes": "ZYX"}
-    tifffile.imwrite(
-        path, values.astype(np.uint16), photometric="minisblack", metadata=metadata, **options
-    )
+    options = {"photometric": "minisblack", "metadata": {"axes": "ZYX"}, **options}
+    tifffile.imwrite(path, values.astype(np.uint16), **options)
     volume = read_volume(path)
     assert volume.values.dtype == np.uint16
     np.testing.assert_array_equal(volume.values, values)
@@ -153,9 +151,8 @@ def test_missing_data_are_masked(tmp_path, values):
 
 
 def test_a_reading_is_cancelled_halfway(tmp_path, monkeypatch):
-    nibabel.save(
-        nibabel.Nifti1Image(np.zeros((200, 200, 200), np.uint8), np.eye(4)), tmp_path / "x.nii.gz"
-    )
+    image = nibabel.Nifti1Image(np.zeros((200, 200, 200), np.uint8), np.eye(4))
+    nibabel.save(image, tmp_path / "x.nii.gz")
     progress, read, shares = Progress(), watched._Watched.readinto, []
 
     def cancels(file, buffer):

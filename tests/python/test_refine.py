@@ -92,7 +92,6 @@ def test_walls_are_lit_anew(box):
     before, after = (b.walls.radiance(0, 50.0) for b in (previous, more))
     assert before.shape == after.shape and not np.array_equal(before, after)
     assert after.mean() == pytest.approx(before.mean(), rel=0.05)
-    # Bake without walls, whether they were requested or not.
     without = refine(previous, walls=False)
     assert without.walls is None and without.provenance.walls is False
 
@@ -126,24 +125,20 @@ def test_the_command_line(cli, root, tmp_path):
     np.save(volume, cone(16).values)
     given = [volume, "--spacing", spacing, "--scene", scene, "--isovalues", "30", "70"]
     texels = ["--resolution", str(FINE)]
-    first = cli("bake", *given, *texels, "--error", "1", "--out", previous, "--json")
-    assert first.status == 0
-    before = json.loads(first.out.splitlines()[-1])
+    before = cli.json("bake", *given, *texels, "--error", "1", "--out", previous)
     continued = ["bake", "--continue", previous, "--out", more]
-    outcome = cli(*continued, "--error", "0.5", "--json")
-    assert outcome.status == 0 and "(target 0.5 %)" in outcome.out
-    after = json.loads(outcome.out.splitlines()[-1])
+    printed = cli.runs(*continued, "--error", "0.5", "--json")
+    assert "(target 0.5 %)" in printed
+    after = json.loads(printed.splitlines()[-1])
     name = "estimated_noise_percent"
     assert after[name] < 0.85 * before[name]
     name = "estimated_error_percent"
     assert after[name] <= 0.5 < before[name]
     assert after["passes"] > before["passes"] and after["rays"] > before["rays"]
     assert load_bake(more).provenance.continued == load_bake(previous).id
-    # Continue the bake into the same file.
-    assert cli("bake", "--continue", more, "--out", more, "--error", "0.4").status == 0
-    refused = cli(*continued)
-    assert refused.status == 2 and refused.err.endswith("(--error).\n")
-    refused = cli(*continued, "--isovalues", "30", "60", "--seed", "2", "--both-sides")
-    assert refused.status == 2 and "leave out --isovalues, --seed, --both-sides." in refused.err
-    refused = cli("bake", "bump_box", "--continue", previous, "--estimate")
-    assert refused.status == 2 and "leave out VOLUME, --estimate." in refused.err
+    cli.runs("bake", "--continue", more, "--out", more, "--error", "0.4")
+    cli.refuses("(--error).", *continued)
+    others = ("--isovalues", "30", "60", "--seed", "2", "--both-sides")
+    cli.refuses("leave out --isovalues, --seed, --both-sides.", *continued, *others)
+    both = ("bump_box", "--continue", previous, "--estimate")
+    cli.refuses("leave out VOLUME, --estimate.", "bake", *both)

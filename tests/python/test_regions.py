@@ -8,20 +8,12 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight import LeaflightError, Progress, Volume
+from leaflight import Progress, Volume
 from leaflight._core import contour
 from leaflight.volume import regions
-from leaflight.volume.regions import (
-    Box,
-    Dust,
-    HalfSpace,
-    LargestPart,
-    Part,
-    WithinLabels,
-    changed,
-    sphere,
-)
+from leaflight.volume.regions import Box, Dust, HalfSpace, LargestPart, Part, WithinLabels, sphere
 from leaflight_command.region_options import add_region_options
+from outcomes import refused
 
 N = 48
 
@@ -29,9 +21,8 @@ N = 48
 def turn(angle, tilt):
     """Returns a rotation matrix (3, 3)."""
     c, s, d, t = np.cos(angle), np.sin(angle), np.cos(tilt), np.sin(tilt)
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
-        [[1, 0, 0], [0, d, -t], [0, t, d]]
-    )
+    about_z = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return about_z @ np.array([[1, 0, 0], [0, d, -t], [0, t, d]])
 
 
 def balls(matrix=None, centers=((0.0, 0.0, 0.0),), radii=(0.8,), dtype=np.float32):
@@ -47,8 +38,8 @@ def balls(matrix=None, centers=((0.0, 0.0, 0.0),), radii=(0.8,), dtype=np.float3
     return Volume(values.astype(dtype), own if matrix is None else matrix @ own)
 
 
-def cut(volume, *regions):
-    return changed(volume, regions, Progress())
+def cut(volume, *parts):
+    return regions.changed(volume, parts, Progress())
 
 
 def vertices_of(volume, isovalue):
@@ -59,21 +50,16 @@ def vertices_of(volume, isovalue):
 # World coordinates of tests: turned, scaled along each axis, and sheared.
 MATRICES = {
     "cube": np.eye(4),
-    "sheared": np.array(
-        [[3.0, 0.2, 0.0, 5.0], [0.0, 1.0, 0.3, -2.0], [0.1, 0.0, 0.6, 1.0], [0, 0, 0, 1.0]]
-    ),
+    "sheared": np.array([[3, 0.2, 0, 5], [0, 1, 0.3, -2], [0.1, 0, 0.6, 1], [0, 0, 0, 1.0]]),
 }
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.int16, np.uint8])
 @pytest.mark.parametrize("matrix", MATRICES.values(), ids=MATRICES)
 def test_turned_caps_are_flat_and_within_a_voxel(matrix, dtype):
-    whole = balls(matrix)
+    whole = balls(matrix, dtype=np.float32 if dtype is np.uint8 else dtype)
     if dtype is np.uint8:
-        values = (whole.values / 4).astype(dtype)
-        whole = Volume(values, whole.index_to_world)
-    else:
-        whole = balls(matrix, dtype=dtype)
+        whole = Volume((whole.values / 4).astype(dtype), whole.index_to_world)
     normal = turn(0.4, 0.7) @ [1.0, 0.0, 0.0]
     point = (matrix @ [0.1, 0.05, -0.1, 1.0])[:3]
     halved = cut(whole, HalfSpace(tuple(point), tuple(normal)))
@@ -102,9 +88,8 @@ def test_values_inside_keep_their_bits_and_types():
     inside = int(np.ceil((N - 1) / 2)) - 1
     assert (halved.values[:inside] == whole.values[:inside]).all()
     assert len(halved.values) < len(whole.values)
-    assert (
-        cut(whole, Box(tuple(map(tuple, np.diag([0.5, 0.5, 0.5, 1.0]))))).values.shape == (28,) * 3
-    )
+    box = Box(tuple(map(tuple, np.diag([0.5, 0.5, 0.5, 1.0]))))
+    assert cut(whole, box).values.shape == (28,) * 3
 
 
 def test_default_isovalues_ignore_what_closes_a_cut():
@@ -140,10 +125,9 @@ def test_a_capped_cut_shows_a_slice(matrix):
 
 def test_slices_need_a_capped_cut():
     opened = HalfSpace((0, 0, 0), (0, 0, 1), cut="open")
-    with pytest.raises(LeaflightError, match="volume: no capped cut shows a slice"):
-        leaflight.slices_of(balls(), [opened, LargestPart(300)])
-    with pytest.raises(LeaflightError, match="its cuts lie outside"):
-        leaflight.slices_of(balls(), [HalfSpace((0, 0, 9), (0, 0, 1))])
+    refused("volume: no capped cut", leaflight.slices_of, balls(), [opened, LargestPart(300)])
+    outside = HalfSpace((0, 0, 9), (0, 0, 1))
+    refused("its cuts lie outside", leaflight.slices_of, balls(), [outside])
 
 
 def test_an_open_cut_has_no_values_beyond_it():
@@ -165,13 +149,12 @@ def test_an_open_box_along_the_voxels_is_a_crop(matrix, dtype):
     np.testing.assert_array_equal(cropped.values, whole.values[:21, 10:32, 3:41])
     assert cropped.values.dtype == dtype
     assert not np.shares_memory(cropped.values, whole.values)
-    np.testing.assert_allclose(
-        cropped.index_to_world @ [0, 0, 0, 1], whole.index_to_world @ [3, 10, 0, 1], atol=1e-12
-    )
+    corner = whole.index_to_world @ [3, 10, 0, 1]
+    np.testing.assert_allclose(cropped.index_to_world @ [0, 0, 0, 1], corner, atol=1e-12)
     turned = Box(box.moved(np.array(turned_about_z(0.01))).matrix, cut="open")
     assert np.isnan(cut(whole, turned).values).any()
-    with pytest.raises(LeaflightError, match="the box leaves nothing"):
-        cut(whole, Box.between([60, 0, 0], [70, 9, 9], cut="open").moved(whole.index_to_world))
+    far = Box.between([60, 0, 0], [70, 9, 9], cut="open").moved(whole.index_to_world)
+    refused("the box leaves nothing", cut, whole, far)
 
 
 def turned_about_z(angle):
@@ -254,17 +237,16 @@ def test_a_region_outside_changes_nothing():
     ],
 )
 def test_wrong_records_are_named(record, message):
-    with pytest.raises(LeaflightError, match=message):
-        regions.region_of(record)
+    refused(message, regions.region_of, record)
 
 
 def test_a_cut_that_leaves_nothing_is_named():
-    with pytest.raises(LeaflightError, match="the half space leaves nothing of the volume"):
-        cut(balls(), HalfSpace((0, 0, -5), (0, 0, 1)))
-    with pytest.raises(LeaflightError, match="nothing at or above the isovalue 500 at"):
-        cut(balls(), Part((0.9, 0.9, 0.9), 500))
-    with pytest.raises(LeaflightError, match="nothing at or above the isovalue 5000"):
-        cut(balls(), LargestPart(5000))
+    for region, words in (
+        (HalfSpace((0, 0, -5), (0, 0, 1)), "the half space leaves nothing of the volume"),
+        (Part((0.9, 0.9, 0.9), 500), "nothing at or above the isovalue 500 at"),
+        (LargestPart(5000), "nothing at or above the isovalue 5000"),
+    ):
+        refused(words, cut, balls(), region)
 
 
 def test_records_are_json():
@@ -289,8 +271,8 @@ def test_reading_takes_regions(tmp_path):
     record = {"kind": "largest_part", "isovalue": 300}
     read = leaflight.read_volume(path, regions=[record])
     assert read.values[24, 24, 40] == 0
-    with pytest.raises(LeaflightError, match=r"balls\.npy: There is nothing at or above"):
-        leaflight.read_volume(path, regions=[{**record, "isovalue": 2000}])
+    high = {**record, "isovalue": 2000}
+    refused(r"balls\.npy: There is nothing at", leaflight.read_volume, path, regions=[high])
 
 
 def half_labels(step=1):
@@ -347,17 +329,13 @@ def test_wrong_masks_are_named(tmp_path):
     far = half_labels()
     far = replace(far, index_to_world=half_labels().index_to_world + 9 * np.eye(4, k=3))
     for region, message in (
-        (
-            WithinLabels(half_labels(), (1, 7)),
-            r"^halves: there is no label 7: choose among 1, 2\.",
-        ),
-        (WithinLabels(far), "nothing of the volume is within the labels of halves: choose a label"),
+        (WithinLabels(half_labels(), (1, 7)), "^halves: .* no label 7: choose among 1, 2"),
+        (WithinLabels(far), "nothing of the volume is within the labels of halves"),
         (WithinLabels(balls()), "labels"),
         (WithinLabels(half_labels(), (1.5,)), "no whole numbers above 0"),
         (WithinLabels("labels.nrrd"), "read the label map first"),
     ):
-        with pytest.raises(LeaflightError, match=message):
-            cut(full(), region)
+        refused(message, cut, full(), region)
 
 
 def test_readers_and_the_command_take_a_mask(tmp_path):
@@ -367,15 +345,14 @@ def test_readers_and_the_command_take_a_mask(tmp_path):
     labels = WithinLabels(Volume(half_labels().values), (1,))
     expected = cut(Volume(full().values), labels).values
     record = {"kind": "within_labels", "label_map": paths[1], "labels": [1]}
-    np.testing.assert_array_equal(
-        leaflight.read_volume(paths[0], regions=[record]).values, expected
-    )
+    read = leaflight.read_volume(paths[0], regions=[record])
+    np.testing.assert_array_equal(read.values, expected)
     parser = argparse.ArgumentParser()
     add_region_options(parser)
     found = parser.parse_args(["--within", f"{paths[1]}:1", "--within", paths[1]]).regions
     assert found == [record, {**record, "labels": []}]
-    with pytest.raises(LeaflightError, match="^nowhere.nrrd: there is no such file"):
-        leaflight.read_volume(paths[0], regions=[WithinLabels("nowhere.nrrd")])
+    absent = WithinLabels("nowhere.nrrd")
+    refused("^nowhere.nrrd: there is no", leaflight.read_volume, paths[0], regions=[absent])
 
 
 def test_the_command_line_removes_a_sphere():

@@ -6,10 +6,10 @@ import importlib.util
 import json
 import re
 import subprocess
-import tomllib
 from pathlib import Path
 
 import pytest
+import tomllib
 import yaml
 from leaflight.version import __version__
 

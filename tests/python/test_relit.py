@@ -21,12 +21,10 @@ def baked(scene, **settings):
 
 def lit_by(scene, factors, exposure=1.0):
     """Returns the scene with its lamps scaled by (r, g, b)."""
-    lights = [
-        replace(light, radiance=tuple(np.multiply(light.radiance, factor)))
-        if hasattr(light, "radiance")
-        else replace(light, intensity=tuple(np.multiply(light.intensity, factor)))
-        for light, factor in zip(scene.lights, factors)
-    ]
+    lights = []
+    for light, factor in zip(scene.lights, factors):
+        name = "radiance" if hasattr(light, "radiance") else "intensity"
+        lights.append(replace(light, **{name: tuple(np.multiply(getattr(light, name), factor))}))
     return replace(scene, lights=lights, exposure=exposure * scene.exposure)
 
 
@@ -58,8 +56,7 @@ def light_of(bake):
 
 
 def test_with_one_lamp_it_is_a_new_bake(of_one, one_lamp):
-    # Use a power of two and unchanged displayed colors, so that the new bake takes the same
-    # branches.
+    # A power of two and unchanged displayed colors let the new bake take the same branches.
     name = one_lamp.lights[0].name
     relit = of_one.relit({name: 4})
     new = baked(lit_by(one_lamp, [(4, 4, 4)], exposure=0.25))
@@ -127,9 +124,8 @@ def test_files_and_stills_of_it(of_one, one_lamp, tmp_path):
     of_one.save(tmp_path / "bake.vdb")
     loaded = leaflight.load_bake(tmp_path / "bake.vdb").relit({name: (2, 1, 0.5)})
     points = relit.surface(47.0).vertices
-    np.testing.assert_allclose(
-        loaded.radiance(points), relit.radiance(points), rtol=2e-3, atol=1e-4
-    )
+    found, expected = loaded.radiance(points), relit.radiance(points)
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=1e-4)
     bright, dim = tmp_path / "bright.ply", tmp_path / "dim.ply"
     leaflight.export(relit, bright, [47.0])
     leaflight.export(of_one, dim, [47.0])

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests that a full disk, a kill, a cancel or another writer leaves the old file or a complete new
-one.
-"""
+"""Tests that a full disk, a kill, a cancel or another writer leaves an old or a complete file."""
 
 import os
 import resource
@@ -190,9 +188,7 @@ def test_a_cancelled_save_writes_nothing(box_bake, tmp_path):
 
 
 def test_reading_can_be_cancelled_and_has_a_share(lapr_file):
-    """Checks that progress approaches 1 twice: after the direct light of isosurfaces, and of
-    walls.
-    """
+    """Checks progress near 1 twice: after the direct light of isosurfaces, and of walls."""
     cancelled, progress = Progress(), Progress()
     cancelled.cancel()
     with pytest.raises(Cancelled):

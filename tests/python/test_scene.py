@@ -126,9 +126,7 @@ def test_shipped_scenes_are_accepted_by_the_core(shipped):
     core_scene(description, [volume.field() for volume in volumes], isovalue_range)
 
 
-TRIANGLE = Mesh(
-    "floor", np.eye(3, dtype=np.float32), np.array([[0, 1, 2]], dtype=np.uint32), (0.5, 0.5, 0.5)
-)
+TRIANGLE = Mesh("floor", np.eye(3, dtype=np.float32), np.uint32([[0, 1, 2]]), (0.5, 0.5, 0.5))
 AREA = AreaLight("lamp", (0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 1, 1))
 POINT = PointLight("bulb", (0, 0, 2), 0.0, (1, 1, 1), Cone((0, 0, -1), 1.0))
 SUN = SunLight("sun", (0, 0, -1), (1, 1, 1))
@@ -136,15 +134,15 @@ WORLD = Environment("sky", (1, 1, 1), np.ones((2, 4, 3), dtype=np.float32))
 ISOSURFACES = Isosurfaces("brick", (0.5, 0.5, 0.5))
 SCENE = SceneDescription("test", [ISOSURFACES], 1.0, [TRIANGLE], [AREA, POINT, SUN], WORLD)
 NAN = float("nan")
+GRAY = (0.5, 0.5, 0.5)
 IMAGE = np.ones((2, 2, 3), dtype=np.float32)
 UV = np.zeros((1, 3, 2), dtype=np.float32)
 
 
 def build(isosurfaces=ISOSURFACES, mesh=TRIANGLE, light=AREA, environment=WORLD):
     volume = brick()
-    description = replace(
-        SCENE, isosurfaces=[isosurfaces], meshes=[mesh], lights=[light], environment=environment
-    )
+    own = {"isosurfaces": [isosurfaces], "meshes": [mesh], "lights": [light]}
+    description = replace(SCENE, environment=environment, **own)
     return core_scene(description, [volume.field()], (0.2, 0.8))
 
 
@@ -152,8 +150,7 @@ def test_every_kind_of_object_is_accepted_by_the_core():
     for light in SCENE.lights:
         build(light=light)
     build(light=replace(POINT, cone=None), environment=None)
-    textured = replace(TRIANGLE, texture=IMAGE, uv=UV, scattering="glass", emission=(1, 0, 0))
-    build(mesh=textured)
+    build(mesh=replace(TRIANGLE, texture=IMAGE, uv=UV, scattering="glass", emission=(1, 0, 0)))
     ramp = [(0.3, (0.1, 0.2, 0.3)), (0.4, (1, 1, 1))]
     build(replace(ISOSURFACES, albedo=ramp, emission=ramp, scattering="mirror"))
 
@@ -161,14 +158,8 @@ def test_every_kind_of_object_is_accepted_by_the_core():
 @pytest.mark.parametrize(
     "objects, sentence",
     [
-        (
-            {"isosurfaces": replace(ISOSURFACES, albedo=(0.5, 1.5, 0.5))},
-            "brick.*1.5.*between 0 and 1",
-        ),
-        (
-            {"isosurfaces": replace(ISOSURFACES, albedo=[(1, (0, 0, 0)), (0, (1, 1, 1))])},
-            "brick.*ascending",
-        ),
+        ({"isosurfaces": replace(ISOSURFACES, albedo=(0.5, 1.5, 0.5))}, "brick.*1.5.*between 0"),
+        ({"isosurfaces": replace(ISOSURFACES, albedo=[(1, GRAY), (0, GRAY)])}, "brick.*ascending"),
         ({"isosurfaces": replace(ISOSURFACES, albedo=[])}, "brick"),
         ({"isosurfaces": replace(ISOSURFACES, scattering="velvet")}, "brick.*velvet"),
         ({"isosurfaces": replace(ISOSURFACES, scattering="glass", ior=0)}, "brick"),

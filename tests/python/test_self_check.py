@@ -11,6 +11,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import _core, self_check
+from outcomes import written
 from waiting import run_python
 
 PACKAGE = Path(leaflight.__file__).parent
@@ -92,37 +93,26 @@ def test_a_newer_library_of_the_same_major_version():
     self_check.check_libraries([("oneTBB", (12, 8), (12, 8)), ("Embree", (3, 13), (3, 14))])
 
 
-def _shifted(values, matrix):
-    """Returns a field of moved values, as if read with the array layout of another NumPy."""
-    return _core.Field(np.roll(values, 1).copy(), matrix)
+# Fields as a module would make them that reads arrays with the layout of another NumPy.
+MISREADINGS = {
+    "shifted": lambda values, matrix: _core.Field(np.roll(values, 1).copy(), matrix),
+    "transposed": lambda values, matrix: _core.Field(np.ascontiguousarray(values.T), matrix),
+    "unmoved": lambda values, matrix: _core.Field(values, np.eye(4)),
+}
 
 
-def _transposed(values, matrix):
-    return _core.Field(np.ascontiguousarray(values.T), matrix)
-
-
-def _unmoved(values, matrix):
-    return _core.Field(values, np.eye(4))
-
-
-def _empty(values, matrix):
-    return _core.Field(np.full_like(values, np.nan), matrix)
-
-
-@pytest.mark.parametrize("field", [_shifted, _transposed, _unmoved])
-def test_arrays_that_arrive_as_something_else(field):
-    assert f"misreads arrays of NumPy {np.__version__}" in refusal(
-        self_check.check_arrays, np, Changed(Field=field)
-    )
+@pytest.mark.parametrize("name", MISREADINGS)
+def test_arrays_that_arrive_as_something_else(name):
+    sentence = refusal(self_check.check_arrays, np, Changed(Field=MISREADINGS[name]))
+    assert f"misreads arrays of NumPy {np.__version__}" in sentence
 
 
 def test_arrays_that_the_module_refuses(monkeypatch):
-    monkeypatch.setattr(self_check, "_core", lambda: Changed(Field=_empty))
+    def empty(values, matrix):
+        return _core.Field(np.full_like(values, np.nan), matrix)
+
+    monkeypatch.setattr(self_check, "_core", lambda: Changed(Field=empty))
     assert "fails its self-test" in refusal(self_check.check)
-
-
-def _no_hit(*arguments):
-    return None, None
 
 
 def _off(*arguments):
@@ -130,49 +120,47 @@ def _off(*arguments):
     return hit, (x, y, z + 1e-3)
 
 
-def _through_isosurfaces(scene, origin, direction, c):
-    return _core.trace(scene, (*origin[:2], 1.5), direction, c)
+WRONG_TRACES = {
+    "no hit": lambda *arguments: (None, None),
+    "off": _off,
+    "through isosurfaces": lambda scene, origin, *others: _core.trace(
+        scene, (*origin[:2], 1.5), *others
+    ),
+}
 
 
-@pytest.mark.parametrize("trace", [_no_hit, _off, _through_isosurfaces])
-def test_rays_that_go_elsewhere(trace):
-    assert "traces rays wrongly" in refusal(self_check.check_rays, np, Changed(trace=trace))
+@pytest.mark.parametrize("name", WRONG_TRACES)
+def test_rays_that_go_elsewhere(name):
+    changed = Changed(trace=WRONG_TRACES[name])
+    assert "traces rays wrongly" in refusal(self_check.check_rays, np, changed)
 
 
 @pytest.fixture
 def copy(tmp_path):
     """Copies the package to a new folder, so that a test can change its files."""
-    target = tmp_path / "leaflight"
     ignored = shutil.ignore_patterns("__pycache__", "_core*")
     for name in ("leaflight", "leaflight_command"):
         shutil.copytree(PACKAGE.parent / name, tmp_path / name, ignore=ignored)
-    return target
+    return tmp_path
 
 
-def _without_module(package):
-    return f"no compiled module for Python {sys.version_info[0]}.{sys.version_info[1]}"
+PYTHON = f"{sys.version_info[0]}.{sys.version_info[1]}"
+(MODULE,) = (path.name for path in PACKAGE.glob("_core.cp*"))
+# Files that spoil an installation, and what is then said.
+SPOILT = {
+    "no module": (None, "", f"no compiled module for Python {PYTHON}"),
+    "damaged module": (f"leaflight/{MODULE}", "no library", "compiled module cannot be loaded"),
+    "old NumPy": ("numpy.py", '__version__ = "1.23.5"\n', "NumPy 1.23.5 is installed"),
+    "no NumPy": ("numpy.py", "raise ImportError('gone')\n", "needs NumPy, which this Python"),
+}
 
 
-def _damaged_module(package):
-    (module,) = PACKAGE.glob("_core.cp*")
-    (package / module.name).write_bytes(b"not a library")
-    return "compiled module cannot be loaded"
-
-
-def _old_numpy(package):
-    (package.parent / "numpy.py").write_text('__version__ = "1.23.5"\n')
-    return "NumPy 1.23.5 is installed"
-
-
-def _no_numpy(package):
-    (package.parent / "numpy.py").write_text("raise ImportError('gone')\n")
-    return "needs NumPy, which this Python does not have"
-
-
-@pytest.mark.parametrize("spoil", [_without_module, _damaged_module, _old_numpy, _no_numpy])
-def test_the_command_says_it_in_one_line(copy, spoil):
-    expected = spoil(copy)
-    where = {"paths": (copy.parent, NUMPYS_FOLDER), "cwd": copy.parent}
+@pytest.mark.parametrize("name", SPOILT)
+def test_the_command_says_it_in_one_line(copy, name):
+    spoilt, content, expected = SPOILT[name]
+    if spoilt:
+        written(copy / spoilt, content)
+    where = {"paths": (copy, NUMPYS_FOLDER), "cwd": copy}
     done = run_python("-m", "leaflight_command", "info", "bump_box", **where)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.startswith("leaflight: ") and done.stderr.count("\n") == 1

@@ -5,7 +5,6 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 import pytest
-from leaflight.cluster.workers import Workers
 from leaflight.scene.scene import Isosurfaces, SceneDescription, SunLight
 from outcomes import refused
 from scipy.ndimage import gaussian_filter
@@ -53,7 +52,6 @@ def test_isosurfaces_stay_and_their_normals_are_smooth(values, tmp_path):
     np.testing.assert_array_equal(vertices, sharp_vertices)
     assert np.abs(normals - expected_normals(smooth(values), vertices)).max() < 1e-3
     assert np.abs(sharp_normals - expected_normals(values.astype(float), vertices)).max() < 1e-3
-    # The normals must be free of noise.
     out = (vertices - 14.5) / np.linalg.norm(vertices - 14.5, axis=1, keepdims=True)
     assert (normals * out).sum(axis=1).min() > 0.9 > (sharp_normals * out).sum(axis=1).min()
 
@@ -84,16 +82,6 @@ def test_a_bake_has_them_in_its_light_and_its_file(values, tmp_path):
     assert again.id == bake.id and again.volumes[0].smooth_normals == SIGMA
     # Files store half precision.
     np.testing.assert_allclose(again.radiance(surface.vertices), light, rtol=1e-3)
-
-
-def test_workers_bake_with_them(values):
-    pytest.importorskip("distributed")
-    volume = leaflight.Volume(values, smooth_normals=SIGMA)
-    bake = leaflight.bake(volume, **SETTINGS)
-    with Workers(2) as workers:
-        shared = leaflight.bake(volume, workers=workers, **SETTINGS)
-    assert shared.id == bake.id
-    np.testing.assert_array_equal(shared.surface(110.5).radiance, bake.surface(110.5).radiance)
 
 
 def test_light_does_not_see_the_stairs_of_masks():

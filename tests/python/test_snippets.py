@@ -85,26 +85,20 @@ def folder(tmp_path):
         image = nibabel.Nifti1Image(of, centered)
         image.header.set_xyzt_units("mm")
         nibabel.save(image, tmp_path / f"{name}.nii.gz")
-    header = (
-        "NRRD0004\ntype: float\ndimension: 3\nsizes: 20 20 20\nencoding: raw\nendian: little\n\n"
-    )
+    start = "NRRD0004\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n"
+    header = f"{start}type: float\nendian: little\n\n"
     (tmp_path / "scan.nrrd").write_bytes(header.encode() + values.T.tobytes())
     labels = np.zeros((20, 20, 20), np.uint8)
     labels[4:10], labels[10:16] = 3, 5
-    header = (
-        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 20 20 20\nencoding: raw\n"
-        "space: right-anterior-superior\nspace origin: (-95,-95,-95)\n"
-        "space directions: (10,0,0) (0,10,0) (0,0,10)\n\n"
-    )
+    header = start + "type: uchar\nspace: right-anterior-superior\nspace origin: (-95,-95,-95)\n"
+    header += "space directions: (10,0,0) (0,10,0) (0,0,10)\n\n"
     (tmp_path / "head.seg.nrrd").write_bytes(header.encode() + labels.tobytes())
     segments = np.where(labels == 3, 17, labels).astype(np.int32)
     nibabel.save(nibabel.MGHImage(segments, centered), tmp_path / "aseg.mgz")
-    tifffile.imwrite(
-        tmp_path / "cells.ome.tif",
-        np.stack([values[..., ::step] for step in (1, -1, 1)]),
-        photometric="minisblack",
-        metadata={"axes": "CZYX", "Channel": {"Name": ["DAPI", "GFP", "Cy5"]}},
-    )
+    cells = np.stack([values[..., ::step] for step in (1, -1, 1)])
+    about = {"axes": "CZYX", "Channel": {"Name": ["DAPI", "GFP", "Cy5"]}}
+    path = tmp_path / "cells.ome.tif"
+    tifffile.imwrite(path, cells, photometric="minisblack", metadata=about)
     (tmp_path / "bakes.txt").write_text(next(b for b in blocks("clusters") if "head_fine" in b))
     shutil.copy(ROOT / "scenes" / "bump_box.json", tmp_path / "scene.json")
     (tmp_path / "scenes").symlink_to(ROOT / "scenes")

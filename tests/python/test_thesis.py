@@ -12,7 +12,6 @@ from leaflight import _core
 from leaflight.bake.statistics import outcome
 from leaflight.flatland import bump_box_2d
 from outcomes import refused
-from same_bytes import assert_same_bake
 
 # No package contains them; the fixture `thesis` of other tests wants them in the build tree.
 thesis = pytest.importorskip("thesis")
@@ -113,14 +112,6 @@ def test_metadata(bake_box, tmp_path):
     assert plain.provenance.error is None and plain.provenance.passes == 0
     assert outcome(plain) == ""
     assert plain.statistics.estimated_error_percent is None
-
-
-@pytest.mark.parametrize("estimator", ["gather", "volumetric", "path"])
-def test_threads_do_not_matter(tmp_path, bake_box, estimator):
-    paths = [tmp_path / "one.vdb", tmp_path / "two.vdb"]
-    for threads, path in zip((1, 2), paths):
-        bake_box(threads=threads, estimator=estimator).save(path)
-    assert_same_bake(*paths)
 
 
 def test_only_some_texels(bump_scene, fixed_work):

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests that texts of the add-on can be translated. Each is a constant that Blender looks up, or a
-template for iface_().
-"""
+"""Tests that texts of the add-on are constants that Blender looks up, or templates of iface_()."""
 
 import ast
-import importlib.util
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -58,9 +56,7 @@ def values(tree, expression):
 
 
 def untranslatable(expression):
-    """Yields words of an expression that no catalog can contain, because they are built at run
-    time.
-    """
+    """Returns words of an expression that no catalog can hold, being built at run time."""
     if isinstance(expression, ast.Call):
         # The result of a function is checked elsewhere; the argument of iface_() must be constant.
         if getattr(expression.func, "id", "") == "iface_":
@@ -109,13 +105,6 @@ def test_a_label_that_cannot_is_found(label):
     assert found_in(label)
 
 
-def _messages(path):
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.MESSAGES
-
-
 @pytest.mark.parametrize("path", LANGUAGES, ids=lambda path: path.stem)
 def test_a_catalog_holds_messages_of_the_interface(path):
     others = [source for source in SOURCES if source.parent.name != "languages"]
@@ -126,7 +115,7 @@ def test_a_catalog_holds_messages_of_the_interface(path):
         for node in ast.walk(ast.parse(source.read_text()))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     }
-    messages = _messages(path)
+    messages = runpy.run_path(str(path))["MESSAGES"]
     assert len(messages) > 40 and not messages.keys() - constants
     for example in examples.EXAMPLES.values():
         assert {example.label, example.text} <= messages.keys()

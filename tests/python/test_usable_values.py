@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests that fill values become missing data, values far from 0 keep their differences, and real
-data stay.
-"""
+"""Tests fill values, values far from 0, and that real data stay."""
 
 import itertools
 

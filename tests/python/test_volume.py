@@ -18,7 +18,6 @@ def test_bump_box_fills_the_unit_cube():
     assert box.values.shape == (30, 30, 30)
     np.testing.assert_allclose(box.field().range, (0, 255), atol=1e-3)
     np.testing.assert_allclose(box.field().bounds, [[0, 0, 0], [1, 1, 1]], atol=1e-6)
-    # The field increases towards y = 1.
     assert box.values[:, -1, :].mean() > box.values[:, 0, :].mean() + 40
 
 

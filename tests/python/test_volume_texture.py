@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests isosurfaces whose color is given by another volume."""
 
+import json
 from dataclasses import replace
 
 import leaflight
 import numpy as np
 import pytest
 from leaflight import Volume
-from leaflight.cluster.workers import Workers
 from leaflight.io.scene_file import cornell_box, scene_from_json, scene_to_json
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
@@ -108,13 +108,11 @@ def test_a_white_texture_changes_no_bit(volume, both):
     )
     points = plain.surface(55.0).vertices
     for back in (False, True) if both else (False,):
-        np.testing.assert_array_equal(
-            plain.radiance(points, back=back), textured.radiance(points, back=back)
-        )
+        light = [bake.radiance(points, back=back) for bake in (plain, textured)]
+        np.testing.assert_array_equal(*light)
     for mesh in range(len(plain.scene.meshes)):
-        np.testing.assert_array_equal(
-            plain.walls.radiance(mesh, 55.0), textured.walls.radiance(mesh, 55.0)
-        )
+        light = [bake.walls.radiance(mesh, 55.0) for bake in (plain, textured)]
+        np.testing.assert_array_equal(*light)
 
 
 def test_the_back_has_the_color_too():
@@ -126,51 +124,6 @@ def test_the_back_has_the_color_too():
         percent, ratio = found_percent(bake, 55.0, back)
         assert percent < 2.0
         np.testing.assert_allclose(ratio, 1.0, atol=0.02 if back else 0.06)
-
-
-def test_color_bleeds_onto_walls(volume):
-    """Checks the light of the wall beside a red half and beside a blue one, by path tracing."""
-    scene = scene_with(TEXTURES["labels"]())
-    scene = replace(scene, meshes=[replace(mesh, albedo=(0.8, 0.8, 0.8)) for mesh in scene.meshes])
-    bake = leaflight.bake(volume, scene, walls=True, **SETTINGS)
-    colors = []
-    for number, mesh in enumerate(bake.scene.meshes):
-        middle = mesh.vertices.mean(axis=0)
-        if abs(middle[0]) < 0.5 * np.abs(mesh.vertices).max():
-            continue
-        place = [0], [[1 / 3, 1 / 3]]
-        center = mesh.vertices[mesh.triangles[0]].astype(np.float64).mean(axis=0)[None]
-        sides = [bake.mesh_radiance(number, center, 55.0, back) for back in (False, True)]
-        back = int(sides[1].sum() > sides[0].sum())
-        found = sides[back]
-        truth, _ = bake.mesh_reference(number, place, 55.0, spp=8192, back=bool(back))
-        np.testing.assert_allclose(found, truth, rtol=0.06)
-        colors.append((middle[0], found[0, 0] / found[0, 2]))
-    (_, beside_red), (_, beside_blue) = sorted(colors)
-    assert beside_red > 1.1 * beside_blue
-
-
-def test_two_volumes_light_each_other_in_color():
-    """Checks a bake by paths: a white ball over a red one, beside path tracing."""
-    ball = on_box(lambda x, y, z: 100.0 - 90.0 * np.sqrt(x * x + y * y + z * z), 24)
-    raised = ball.index_to_world.copy()
-    raised[2, 3] += 1.3
-    scene = cornell_box()
-    material = replace(scene.isosurfaces[0], albedo=(0.9, 0.9, 0.9), isovalues=(30.0, 80.0))
-    red = texture_of(labels(), [(1.0, RED)])
-    scene = replace(scene, isosurfaces=[material, replace(material, texture=red)])
-    bake = leaflight.bake(
-        [replace(ball, index_to_world=raised), ball],
-        scene,
-        **{**SETTINGS, "isovalues": None, "error": 2.0},
-    )
-    for number in (0, 1):
-        points = bake.surface(0.5, number).vertices[::40]
-        truth, noise = bake.reference(points, 0.5, spp=512, volume=number)
-        found = bake.radiance(points, number)
-        np.testing.assert_allclose(found.mean(axis=0), truth.mean(axis=0), rtol=0.04)
-    below = bake.radiance(bake.surface(0.5, 0).vertices)
-    assert below[:, 0].mean() > 1.05 * below[:, 2].mean()
 
 
 def test_a_file_holds_the_texture(volume, tmp_path):
@@ -185,21 +138,11 @@ def test_a_file_holds_the_texture(volume, tmp_path):
     assert leaflight.bake(volume, scene_with(other), **SETTINGS).id != bake.id
 
 
-def test_workers_give_the_same_bits(volume):
-    scene = scene_with(TEXTURES["labels"]())
-    alone = leaflight.bake(volume, scene, **SETTINGS)
-    with Workers(2) as workers:
-        shared = leaflight.bake(volume, scene, workers=workers, **SETTINGS)
-    points = alone.surface(55.0).vertices
-    np.testing.assert_array_equal(alone.radiance(points), shared.radiance(points))
-
-
 def test_a_unit_moves_the_texture_along(volume):
     """Checks a texture in centimeters on a volume in millimeters."""
     small = replace(labels(), unit="cm")
-    large = replace(
-        volume, unit="mm", index_to_world=np.diag([10.0, 10, 10, 1]) @ volume.index_to_world
-    )
+    matrix = np.diag([10.0, 10, 10, 1]) @ volume.index_to_world
+    large = replace(volume, unit="mm", index_to_world=matrix)
     colors = [(1.0, RED), (2.0, BLUE)]
     bake = leaflight.bake(large, scene_with(texture_of(small, colors, nearest=True)), **SETTINGS)
     points = bake.surface(55.0).vertices
@@ -222,9 +165,8 @@ def test_scene_files_name_or_hold_textures(tmp_path):
     np.testing.assert_array_equal(again.channels[0].index_to_world, labels().index_to_world)
     assert scene_to_json(scene_from_json(text)) == text
     np.save(tmp_path / "values.npy", on_box(lambda x, y, z: 100.0 * x, 9).values)
-    texture = (
-        '{"channels": [{"name": "v", "source": "values.npy"}], "map": "MAGMA", "range": [0, 5]}'
-    )
+    channels = '[{"name": "v", "source": "values.npy"}]'
+    texture = f'{{"channels": {channels}, "map": "MAGMA", "range": [0, 5]}}'
     named = text[: text.index('"texture":')] + f'"texture": {texture}' + _after_texture(text)
     found = scene_from_json(named, folder=tmp_path).isosurfaces[0].texture
     assert found.colors[0][0] == 0.0 and found.colors[-1][0] == 5.0
@@ -232,12 +174,9 @@ def test_scene_files_name_or_hold_textures(tmp_path):
 
 def _after_texture(text):
     """Returns the text after the object of the texture."""
-    start, depth = text.index('"texture":') + len('"texture":'), 0
-    for i, letter in enumerate(text[start:], start):
-        depth += {"{": 1, "}": -1}.get(letter, 0)
-        if depth == 0:
-            return text[i + 1 :]
-    raise AssertionError(text)
+    start = text.index('"texture":') + len('"texture":')
+    _, length = json.JSONDecoder().raw_decode(text[start:].lstrip())
+    return text[start:].lstrip()[length:]
 
 
 def test_unusable_textures_are_refused(volume):

@@ -116,9 +116,7 @@ def test_the_layer_of_a_cap_is_held_too(kind, low, high, kept):
 
 
 def test_differences_do_not_wrap_around():
-    """Checks differences near the limits of a type, which the Cycles reference uses to subdivide
-    cells.
-    """
+    """Checks differences near the limits of a type, by which the Cycles reference cuts cells."""
     from leaflight.measure.cycles import _finer
 
     volume = bumps(np.uint8)

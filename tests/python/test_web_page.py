@@ -180,9 +180,9 @@ def part_of(level, point):
 def of_27(values):
     """Returns minimum and maximum of the 27 voxels around each voxel."""
     padded = np.pad(values, 1, "edge")
-    n = [range(3)] * 3
+    nz, ny, nx = values.shape
     shifted = [
-        padded[tuple(slice(a, a + m) for a, m in zip(at, values.shape))] for at in product(*n)
+        padded[z : z + nz, y : y + ny, x : x + nx] for z, y, x in product(range(3), repeat=3)
     ]
     return np.min(shifted, axis=0), np.max(shifted, axis=0)
 
@@ -255,15 +255,13 @@ def test_the_size_of_a_page_is_known_before(walls, tmp_path):
 def test_a_folder_to_embed(cli, box_file, tmp_path):
     out = tmp_path / "box.html"
     for _ in range(2):  # can be written again
-        done = cli("export", box_file, "--out", out, "--embed", "--json")
-        assert done.status == 0, done.err
+        done = cli.json("export", box_file, "--out", out, "--embed")
     folder = tmp_path / "box"
     assert {path.name for path in folder.iterdir()} == {"index.html", "bake.bin"}
     assert "'self'" in (folder / "index.html").read_text() and not out.exists()
-    assert json.loads(done.out.splitlines()[-1])["bytes"] > 10_000
+    assert done["bytes"] > 10_000
     (folder / "letter.txt").write_text("dear")
-    refused = cli("export", box_file, "--out", out, "--embed")
-    assert refused.status == 2 and "holds other files" in refused.err
+    cli.refuses("holds other files", "export", box_file, "--out", out, "--embed")
     assert (folder / "letter.txt").exists()
 
 

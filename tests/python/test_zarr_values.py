@@ -73,8 +73,7 @@ def write_group_3(path, axes="zyx"):
     ],
 )
 def test_codecs_of_zarr_3(tmp_path, codecs):
-    path = write_3(tmp_path / "x.zarr", VALUES, *codecs)
-    reads(VALUES, path)
+    reads(VALUES, write_3(tmp_path / "x.zarr", VALUES, *codecs))
 
 
 def test_ome_zarr_of_shards(tmp_path):
@@ -84,7 +83,6 @@ def test_ome_zarr_of_shards(tmp_path):
     stored = probe(path)
     assert (stored.dims, stored.voxel_size, stored.unit) == ((7, 6, 5), (1, 2, 4), "µm")
     reads(VALUES, path)
-    # Axes may be in any order.
     other = write_group_3(tmp_path / "y.ome.zarr", axes="xzy")
     write_3(other / "0", VALUES, sharded(), chunks=(4, 6, 8))
     reads(VALUES.transpose(1, 2, 0), other)
@@ -117,7 +115,6 @@ def test_a_shard_that_is_made_by_hand(tmp_path):
     values = read_volume(path).values
     np.testing.assert_array_equal(values[:2], VALUES[:2])
     assert values.shape == (4, 6, 7) and (values[2:] == 9).all()
-    # A damaged shard is refused.
     (path / "c" / "0" / "0" / "0").write_bytes(first[:-9] + index)
     refused("x.zarr: .*damaged", read_volume, path)
 
@@ -126,9 +123,8 @@ def _zarr_2(path, **options):
     zarr = pytest.importorskip("zarr")
     if int(zarr.__version__.partition(".")[0]) > 2:
         pytest.skip("zarr 3 writes other options")
-    array = zarr.open(
-        str(path), mode="w", shape=VALUES.shape, dtype=VALUES.dtype, chunks=(2, 3, 4), **options
-    )
+    about = {"shape": VALUES.shape, "dtype": VALUES.dtype, "chunks": (2, 3, 4), **options}
+    array = zarr.open(str(path), mode="w", **about)
     array[:] = VALUES
     return path
 
