@@ -280,6 +280,3 @@ def _write(bake, path):
         for file in {path, *atlases.beside(path)} - before:
             file.unlink(missing_ok=True)
         raise
-
-
-CLASSES = (LEAFLIGHT_OT_bake,)

@@ -187,11 +187,3 @@ def _each_frame(name):
 
 def _volume(name):
     return bpy.context.scene.objects[name]
-
-
-CLASSES = (
-    LEAFLIGHT_OT_continue_bake,
-    LEAFLIGHT_OT_finer_texels,
-    LEAFLIGHT_OT_resume_bake,
-    LEAFLIGHT_OT_bake_frames,
-)

@@ -328,7 +328,6 @@ def _switched(scene, _context):
 # (keymap, item) of Esc. Modal operators of Blender, such as a drag, get the key first.
 _keys = []
 
-CLASSES = (LEAFLIGHT_OT_stop_live,)
 PROPERTIES = (
     (
         bpy.types.Scene,

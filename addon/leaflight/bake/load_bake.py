@@ -262,5 +262,4 @@ def megabytes(paths):
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 
 
-CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake, LEAFLIGHT_OT_remove_unused_bakes)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

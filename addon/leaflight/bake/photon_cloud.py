@@ -158,6 +158,3 @@ def _points(name, radius, material):
 
 def _socket(node, identifier):
     return next(socket for socket in node.inputs if socket.identifier == identifier)
-
-
-CLASSES = (LEAFLIGHT_OT_photon_cloud,)

@@ -248,6 +248,3 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
         "doubt": doubt,
         "report": f"{found}; pictures in {folder}",
     }
-
-
-CLASSES = (LEAFLIGHT_OT_render_comparison,)

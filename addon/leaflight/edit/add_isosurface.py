@@ -165,6 +165,3 @@ def _place_nearest(box, volume_to_world, low, high):
     local = mathutils.Matrix.Diagonal((*half, 1.0))
     local.translation = middle + towards * half
     box.matrix_world = volume_to_world @ local
-
-
-CLASSES = (LEAFLIGHT_OT_add_isosurface, LEAFLIGHT_OT_remove_isosurface, LEAFLIGHT_OT_add_clip_box)

@@ -81,6 +81,3 @@ class LEAFLIGHT_OT_read_label_table(_LabelOperator, bpy.types.Operator, ImportHe
         label_list.fill(label_map, labels_of(values, table))
         label_list.show_eyes(label_map)
         label_list.show_colors(label_map)
-
-
-CLASSES = (LEAFLIGHT_OT_show_labels, LEAFLIGHT_OT_read_label_table)

@@ -238,11 +238,3 @@ class LEAFLIGHT_OT_add_color_bar(checks.VolumeOperator, bpy.types.Operator):
 
     def run(self, context):
         color_bar.add(context.scene, active_volume(context))
-
-
-CLASSES = (
-    LEAFLIGHT_OT_add_scale_bar,
-    LEAFLIGHT_OT_add_letters,
-    LEAFLIGHT_OT_add_orientation_cube,
-    LEAFLIGHT_OT_add_color_bar,
-)

@@ -147,6 +147,3 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
             0, min(settings.isosurface_stop, len(settings.isosurface_stops) - 1)
         )
         surface_object.shade_all(volume)
-
-
-CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

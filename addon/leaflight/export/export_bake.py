@@ -296,5 +296,4 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_export_page.bl_idname, text="Leaflight Web Page (.html)")
 
 
-CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
 MENUS = (("TOPBAR_MT_file_export", _draw_menu),)

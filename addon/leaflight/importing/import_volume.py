@@ -243,5 +243,4 @@ def _draw_menu(menu, _context):
     menu.layout.operator(name, text="Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)")
 
 
-CLASSES = (LEAFLIGHT_OT_import_volume,)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

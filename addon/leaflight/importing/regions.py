@@ -334,14 +334,3 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
         else:
             regions[self.index]["on"] = not regions[self.index]["on"]
         return _job(obj, regions, "data changed")
-
-
-CLASSES = (
-    LEAFLIGHT_OT_cut_data,
-    LEAFLIGHT_OT_mask_data,
-    LEAFLIGHT_OT_crop_to_shown,
-    LEAFLIGHT_OT_clean_data,
-    LEAFLIGHT_OT_remove_part,
-    LEAFLIGHT_OT_remove_sphere,
-    LEAFLIGHT_OT_switch_region,
-)

@@ -45,6 +45,3 @@ class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
         return read_again.ReadAgainJob(
             obj, "Smooth", self.what, amount, lambda obj: f"{obj.name}: {text}"
         )
-
-
-CLASSES = (LEAFLIGHT_OT_smooth,)

@@ -187,5 +187,4 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (LeaflightIsosurfaceDisplay,)
 PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(LeaflightIsosurfaceDisplay)),)

@@ -287,7 +287,6 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-CLASSES = (LeaflightColorStop, label_list.LeaflightLabel, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
     (bpy.types.Object, "leaflight", PointerProperty(LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),

@@ -174,5 +174,4 @@ def _is_same_space(*objects):
     return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())
 
 
-CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
 PROPERTIES = ((bpy.types.Object, "leaflight_orientation", PointerProperty(LeaflightOrientation)),)

@@ -183,6 +183,3 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
                 sizes = load_bake.megabytes(bakes), load_bake.megabytes(unused)
                 text = iface_("Bakes: %s (unused: %s)") % sizes
             sentence(context, self.layout, text, icon="DISK_DRIVE")
-
-
-CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details, LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)

@@ -35,6 +35,3 @@ def draw_labels(layout, volume):
         row.use_property_split = False
         row.operator_enum(label_operators.LEAFLIGHT_OT_show_labels.bl_idname, "which")
     layout.operator(label_operators.LEAFLIGHT_OT_read_label_table.bl_idname)
-
-
-CLASSES = (LEAFLIGHT_UL_labels,)

@@ -212,14 +212,3 @@ class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):
         comparison = volume.leaflight.comparison
         if comparison:
             sentence(context, layout, comparison)
-
-
-CLASSES = (
-    LEAFLIGHT_UL_stops,
-    LEAFLIGHT_PT_isosurfaces,
-    LEAFLIGHT_PT_clip,
-    LEAFLIGHT_PT_slices,
-    LEAFLIGHT_PT_animation,
-    LEAFLIGHT_PT_labels,
-    LEAFLIGHT_PT_comparison,
-)

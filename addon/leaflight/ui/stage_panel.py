@@ -107,6 +107,3 @@ def register():
 
 def unregister():
     bpy.types.VIEW3D_HT_tool_header.remove(_draw_strip)
-
-
-CLASSES = (LEAFLIGHT_PT_stage, LEAFLIGHT_MT_stage)

@@ -163,6 +163,3 @@ def _draw_regions(layout, settings):
         row.operator(switch, text=regions.title(item), icon=icon, translate=False).index = index
         remove = row.operator(switch, text="", icon="X")
         remove.index, remove.action = index, "REMOVE"
-
-
-CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data)
