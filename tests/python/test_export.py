@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from leaflight import Surface
 from leaflight.export.point_grid import point_grid
-from leaflight.io.ply import display_colors, write_ply
+from leaflight.export.ply import display_colors, write_ply
 from outcomes import refused
 
 ISOVALUES = (40.0, 47.0, 60.0)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
+from leaflight.scene.lights import AreaLight, Cone, PointLight, SunLight
 
 from .. import versions
 from . import nodes

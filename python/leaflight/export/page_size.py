@@ -29,7 +29,7 @@ _TEXT = 4.0 / 3.0
 def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
     """Returns the approximate size of a page in bytes: within a fifth, if it is not coarser.
 
-    coarser: As for write_page().
+    coarser: As for export_page().
     """
     total = _POSTER + _bytes_of_colors_and_walls(bake)
     for number, grid in enumerate(bake.grids):
