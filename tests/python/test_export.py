@@ -337,7 +337,7 @@ def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypa
     ):
         for name in [name for name in sys.modules if name.partition(".")[0] == module]:
             monkeypatch.delitem(sys.modules, name)
-        for own in ("vtp", "vti", "vtk_arrays", "usd"):
+        for own in ("vtk_files", "usd"):
             monkeypatch.delitem(sys.modules, f"leaflight.export.{own}", raising=False)
         monkeypatch.setitem(sys.modules, module, None)
         monkeypatch.setattr(leaflight.Bake, "surface", lambda *_: pytest.fail("worked in vain"))

@@ -22,7 +22,9 @@ from ..bake.baked import Bake, Surface
 from ..bake.photons import Photons, trace_photons
 from ..bake.settings import ChosenSetting, UnusedSetting
 from ..bake.statistics import outcome
+from ..bake.load_bake import load_bake
 from ..export import ply
+from ..export.export import export
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -44,7 +46,6 @@ from ..volume.label_table import labels_of
 from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
-from .export_command import run_export
 from .lighting import bake_options, given_options, open_with, opened, to_light
 from .output import Command, Output, json_line, picked, print_error, print_lines
 from .render_command import run_render
@@ -267,6 +268,39 @@ def _flatland(options: Namespace) -> Output:
     ]
 
 
+def _export(options: Namespace) -> Output:
+    baked = load_bake(options.bake)
+
+    def work(progress: Progress) -> dict[float, Surface]:
+        how = picked(options, "volume back explode coarser embed")
+        return export(baked, options.out, options.isovalue, progress=progress, **how)
+
+    surfaces = run_with_progress(work, "export", writes=True)
+    out = Path(options.out)
+    if options.embed:
+        out = out.with_suffix("")
+    size = sum(file.stat().st_size for file in (out.iterdir() if options.embed else [out]))
+    result = {
+        "out": str(out),
+        "bytes": size,
+        "volume": options.volume,
+        "isosurfaces": [
+            {
+                "isovalue": isovalue,
+                "vertices": len(surface.vertices),
+                "triangles": len(surface.triangles),
+            }
+            for isovalue, surface in surfaces.items()
+        ],
+    }
+    what = "all isosurfaces"
+    if surfaces:
+        triangles = sum(len(surface.triangles) for surface in surfaces.values())
+        shown = ", ".join(figures(*surfaces, *baked.isovalues)[: len(surfaces)])
+        what = f"isovalue{'s' if len(surfaces) > 1 else ''} {shown}, {triangles} triangles"
+    return result, [f"{out}: {what}, {size / 2**20:.1f} MiB"]
+
+
 def _errors(result: Mapping[str, Any]) -> str:
     if result["points"] == 0:
         return "none"
@@ -286,7 +320,7 @@ COMMANDS: dict[str, Command] = {
     "batch": run_batch,
     "surface": _surface,
     "still": run_still,
-    "export": run_export,
+    "export": _export,
     "photons": _photons,
     "render": run_render,
     "compare": _compare,

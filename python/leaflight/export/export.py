@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 # sequence.
 PAGE = ".html"
 OF_VOLUME = {
-    ".vti": ("vti", "write_vti"),
+    ".vti": ("vtk_files", "write_vti"),
     ".am": ("amira", "write_amira"),
     ".blend": ("blend", "write_blend"),
 }
-OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("ply", "write_ply")}
+OF_SURFACE = {".vtp": ("vtk_files", "write_vtp"), ".ply": ("ply", "write_ply")}
 OF_SEQUENCE = {
     ".glb": ("gltf", "write_glb"),
     **{suffix: ("usd", "write_usd") for suffix in (".usda", ".usdc", ".usd")},

@@ -20,8 +20,7 @@ from ..stills.photograph import photographed
 from ..stills.still import check_diffuse, still
 from .light_bricks import LARGEST_SIDE
 from .page_data import EVERY, page_data
-from .page_size import estimated_bytes
-from .page_template import read_template
+from .page_size import estimated_bytes, read_template
 from .page_volume import dims_of, texels_of
 
 # Places in the template for the page's data, its first picture and its permissions.
