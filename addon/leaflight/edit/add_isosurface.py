@@ -82,8 +82,8 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     )
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: active_volume(context).library is None,
+        checks.volume_needs(
+            lambda volume: volume.library is None,
             "Make a library override of the linked volume first",
         ),
         _has_room,
