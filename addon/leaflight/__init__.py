@@ -2,7 +2,6 @@
 """Leaflight: the add-on that bakes the light on every isosurface of a volume at once."""
 
 import importlib
-from types import ModuleType
 
 from . import registration
 
@@ -43,68 +42,35 @@ def _refusal():
     return None
 
 
+# Panels of the sidebar, from top to bottom.
+_PANELS = ("ui.volume_panel", "ui.stage_panel", "ui.bake_panel", "ui.look_panel")
+# Modules in the order of registration. Properties come before the modules that use them.
+_NAMES = (
+    *("translations", "icons", "store.preferences"),
+    *("show.label_list", "show.properties", "show.look_properties"),
+    *("stage.orientation", "stage.presets"),
+    *("operators.failures", "operators.background"),
+    *("importing.import_volume", "importing.open_example", "importing.read_again"),
+    *("importing.regions", "stage.hidden", "stage.stage"),
+    *("bake.bake", "bake.stopped", "bake.live", "bake.continue_bake", "bake.estimate_bake"),
+    *("bake.load_bake", "bake.photon_cloud", "compare.render_comparison", "export.export_bake"),
+    *("edit.add_isosurface", "edit.looks", "edit.labels", "edit.label_operators"),
+    *("edit.animation", "edit.pick_isovalue", "edit.data_picture"),
+    *_PANELS,
+    *("ui.clip_outline", "ui.handlers"),
+)
+
+
+def _imported(names):
+    return [importlib.import_module(f".{name}", __package__) for name in names]
+
+
 _sentence = _refusal()
-_MODULES: tuple[ModuleType, ...]
-if _sentence is not None:
-    from . import refused
-
-    refused.sentence = _sentence
-    _MODULES = (refused,)
+_MODULES = _imported(_NAMES if _sentence is None else ("refused",))
+if _sentence is None:
+    PANELS = _imported(_PANELS)
 else:
-    from . import icons, translations
-    from .bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
-    from .compare import render_comparison
-    from .edit import add_isosurface, animation, data_picture, label_operators, labels, looks
-    from .edit import pick_isovalue
-    from .export import export_bake
-    from .importing import import_volume, open_example, regions, smooth_volume
-    from .operators import background, failures
-    from .show import look_properties, properties
-    from .stage import hidden, orientation, presets, stage
-    from .store import preferences
-    from .ui import bake_panel, clip_outline, handlers, label_panel, look_panel, stage_panel
-    from .ui import volume_panel
-
-    # Panels of the sidebar, from top to bottom.
-    PANELS = (volume_panel, stage_panel, bake_panel, look_panel)
-    # Modules in the order of registration. Properties come before the modules that use them.
-    _MODULES = (
-        translations,
-        icons,
-        preferences,
-        properties,
-        look_properties,
-        orientation,
-        presets,
-        failures,
-        background,
-        import_volume,
-        open_example,
-        smooth_volume,
-        regions,
-        hidden,
-        stage,
-        bake,
-        stopped,
-        live,
-        continue_bake,
-        estimate_bake,
-        load_bake,
-        photon_cloud,
-        render_comparison,
-        export_bake,
-        add_isosurface,
-        looks,
-        labels,
-        label_operators,
-        label_panel,
-        animation,
-        pick_isovalue,
-        data_picture,
-        *PANELS,
-        clip_outline,
-        handlers,
-    )
+    _MODULES[0].sentence = _sentence
 
 
 def register():

@@ -26,8 +26,5 @@ class LEAFLIGHT_PT_refused(bpy.types.Panel):
         draw_wrapped(self.layout.column(align=True), sentence, 60, icon="ERROR")
 
 
-CLASSES = (LeaflightRefused, LEAFLIGHT_PT_refused)
-
-
 def register():
     print(f"Leaflight: {sentence}")

@@ -174,13 +174,6 @@ def image_format(**values):
     return {**(medium if "media_type" in known else {}), **values}
 
 
-def plain_view():
-    """Returns the view settings that only apply the sRGB curve to linear colors."""
-    view = {"view_transform": "Standard", "look": "None", "gamma": 1.0, "use_curve_mapping": False}
-    known = bpy.types.ColorManagedViewSettings.bl_rna.properties
-    return {**view, **({"use_white_balance": False} if "use_white_balance" in known else {})}
-
-
 def new_geometry_tree(name):
     """Returns geometry nodes with one input geometry and one output geometry."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")

@@ -161,20 +161,8 @@ py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& fi
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
 }
 
-py::tuple atlas(const GridObject<3>& grid, bool back) {
-  const std::vector<Vec<3, float>> values = texels_of(grid, back, false);
-  Atlas result;
-  {
-    const py::gil_scoped_release unlocked;
-    result = make_atlas(grid.baked->lattice, values);
-  }
-  const int columns = result.columns, rows = result.rows;
-  return py::make_tuple(adopt<float>(std::move(result.pixels), {result.height, result.width, 4}),
-                        columns, rows);
-}
-
-// Computes the light of all texels that a file does not hold, and keeps it: a cut that follows its
-// box reads it at each step.
+// Computes all light of the texels and keeps it. An atlas holds it, and a cut that follows its box
+// reads it at each step.
 void complete(const GridObject<3>& grid) {
   RadianceGrid<3>& baked = *grid.baked;
   for (const bool back : {false, true}) {
@@ -186,6 +174,19 @@ void complete(const GridObject<3>& grid) {
     // Another thread may have kept it meanwhile, and may read it.
     if (kept.size() != baked.texels()) kept = std::move(light);
   }
+}
+
+py::tuple atlas(const GridObject<3>& grid, bool back) {
+  complete(grid);
+  const std::vector<Vec<3, float>> values = texels_of(grid, back, false);
+  Atlas result;
+  {
+    const py::gil_scoped_release unlocked;
+    result = make_atlas(grid.baked->lattice, values);
+  }
+  const int columns = result.columns, rows = result.rows;
+  return py::make_tuple(adopt<float>(std::move(result.pixels), {result.height, result.width, 4}),
+                        columns, rows);
 }
 
 GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const Field<3>& now,

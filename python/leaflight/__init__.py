@@ -20,8 +20,9 @@ from .bake.load_bake import load_bake
 from .bake.moved_scene import moved
 from .bake.refine import refine
 from .export.datasets import to_xarray
-from .export.export import export, export_page
+from .export.export import export
 from .export.mesh_objects import to_pyvista, to_trimesh, to_vtk
+from .export.page import export_page
 from .export.notebook import picture, show, widget
 from .io.readers import read_volume
 from .io.scene_file import cornell_box, load_scene

@@ -5,6 +5,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
 from leaflight.volume.particles import neuron, nucleons
@@ -102,7 +103,7 @@ def box(bump_scene):
 def found_percent(baked, isovalue):
     """Returns the RMS error of colors against path tracing, without the noise of the paths."""
     side = IsosurfaceSide(baked, isovalue)
-    truth = side.path_traced(400, 512, 1, 0, None)
+    truth = side.path_traced(Sampling(400, 512, 1), None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)
     return without(errors["rms_percent"], errors["reference_noise_percent"])
 

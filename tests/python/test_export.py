@@ -14,7 +14,7 @@ import pytest
 import vtk_files
 from leaflight import Surface
 from leaflight.export.point_grid import point_grid
-from leaflight.io.ply import display_colors, write_ply
+from leaflight.export.ply import display_colors, write_ply
 from outcomes import refused
 
 ISOVALUES = (40.0, 47.0, 60.0)
@@ -292,7 +292,7 @@ def test_an_absent_library_is_named_before_any_work(box_bake, tmp_path, monkeypa
     ):
         for name in [name for name in sys.modules if name.partition(".")[0] == module]:
             monkeypatch.delitem(sys.modules, name)
-        for own in ("vtp", "vti", "vtk_arrays", "usd"):
+        for own in ("vtk_files", "usd"):
             monkeypatch.delitem(sys.modules, f"leaflight.export.{own}", raising=False)
         monkeypatch.setitem(sys.modules, module, None)
         monkeypatch.setattr(leaflight.Bake, "surface", lambda *_: pytest.fail("worked in vain"))

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from leaflight.export.histogram import bin_width
 from leaflight.scene.facing import quarter_turns, turned
-from leaflight.scene.scene import Isosurfaces, PointLight, SceneDescription, SunLight, fit_scene
+from leaflight.scene.lights import PointLight, SunLight
+from leaflight.scene.scene import Isosurfaces, SceneDescription, fit_scene
 from leaflight.stills.first_view import camera_around_bake, framing
 from leaflight.stills.photograph import BRIGHTEST, metered_stops, photographed, tone_mapped
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from cone import cone
 from leaflight import Cancelled, Checkpoint, Progress, _core, flatland
-from leaflight.flatland import bake_flatland, bump_box_2d, graph, picture, read_image
+from leaflight.flatland import bake_flatland, bump_box_2d, picture, read_image
 from leaflight.flatland.flat_scene import fit_flat_scene, flat_box, load_flat_scene
 from outcomes import refused, written
 from PIL import Image
@@ -239,22 +239,22 @@ def _flattened(bake):
     return mean, np.logical_and.reduce([known[corner] for corner in corners])
 
 
-def test_the_mesh_is_the_graph():
+def test_the_mesh_is_the_graph(thesis):
     volume = flatland.bump_box_2d(9)
-    vertices, triangles = graph.graph_mesh(volume, 2.0)
+    vertices, triangles = thesis.graph_mesh(volume, 2.0)
     assert vertices.shape == (81, 3) and triangles.shape == (128, 3)
     np.testing.assert_allclose(vertices[:, 2].reshape(9, 9), volume.values / 127.5, rtol=1e-5)
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
 
 
-def test_a_steep_graph_is_lit_as_by_flattened_light(direct_bake):
+def test_a_steep_graph_is_lit_as_by_flattened_light(thesis, direct_bake):
     # Walls of infinite height and lamps repeat along z. Light in space then equals light in the
     # plane with the factor 2/pi (thesis 3.4.3). The graph is flat, so it sees the lamp at an angle.
     flattened, known = _flattened(direct_bake)
     ratios = []
     for height in (1.0, 4.0, 32.0):
-        ordinary, _ = graph.graph_radiance(direct_bake, height=height, spp=1024)
+        ordinary, _ = thesis.graph_radiance(direct_bake, height=height, spp=1024)
         ratios.append(flattened[known].mean() / ordinary[known].mean())
     assert ratios[0] > ratios[1] > ratios[2]
     assert ratios[2] == pytest.approx(1, abs=0.06)

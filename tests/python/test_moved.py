@@ -6,7 +6,7 @@ from dataclasses import replace
 import leaflight
 import numpy as np
 import pytest
-from leaflight.scene.scene import PointLight
+from leaflight.scene.lights import PointLight
 from outcomes import refused
 
 ISOVALUES = (30.0, 70.0)

@@ -10,7 +10,7 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight import Volume
-from leaflight.export.page_template import TEMPLATE
+from leaflight.export.page_size import TEMPLATE
 from leaflight.stills.photograph import metered_stops, tone_mapped
 from outcomes import refused
 from waiting import run_python

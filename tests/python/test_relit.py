@@ -7,7 +7,8 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.bake.relit import scales_exactly
-from leaflight.scene.scene import Environment, PointLight
+from leaflight.scene.lights import PointLight
+from leaflight.scene.scene import Environment
 from outcomes import refused
 
 ISOVALUES = (30.0, 70.0)

@@ -67,6 +67,12 @@ def test_no_modules_of_the_addon_import_each_other():
     TopologicalSorter(graph).prepare()  # raises CycleError
 
 
+def test_the_addon_imports_no_compiled_module():
+    files = [*(ROOT / "addon").rglob("*.py")]
+    wrong = [path for path in files if "_core" in path.read_text()]
+    assert len(files) > 50 and not wrong, wrong
+
+
 SOURCES = ROOT / "core/src"
 THESIS = ROOT / "core/thesis"
 

@@ -17,7 +17,7 @@ from leaflight.bake.load_bake import open_bake, with_walls
 from leaflight.export.export import SUFFIXES, export
 from leaflight.io.images import write_png
 from leaflight.io.output import replaced, replaced_together
-from leaflight.io.ply import write_ply
+from leaflight.export.ply import write_ply
 from leaflight.progress_bar import run_with_progress
 from outcomes import refused, written
 from waiting import HANG, package_folder, run_python

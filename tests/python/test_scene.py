@@ -9,15 +9,12 @@ import pytest
 from leaflight import Volume, fit_scene, load_scene
 from leaflight.io.scene_file import scene_to_json
 from leaflight.io.sources import open_volume
+from leaflight.scene.lights import AreaLight, Cone, PointLight, SunLight
 from leaflight.scene.scene import (
-    AreaLight,
-    Cone,
     Environment,
     Isosurfaces,
     Mesh,
-    PointLight,
     SceneDescription,
-    SunLight,
     core_scene,
     match_isosurfaces,
 )

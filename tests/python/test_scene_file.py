@@ -15,16 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from leaflight import _core, load_scene
 from leaflight.io.scene_file import scene_from_json, scene_to_json
-from leaflight.scene.scene import (
-    AreaLight,
-    Cone,
-    Environment,
-    Isosurfaces,
-    Mesh,
-    PointLight,
-    SceneDescription,
-    SunLight,
-)
+from leaflight.scene.lights import AreaLight, Cone, PointLight, SunLight
+from leaflight.scene.scene import Environment, Isosurfaces, Mesh, SceneDescription
 from outcomes import refused, written
 from PIL import Image
 

@@ -5,7 +5,8 @@ import leaflight
 import leaflight._core as _core
 import numpy as np
 import pytest
-from leaflight.scene.scene import Isosurfaces, SceneDescription, SunLight
+from leaflight.scene.lights import SunLight
+from leaflight.scene.scene import Isosurfaces, SceneDescription
 from outcomes import refused
 from scipy.ndimage import gaussian_filter
 

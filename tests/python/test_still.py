@@ -7,7 +7,8 @@ import leaflight
 import numpy as np
 import pytest
 from leaflight.io.images import read_pixels
-from leaflight.scene.scene import Isosurfaces, Mesh, SceneDescription, SunLight
+from leaflight.scene.lights import SunLight
+from leaflight.scene.scene import Isosurfaces, Mesh, SceneDescription
 from leaflight.stills.camera import Camera, load_camera
 from leaflight.stills.first_view import camera_around_bake
 from outcomes import refused, written

@@ -9,6 +9,7 @@ import pytest
 from leaflight import Checkpoint, Volume
 from leaflight.flatland import bake_flatland, bump_box_2d, flat_box
 from leaflight.io.scene_file import cornell_box
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide, MeshSide
 from leaflight.scene.volume_texture import label_texture, sign_texture, texture_of
 from outcomes import refused
@@ -120,7 +121,7 @@ def test_a_red_label_colors_the_white_wall_beside_it():
     ratios = {}
     for name, back in (("left wall", False), ("right wall", True)):
         side = MeshSide(bake, name, 55.0, back)
-        truth = side.path_traced(300, 512, 1, 0, None)
+        truth = side.path_traced(Sampling(300, 512, 1), None)
         found, expected = side.baked(truth.points).mean(axis=0), truth.radiance.mean(axis=0)
         np.testing.assert_allclose(found, expected, rtol=0.02)
         ratios[name] = found[0] / found[2]
@@ -237,7 +238,7 @@ def test_a_volume_may_color_itself():
         scene = replace(cornell_box(), isosurfaces=[replace(one, **material)])
         bakes.append(leaflight.bake(volume, scene, **SETTINGS))
     side = IsosurfaceSide(bakes[1], 55.0)
-    points = side.path_traced(300, 2, 1, 0, None).points
+    points = side.path_traced(Sampling(300, 2, 1), None).points
     own, ramped = (bake.radiance(points) for bake in bakes)
     np.testing.assert_allclose(own.mean(axis=0), ramped.mean(axis=0), rtol=0.01)
 

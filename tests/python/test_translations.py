@@ -24,6 +24,7 @@ _TEXTS = {
     "popover": "text",
     "poll_message_set": 0,
     "needs": 1,
+    "volume_needs": 1,
     "status_text_set": 0,
     "sentence": 2,
     "draw_wrapped": 1,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from leaflight import Volume
 from leaflight.io.scene_file import cornell_box, scene_from_json, scene_to_json
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
 from leaflight.scene.volume_texture import VolumeTexture, picture_stops, texture_of
@@ -68,7 +69,7 @@ def scene_with(texture, **material):
 def found_percent(baked, isovalue, back=False):
     """Returns (RMS error in percent without noise, mean of the bake / mean of path tracing)."""
     side = IsosurfaceSide(baked, isovalue, back=back)
-    truth = side.path_traced(400, 256, 1, 0, None)
+    truth = side.path_traced(Sampling(400, 256, 1), None)
     errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)
     ratio = side.baked(truth.points).mean(axis=0) / truth.radiance.mean(axis=0)
     return without(errors["rms_percent"], errors["reference_noise_percent"]), ratio

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from leaflight.export import page, page_size, page_template, page_volume
+from leaflight.export import page, page_size, page_volume
 from leaflight.export.light_bricks import light_bricks
 from leaflight.export.shared_exponent import LEAST, packed
 from leaflight.export.visibility_levels import DARK, HIDDEN, LIT, levels
@@ -25,7 +25,7 @@ def template(tmp_path, monkeypatch):
     """Replaces the page that Node builds from web/ by its placeholders."""
     path = tmp_path / "template.html"
     path.write_text("<title></title>leaflight-connect-src<!--leaflight:data-->")
-    monkeypatch.setattr(page_template, "TEMPLATE", path)
+    monkeypatch.setattr(page_size, "TEMPLATE", path)
     return path
 
 
@@ -281,7 +281,7 @@ def test_sentences(box_bake, tmp_path, template, monkeypatch):
     monkeypatch.setattr(page, "LARGEST_BYTES", 10)
     fails("crop the volume or downsample it")
     monkeypatch.undo()
-    monkeypatch.setattr(page_template, "TEMPLATE", tmp_path / "absent.html")
+    monkeypatch.setattr(page_size, "TEMPLATE", tmp_path / "absent.html")
     fails("built without Node")
     refused("only to a web page", leaflight.export, box_bake, tmp_path / "x.ply", coarser=1)
     assert not out.exists()

@@ -10,15 +10,8 @@ import leaflight
 import numpy as np
 import pytest
 from browser import PATHS, SESSION, Browser
-from leaflight.scene.scene import (
-    AreaLight,
-    Cone,
-    Isosurfaces,
-    Mesh,
-    PointLight,
-    SceneDescription,
-    SunLight,
-)
+from leaflight.scene.lights import AreaLight, Cone, PointLight, SunLight
+from leaflight.scene.scene import Isosurfaces, Mesh, SceneDescription
 from leaflight.scene.volume_texture import VolumeTexture, label_colors, texture_of
 from leaflight.volume.label_table import labels_of
 from leaflight.volume.particles import lapr

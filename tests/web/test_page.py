@@ -9,7 +9,7 @@ import leaflight
 import numpy as np
 import pytest
 from browser import FRAMES, Browser
-from leaflight.bake.relit import strengths_of
+from leaflight.scene.lights import strengths_of
 from leaflight.stills.camera import ANGLE, Camera
 from leaflight.stills.photograph import tone_mapped
 

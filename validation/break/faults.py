@@ -41,7 +41,7 @@ sys.exit(main(sys.argv[1:]))
 """
 SAVE = "import sys, leaflight; b = leaflight.load_bake(sys.argv[1])\n"
 SAVE += "while True: b.save(sys.argv[2])"
-SURFACE = "import sys, leaflight; from leaflight.io.ply import write_ply\n"
+SURFACE = "import sys, leaflight; from leaflight.export.ply import write_ply\n"
 SURFACE += "s = leaflight.load_bake(sys.argv[1]).surface(47.0)\n"
 SURFACE += "while True: write_ply(sys.argv[2], s, 1.0)"
 BLENDER_MAKE = """

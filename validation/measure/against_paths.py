@@ -17,6 +17,7 @@ from leaflight import LeaflightError
 from leaflight.bake.bake import bake
 from leaflight.bake.estimate import estimate
 from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of, without
 from volume_recipes import absent_text
@@ -102,7 +103,7 @@ def over_range(baked, effort):
         for number in range(len(baked.volumes)):
             try:
                 side = IsosurfaceSide(baked, isovalue, number)
-                truth = side.path_traced(effort.points, effort.paths, SEED, 0, None)
+                truth = side.path_traced(Sampling(effort.points, effort.paths, SEED), None)
             except LeaflightError:  # no surface there, or one within another volume's
                 continue
             errors = errors_of(side.baked(truth.points), truth, baked.scene.exposure)

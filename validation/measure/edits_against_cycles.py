@@ -19,6 +19,7 @@ import numpy as np
 import volume_recipes
 from leaflight import Volume, gradient_of
 from leaflight.io.scene_file import cornell_box
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide, MeshSide
 from leaflight.measure.truth import errors_of
 from leaflight.scene.volume_texture import VolumeTexture, sign_texture, texture_of
@@ -192,7 +193,7 @@ def baked(volume, edit, scene, **options):
 
 def measured(side, options):
     """Returns (Truth, radiance of the bake at its points)."""
-    truth = side.by_cycles(options.points, options.spp, 1, 0, leaflight.Progress())
+    truth = side.by_cycles(Sampling(options.points, options.spp, 1), leaflight.Progress())
     return truth, side.baked(truth.points)
 
 

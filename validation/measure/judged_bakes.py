@@ -16,6 +16,7 @@ from leaflight.bake.estimate import Estimate, estimate
 from leaflight.bake.settings import DEFAULT_ERROR
 from leaflight.bake.statistics import Statistics
 from leaflight.io.scene_file import packaged_scene
+from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide
 from leaflight.measure.truth import errors_of
 from leaflight.volume.particles import hydrogen, lapr, neuron, nucleons
@@ -191,10 +192,10 @@ def _judged(side, effort):
         return errors_of(side.baked(truth.points), truth, exposure)
 
     paths = effort.paths
-    truth = side.by_cycles(effort.points, paths, SEED, 0, None)
+    truth = side.by_cycles(Sampling(effort.points, paths, SEED), None)
     noise = errors(truth)["reference_noise_percent"]
     if noise > effort.noise:
         paths = int(np.ceil(paths * (noise / effort.noise) ** 2))
-        truth = side.by_cycles(effort.points, paths, SEED, 0, None)
-    path = side.path_traced_at(truth.points, paths, SEED, 0, None)
+        truth = side.by_cycles(Sampling(effort.points, paths, SEED), None)
+    path = side.path_traced_at(truth.points, Sampling(spp=paths, seed=SEED), None)
     return paths, errors(truth), side.parts(truth, path)

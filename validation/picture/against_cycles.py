@@ -9,10 +9,15 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from leaflight import _core, blender
-from leaflight.io.images import display_colors
+from leaflight import blender
+from leaflight.io.images import display_colors, read_exr
 from leaflight.measure.flip import flip
 from PIL import Image
+
+sys.path.append(str(Path(__file__).parent))
+
+from rendering import empty_scene
+from sheets import sheet
 
 SIZE, CYCLES_SAMPLES, BAKED_SAMPLES = 480, 1024, 64
 # Size of a crop, which is shown twice as large, in pixels.
@@ -23,12 +28,12 @@ def main():
     path, folder, row = map(Path, sys.argv[-5:-2])
     found = compared(path, json.loads(sys.argv[-2]), float(sys.argv[-1]), folder)
     print(line_of(path, found))
-    Image.fromarray(row_of(found, folder)).save(row)
+    row_of(found, folder).save(row)
 
 
 def compared(path, options, isovalue, folder):
     """Bakes a volume with default settings and walls, and compares one isosurface with Cycles."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     obj = blender.import_volume(path, **options)
     blender.stage(obj, "CORNELL")
     scene = bpy.context.scene
@@ -51,19 +56,15 @@ def line_of(path, found):
 
 
 def row_of(found, folder):
-    """Returns both stills and the two crops of largest FLIP, as (height, width, 3) of 0..255."""
+    """Returns both stills beside the two crops of largest FLIP."""
     stem = f"{found['name']}_{found['isovalue']:g}"
     baked, cycles = (
-        _core.read_exr(str(folder / f"{stem}_{still}.exr"))[..., :3]
-        for still in ("baked", "cycles")
+        read_exr(str(folder / f"{stem}_{still}.exr"))[..., :3] for still in ("baked", "cycles")
     )
     seen = flip(baked, cycles, found["exposure"]).map
-    shown = [display_colors(still, found["exposure"]) for still in (baked, cycles)]
-    crops = [
-        np.concatenate([enlarged(still, place) for still in shown], axis=1)
-        for place in largest(seen)
-    ]
-    return np.concatenate([*shown, np.concatenate(crops)], axis=1)
+    shown = [Image.fromarray(display_colors(still, found["exposure"])) for still in (baked, cycles)]
+    crops = [enlarged(still, place) for place in largest(seen) for still in shown]
+    return sheet([*shown, sheet(crops, 2, gap=0)], 3, gap=0)
 
 
 def largest(seen):
@@ -82,7 +83,7 @@ def largest(seen):
 
 def enlarged(picture, place):
     y, x = place
-    return picture[y : y + CROP, x : x + CROP].repeat(2, axis=0).repeat(2, axis=1)
+    return picture.crop((x, y, x + CROP, y + CROP)).resize((2 * CROP, 2 * CROP), Image.NEAREST)
 
 
 main()

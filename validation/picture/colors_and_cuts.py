@@ -18,10 +18,14 @@ import tifffile
 from leaflight import blender
 from leaflight_addon.importing import channels
 from leaflight_addon.show import display
-from PIL import Image
+
+sys.path.append(str(Path(__file__).parent))
+
+from rendering import empty_scene, rendered, turn
+from sheets import save_webp
 
 BRAINS = Path("/usr/share/mricron/templates")
-SAMPLES, QUALITY = 24, 85
+SAMPLES = 24
 ERROR, SECONDS = 2.0, 50.0
 # Stops of exposure above that of the stage.
 EXPOSURE = 0.6
@@ -57,13 +61,12 @@ def main():
     name, *folders = sys.argv[-4:]
     data, work, out = map(Path, folders)
     figure = FIGURES[name]
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = figure.size
     obj = figure.make(data, work)
-    turn = mathutils.Euler([math.radians(angle) for angle in figure.turn]).to_matrix().to_4x4()
-    for each in bpy.context.scene.objects:
-        each.matrix_world = turn @ each.matrix_world
+    for each in scene.objects:
+        turn(each, *figure.turn)
     blender.show(obj, figure.isovalue)
     blender.stage(obj)
     if figure.is_cut:
@@ -81,9 +84,9 @@ def main():
     blender.show(obj, figure.isovalue)
     if figure.has_bar:
         bpy.ops.leaflight.add_color_bar()
-    rendered = work / f"{name}.png"
-    render(rendered)
-    Image.open(rendered).convert("RGB").save(out / f"{name}.webp", quality=QUALITY, method=6)
+    scene.view_settings.exposure += EXPOSURE
+    picture = rendered(work / f"{name}.png", figure.size, SAMPLES)
+    save_webp(picture, out / f"{name}.webp")
     print("docs/images", name)
 
 
@@ -99,15 +102,6 @@ def frame(obj, rise, zoom):
     around = mathutils.Matrix.Translation(middle)
     camera.matrix_world = around @ turn @ around.inverted() @ camera.matrix_world
     camera.data.angle /= zoom
-
-
-def render(path):
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.samples = "CYCLES", SAMPLES
-    scene.cycles.use_denoising = False
-    scene.view_settings.exposure += EXPOSURE
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
 
 
 def color(obj, other, kind="", limits=None, colors=""):

@@ -12,14 +12,15 @@ from pathlib import Path
 
 import leaflight
 import numpy as np
-from leaflight._core import contour
 from leaflight.io.scene_file import packaged_scene
 from leaflight.scene.scene import Fit, fitted
 from leaflight.stills.first_view import camera_around_bake
+from leaflight.volume.meshes import contour
 from leaflight.volume.regions import LargestPart, changed
-from PIL import Image
 
 from measure.edits_against_cycles import outside_of_box
+
+from .sheets import save_webp, sheet
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 PANEL = (560, 420)
@@ -100,11 +101,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path, metavar="DIR")
     panels = regions(parser.parse_args().folder)
-    picture = Image.new("RGB", (3 * PANEL[0], len(panels) // 3 * PANEL[1]))
-    for number, panel in enumerate(panels):
-        place = np.array([number % 3, number // 3]) * PANEL
-        picture.paste(panel.draw(), tuple(place.tolist()))
-    picture.save(IMAGES / "regions.webp", quality=88)
+    save_webp(sheet([panel.draw() for panel in panels], 3, gap=0), IMAGES / "regions.webp", 88)
 
 
 if __name__ == "__main__":

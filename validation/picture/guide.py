@@ -15,10 +15,14 @@ import bpy
 from leaflight import blender
 from PIL import Image
 
+sys.path.append(str(Path(__file__).parent))
+
+from rendering import empty_scene
+from sheets import sheet
+
 BRAIN = "/usr/share/mricron/templates/ch2bet.nii.gz"
 GRAY, WHITE = 55.0, 115.0
 GRAY_COLOR, WHITE_COLOR = (0.75, 0.45, 0.38), (0.85, 0.82, 0.75)
-GAP = 6
 SHARES = (0.25, 0.5, 0.75)  # shares of the baked isovalue range
 
 VOLUME, FOLDER, IMAGES = sys.argv[-3], *map(Path, sys.argv[-2:])
@@ -26,7 +30,7 @@ VOLUME, FOLDER, IMAGES = sys.argv[-3], *map(Path, sys.argv[-2:])
 
 def staged(volume, preset, size, engine):
     """Returns the object of a volume on a stage, in a new scene with square pictures."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     obj = blender.import_volume(volume)
     blender.stage(obj, preset)
     scene = bpy.context.scene
@@ -47,21 +51,13 @@ def show_share(obj, share):
     blender.show(obj, low + share * (high - low))
 
 
-def save_row(stills, path):
-    size = stills[0].width
-    row = Image.new("RGB", (len(stills) * (size + GAP) - GAP, size), (255, 255, 255))
-    for number, still in enumerate(stills):
-        row.paste(still, (number * (size + GAP), 0))
-    row.save(path)
-
-
 def lit_walls():
     obj, stills = staged(VOLUME, "CORNELL", 360, "BLENDER_EEVEE"), []
     blender.bake(obj, light_walls=True, bake_folder=str(FOLDER))
     for share in SHARES:
         show_share(obj, share)
         stills.append(rendered(share))
-    save_row(stills, IMAGES / "lit_walls.png")
+    sheet(stills, len(stills)).save(IMAGES / "lit_walls.png")
 
 
 def comparison():
@@ -89,7 +85,7 @@ def several_isosurfaces():
     skin.leaflight_look.opacity = 1.0
     brain.leaflight_look.is_cut = False
     bpy.ops.leaflight.add_clip_box()
-    save_row([*stills, rendered("cut")], IMAGES / "several_isosurfaces.png")
+    sheet([*stills, rendered("cut")], 2).save(IMAGES / "several_isosurfaces.png")
 
 
 for make in (lit_walls, comparison, several_isosurfaces):

@@ -6,22 +6,21 @@ several_cuts: Colin27's skin, gray matter and white matter, which are copies of 
 first two have cuts of their own, and one bake lights all.
 """
 
-import math
 import sys
 from pathlib import Path
 
 import bpy
-import mathutils
 from leaflight import blender
 from leaflight_addon.show import display
-from PIL import Image
 
 sys.path.append(str(Path(__file__).parent))
 
 from colors_and_cuts import frame
+from rendering import empty_scene, rendered, turn
+from sheets import save_webp, sheet
 
 HEAD = "/usr/share/mricron/templates/ch2.nii.gz"
-QUALITY, GAP = 88, 6
+QUALITY = 88
 ERROR, SAMPLES = 3.0, 96
 # Stops of exposure above that of the stage.
 EXPOSURE = 0.6
@@ -45,35 +44,16 @@ AROUND = 8.0
 def main():
     name, *folders = sys.argv[-4:]
     data, work, out = map(Path, folders)
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     pictures = MAKERS[name](data, work)
-    width = sum(each.width + GAP for each in pictures) - GAP
-    row = Image.new("RGB", (width, pictures[0].height), (255, 255, 255))
-    for number, picture in enumerate(pictures):
-        row.paste(picture, (number * (picture.width + GAP), 0))
-    row.save(out / f"{name}.webp", quality=QUALITY, method=6)
+    save_webp(sheet(pictures, len(pictures)), out / f"{name}.webp", QUALITY)
     print("docs/images", name)
-
-
-def turned(obj, *degrees):
-    turn = mathutils.Euler([math.radians(angle) for angle in degrees]).to_matrix().to_4x4()
-    obj.matrix_world = turn @ obj.matrix_world
-
-
-def rendered(path, size, samples):
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.samples = "CYCLES", samples
-    scene.cycles.use_denoising = False
-    scene.render.resolution_x, scene.render.resolution_y = size
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
-    return Image.open(path).convert("RGB")
 
 
 def exploded(data, work):
     engine = blender.import_volume(data / "engine.vti", smooth=0.7)
     # Lay the engine on its side, along whose axis the parts then move.
-    turned(engine, 0, 90, 0)
+    turn(engine, 0, 90, 0)
     for isovalue, color in ((METAL, METAL_COLOR), (HOUSING, HOUSING_COLOR)):
         stop = engine.leaflight.isosurface_stops.add()
         stop.isovalue, stop.color = isovalue, color
@@ -112,7 +92,7 @@ def lowest(obj):
 
 def several_cuts(_, work):
     skin = blender.import_volume(HEAD, smooth=1.2)
-    turned(skin, 0, 0, 60)
+    turn(skin, 0, 0, 60)
     blender.show(skin, COPIES[0][0])
     bpy.ops.leaflight.clean_data(kind="largest_part")
     blender.stage(skin)

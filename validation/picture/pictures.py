@@ -33,6 +33,7 @@ from PIL import Image
 from volume_recipes import COLIN27
 
 from . import web_page
+from .sheets import save_webp, sheet
 from .skull import write_skull
 
 HERE = Path(__file__).resolve().parent
@@ -59,8 +60,6 @@ PAIRS = (
     ("aneurism.nrrd", {}, 60.5),
     ("bunny_ct_half.nrrd", {}, 800.5),
 )
-# Gap between pairs, in pixels.
-GAP = 8
 # Names of the pictures of colors_and_cuts.py.
 FIGURES = (
     *("density_by_potential", "orbital", "brain_regions", "microscopy", "tooth_by_gradient"),
@@ -148,11 +147,7 @@ def against_cycles(blender, folder):
             work = WORK / path.name.split(".")[0]
             inside(blender, "against_cycles.py", path, work, row, json.dumps(options), isovalue)
             rows.append(Image.open(row))
-    width, height = rows[0].size
-    sheet = Image.new("RGB", (width, len(rows) * (height + GAP) - GAP), "white")
-    for number, row in enumerate(rows):
-        sheet.paste(row, (0, number * (height + GAP)))
-    sheet.save(IMAGES / "against_cycles.webp", quality=90)
+    save_webp(sheet(rows, 1), IMAGES / "against_cycles.webp", 90)
 
 
 def scans(blender, only):
@@ -162,13 +157,10 @@ def scans(blender, only):
             continue
         in_window(blender, HERE / "scans.py", WORK, file, name, look, smooth, size=(1600, 1000))
         for made, kept in ((f"{name}_baked", f"window_{name}"), (name, name)):
-            save_webp(Image.open(WORK / f"{made}.png"), kept)
-        viewport = Image.open(WORK / f"{name}_viewport.png")
-        cycles = Image.open(next((WORK / name).glob("*_cycles.png")))
-        both = Image.new("RGB", (2 * viewport.width, viewport.height))
-        both.paste(viewport, (0, 0))
-        both.paste(cycles, (viewport.width, 0))
-        save_webp(both, f"cycles_{name}")
+            save_webp(Image.open(WORK / f"{made}.png"), IMAGES / f"{kept}.webp")
+        files = (WORK / f"{name}_viewport.png", next((WORK / name).glob("*_cycles.png")))
+        both = sheet([Image.open(file) for file in files], 2, gap=0)
+        save_webp(both, IMAGES / f"cycles_{name}.webp")
 
 
 def colors_and_cuts(blender, folder):
@@ -180,7 +172,3 @@ def colors_and_cuts(blender, folder):
     folder = Path(folder or "/nonexistent").resolve()
     for name in FIGURES:
         inside(blender, "colors_and_cuts.py", name, folder, WORK, IMAGES)
-
-
-def save_webp(picture, name):
-    picture.convert("RGB").save(IMAGES / f"{name}.webp", quality=85, method=6)

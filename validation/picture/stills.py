@@ -6,15 +6,17 @@ through a head, both of Debian's mricron-data; WORK's skull.nii in 1080p; and ve
 aneurism.nrrd.
 """
 
-import math
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
-import mathutils
 from leaflight import blender
-from PIL import Image
+
+sys.path.append(str(Path(__file__).parent))
+
+from rendering import empty_scene, rendered, turn
+from sheets import save_webp
 
 BRAINS = Path("/usr/share/mricron/templates")
 ERROR = 1.5
@@ -67,30 +69,24 @@ def main():
 
 
 def render_still(still, folder, picture):
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     volume = blender.import_volume(still.path)
     stop = volume.leaflight.isosurface_stops.add()
     stop.isovalue, stop.color = still.isovalue, still.color
-    volume.matrix_world = turned(volume, still.turn)
+    turn(volume, 0, 0, still.turn)
     blender.stage(volume, preset=still.preset)
     bpy.context.scene.camera.data.angle /= still.zoom
     settings = {"error": ERROR, "bake_folder": str(folder)}
     settings["light_walls"] = still.lights_stage
     blender.bake(volume, isovalues=still.isovalue_range, **settings)
     blender.show(volume, still.isovalue)
-    rendered = folder / f"{picture.stem}.png"
-    render(STILL_SIZE, still.samples, rendered)
-    Image.open(rendered).convert("RGB").save(picture, quality=STILL_QUALITY, method=6)
-
-
-def turned(volume, degrees):
-    turn = mathutils.Matrix.Rotation(math.radians(degrees), 4, "Z")
-    return turn @ volume.matrix_world
+    large = rendered(folder / f"{picture.stem}.png", STILL_SIZE, still.samples)
+    save_webp(large, picture, STILL_QUALITY)
 
 
 def render_slices(path, folder, picture):
     """Renders a translucent head with slices, the orientation cube and a scale bar."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     head = blender.import_volume(path)
     blender.stage(head)
     blender.bake(head, error=SLICES_ERROR, bake_folder=str(folder))
@@ -100,13 +96,12 @@ def render_slices(path, folder, picture):
     look.slice_axes, look.slice_places = (True, False, True), (0.52, 0.5, 0.42)
     bpy.ops.leaflight.add_orientation_cube()
     bpy.ops.leaflight.add_scale_bar()
-    rendered = folder / f"{picture.stem}.png"
-    render(SLICES_SIZE, SLICES_SAMPLES, rendered)
-    Image.open(rendered).convert("RGB").save(picture, quality=STILL_QUALITY, method=6)
+    slices = rendered(folder / f"{picture.stem}.png", SLICES_SIZE, SLICES_SAMPLES)
+    save_webp(slices, picture, STILL_QUALITY)
 
 
 def render_sweep(path, folder, picture):
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
+    empty_scene()
     head = blender.import_volume(path)
     blender.stage(head, "CORNELL")
     settings = {"light_walls": True, "error": ERROR, "bake_folder": str(folder)}
@@ -114,9 +109,7 @@ def render_sweep(path, folder, picture):
     frames = []
     for frame in range(SWEEP_FRAMES):
         blender.show(head, 18.0 + 92.0 * frame / (SWEEP_FRAMES - 1))
-        still = folder / f"frame_{frame:03}.png"
-        render(SWEEP_SIZE, SWEEP_SAMPLES, still)
-        frames.append(Image.open(still).convert("RGB"))
+        frames.append(rendered(folder / f"frame_{frame:03}.png", SWEEP_SIZE, SWEEP_SAMPLES))
     there_and_back = frames + frames[-2:0:-1]
     there_and_back[0].save(
         picture,
@@ -127,16 +120,6 @@ def render_sweep(path, folder, picture):
         quality=70,
         method=6,
     )
-
-
-def render(size, samples, picture):
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = samples, False
-    scene.render.resolution_x, scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
-    scene.render.filepath = str(picture.resolve())
-    bpy.ops.render.render(write_still=True)
 
 
 main()

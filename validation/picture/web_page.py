@@ -12,6 +12,8 @@ from browser import Browser
 from PIL import Image
 from volume_recipes import COLIN27
 
+from .sheets import save_webp
+
 ROOT = Path(__file__).resolve().parents[2]
 
 PICTURES = ROOT / "docs" / "images"
@@ -83,5 +85,5 @@ def save(browser, name, folder):
     browser.atRest()
     path = os.path.join(folder, "picture.png")
     browser.screenshot(path)
-    Image.open(path).convert("RGB").save(PICTURES / f"{name}.webp", quality=85, method=6)
+    save_webp(Image.open(path), PICTURES / f"{name}.webp")
     print(f"docs/images/{name}.webp")

@@ -10,6 +10,7 @@ bake = thesis.bake(volume, samples=64, estimator="path")
 
 from .bake import bake
 from .flatland import bake_flatland
+from .graph import graph_mesh, graph_radiance
 from .settings import PhotonMap, Scattered
 
-__all__ = ["PhotonMap", "Scattered", "bake", "bake_flatland"]
+__all__ = ["PhotonMap", "Scattered", "bake", "bake_flatland", "graph_mesh", "graph_radiance"]

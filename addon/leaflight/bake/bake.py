@@ -15,7 +15,7 @@ from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..show import preview, surface_material, surface_object, walls
 from ..stage import hidden, scene_export, viewport
-from ..store import atlases, bake_files, cache, frame_bakes, preferences, source_files
+from ..store import atlases, bake_files, cache, frame_bakes, preferences
 from . import lighting, stopped
 
 # Showing passes may take at most 1/N of the time of a bake.
@@ -82,10 +82,7 @@ class BakeJob(jobs.Job):
         self.leader = volumes.index(obj)
         self.names = [volume.name for volume in volumes]
         self._pointers = [volume.as_pointer() for volume in volumes]
-        self.matrices = [[x for row in obj.matrix_world for x in row] for obj in volumes]
-        self.frames = [volume.leaflight.frame for volume in volumes]
-        self.changes = [source_files.changes_of(volume.leaflight) for volume in volumes]
-        self.file_states = [source_files.file_state(volume.leaflight) for volume in volumes]
+        self.states = [lighting.StateAtBake.of(volume) for volume in volumes]
         self.fingerprint = scene_export.fingerprint(volumes, scene)
         self.bake = None
         self.latest = None
@@ -141,9 +138,9 @@ class BakeJob(jobs.Job):
             surface_material.prepare_first_light(volumes, *self._materials)
         if bake is None or bake is self._shown or start < self._quiet_until:
             return
-        for index, (obj, matrix) in enumerate(zip(volumes, self.matrices)):
-            if obj.mode == "OBJECT" and obj.leaflight.frame == self.frames[index]:
-                preview.put(obj, bake, index, matrix, self.changes[index])
+        for index, (obj, state) in enumerate(zip(volumes, self.states)):
+            if obj.mode == "OBJECT" and obj.leaflight.frame == state.frame:
+                preview.put(obj, bake, index, state.matrix, state.changes)
                 surface_object.update_all(obj, self.is_rough, as_coarse=True)
         if bpy.data.scenes.get(self.scene_name) is not None:
             walls.show_pass(bpy.data.scenes[self.scene_name])
@@ -189,18 +186,12 @@ class BakeJob(jobs.Job):
         preview.forget()
         surface_material.forget_first_light()
         cache.keep_bake(self.bake)
-        end = self.outcome()
-        for index, obj in enumerate(volumes):
+        end, about = self.outcome(), (self.fingerprint, self.seconds)
+        for index, (obj, state) in enumerate(zip(volumes, self.states)):
             # Show the baked frame. A volume that follows the scene switches back by itself.
-            frame_bakes.switch(obj, self.frames[index])
-            state = lighting.StateAtBake(
-                self.matrices[index],
-                self.fingerprint,
-                self.seconds,
-                self.file_states[index],
-                self.changes[index],
-            )
-            lighting.light(obj, self.bake, index, self.path, self.columns[index], state)
+            frame_bakes.switch(obj, state.frame)
+            columns = self.columns[index]
+            lighting.light(obj, self.bake, index, self.path, columns, state, *about)
             obj.leaflight.bake_outcome = end
         volumes[self.leader].leaflight.bake_warnings = "\n".join(self.warnings)
         scene = bpy.data.scenes.get(self.scene_name)
@@ -280,6 +271,3 @@ def _write(bake, path):
         for file in {path, *atlases.beside(path)} - before:
             file.unlink(missing_ok=True)
         raise
-
-
-CLASSES = (LEAFLIGHT_OT_bake,)

@@ -63,8 +63,8 @@ class LEAFLIGHT_OT_continue_bake(background.BackgroundOperator, bpy.types.Operat
     )
     conditions = (
         *_BAKE,
-        checks.needs(
-            lambda context: active_volume(context).leaflight.bake_target,
+        checks.volume_needs(
+            lambda volume: volume.leaflight.bake_target,
             "Only a bake with a target error can be continued",
         ),
         _is_unchanged,
@@ -109,9 +109,8 @@ class LEAFLIGHT_OT_resume_bake(background.BackgroundOperator, bpy.types.Operator
     )
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
-        checks.needs(
-            lambda context: is_interrupted(active_volume(context)),
-            "No bake of this volume was interrupted",
+        checks.volume_needs(
+            lambda volume: is_interrupted(volume), "No bake of this volume was interrupted"
         ),
     )
 
@@ -141,8 +140,8 @@ class LEAFLIGHT_OT_bake_frames(background.BackgroundOperator, bpy.types.Operator
     )
     conditions = (
         *bake.LEAFLIGHT_OT_bake.conditions,
-        checks.needs(
-            lambda context: active_volume(context).leaflight.frames > 1,
+        checks.volume_needs(
+            lambda volume: volume.leaflight.frames > 1,
             "The file of this volume holds only one frame",
         ),
     )
@@ -187,11 +186,3 @@ def _each_frame(name):
 
 def _volume(name):
     return bpy.context.scene.objects[name]
-
-
-CLASSES = (
-    LEAFLIGHT_OT_continue_bake,
-    LEAFLIGHT_OT_finer_texels,
-    LEAFLIGHT_OT_resume_bake,
-    LEAFLIGHT_OT_bake_frames,
-)

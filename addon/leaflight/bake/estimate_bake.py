@@ -107,6 +107,3 @@ class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operat
 
     def start(self, context):
         return EstimateJob(context, active_volume(context))
-
-
-CLASSES = (LEAFLIGHT_OT_estimate_bake,)

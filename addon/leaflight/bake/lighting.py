@@ -8,44 +8,54 @@ import bpy
 from leaflight.bake.statistics import is_limited_by_texels, outcome
 
 from ..show import display, isovalues, lamps, surface_object, walls
-from ..store import bake_files, cache
+from ..store import bake_files, cache, source_files
 
 
 @dataclass(frozen=True)
 class StateAtBake:
-    """The state of a volume object and its scene at the start of its bake.
+    """The state of a volume object at the start of its bake.
 
     matrix: The object's transform, 16 numbers by rows.
-    fingerprint: Fingerprint of the scene.
-    seconds: Duration of the bake.
     file_state: State of the volume's file.
     changes: Changes of the volume's values since the import.
+    frame: Its frame.
     """
 
     matrix: Sequence[float]
-    fingerprint: str
-    seconds: float
     file_state: str
     changes: str
+    frame: int
+
+    @classmethod
+    def of(cls, obj):
+        settings = obj.leaflight
+        return cls(
+            [x for row in obj.matrix_world for x in row],
+            source_files.file_state(settings),
+            source_files.changes_of(settings),
+            settings.frame,
+        )
 
 
-def light(obj, bake, index, path, columns, state):
+def light(obj, bake, index, path, columns, state, fingerprint, seconds):
     """Stores a bake in a volume object. show() then shows its light.
 
     index: Number of the volume in the bake.
     path: Path of the bake's file.
     columns: Columns of the atlas, 0 without one.
     state: A StateAtBake.
+    fingerprint: Fingerprint of the scene at the bake.
+    seconds: Duration of the bake.
     """
     settings = obj.leaflight
     settings.bake_index = index
     settings.bake_matrix = state.matrix
     settings.bake_low, settings.bake_high = isovalue_range(bake, index)
     settings.bake_walls = bake.walls is not None
-    settings.bake_fingerprint = state.fingerprint
+    settings.bake_fingerprint = fingerprint
     settings.bake_lamps = lamps.record(bake, bake.scene.lights)
     settings.bake_changes = state.changes
-    settings.bake_seconds = state.seconds
+    settings.bake_seconds = seconds
     settings.bake_outcome = outcome(bake)
     settings.bake_target = bake.provenance.error or 0
     settings.bake_error = bake.statistics.estimated_error_percent if settings.bake_target else 0

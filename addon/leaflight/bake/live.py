@@ -66,7 +66,7 @@ class LiveJob(bake.BakeJob):
         self._has_direct = threading.Event()
         self.is_rough = self._map_work() > _QUICK_MAPS
         # Equal for equal scenes and data.
-        self.state = self.fingerprint, self.changes
+        self.state = self.fingerprint, [state.changes for state in self.states]
 
     def run(self, progress):
         try:
@@ -328,7 +328,6 @@ def _switched(scene, _context):
 # (keymap, item) of Esc. Modal operators of Blender, such as a drag, get the key first.
 _keys = []
 
-CLASSES = (LEAFLIGHT_OT_stop_live,)
 PROPERTIES = (
     (
         bpy.types.Scene,

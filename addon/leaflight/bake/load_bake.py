@@ -2,6 +2,7 @@
 """Files of bakes: Load Bake, Relocate Bake, and Remove Unused Bakes."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -17,7 +18,7 @@ from ..operators.checks import active_volume
 from ..props import BoolProperty, StringProperty
 from ..show import display, isosurfaces, isovalues, lamps, surface_object
 from ..stage import scene_export, scene_objects, staleness
-from ..store import atlases, bake_files, cache, frame_bakes, source_files
+from ..store import atlases, bake_files, cache, frame_bakes
 from ..store.reading import StillReading
 from ..translations import iface_
 from . import lighting
@@ -43,19 +44,16 @@ class LEAFLIGHT_OT_load_bake(checks.LeaflightOperator, bpy.types.Operator, Impor
         seconds = bake.statistics.seconds
         created = None in volumes
         for index, obj in enumerate(volumes):
-            file_state = ""
+            place = {}
             if obj is None:
                 volumes[index] = obj = _create(context, bake, index)
-                matrix = [x for row in obj.matrix_world for x in row]
             else:
-                matrix = _transform(obj, bake, index)
-                file_state = source_files.file_state(obj.leaflight)
+                place = {"matrix": _transform(obj, bake, index)}
                 obj.leaflight.capped = bake.scene.isosurfaces[index].capped
             obj.leaflight.smooth_normals = bake.volumes[index].smooth_normals
-            changes = source_files.changes_of(obj.leaflight)
-            scene = staleness.OTHER_SCENE
-            state = lighting.StateAtBake(matrix, scene, seconds, file_state, changes)
-            lighting.light(obj, bake, index, path, columns[index], state)
+            state = replace(lighting.StateAtBake.of(obj), **place)
+            about = staleness.OTHER_SCENE, seconds
+            lighting.light(obj, bake, index, path, columns[index], state, *about)
             obj.leaflight.low, obj.leaflight.high = lighting.isovalue_range(bake, index)
         if created and self.walls:
             for warning in scene_objects.build(context, bake.scene):
@@ -77,8 +75,8 @@ class LEAFLIGHT_OT_relocate_bake(checks.LeaflightOperator, bpy.types.Operator, I
     bl_description = "Choose the new location of the file of this volume's bake"
     conditions = (
         *checks.BAKE,
-        checks.needs(
-            lambda context: active_volume(context).library is None,
+        checks.volume_needs(
+            lambda volume: volume.library is None,
             "The volume is linked from another file: relocate its bake there",
         ),
     )
@@ -262,5 +260,4 @@ def megabytes(paths):
     return f"{sum(file.stat().st_size for file in files) / 1e6:.1f} MB"
 
 
-CLASSES = (LEAFLIGHT_OT_load_bake, LEAFLIGHT_OT_relocate_bake, LEAFLIGHT_OT_remove_unused_bakes)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

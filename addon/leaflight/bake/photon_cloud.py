@@ -2,11 +2,9 @@
 """Show Photon Map: the photons on all isosurfaces as a point cloud."""
 
 import bpy
-import leaflight
-import leaflight._core as _core
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.scene import core_scene
+from leaflight.bake.photons import trace_photons
 
 from .. import versions
 from ..operators import background, checks, jobs
@@ -70,14 +68,17 @@ class PhotonJob(jobs.Job):
         settings = obj.leaflight
         description, volumes, self.warnings = scene_export.export_scene(context, obj)
         scene_export.check_light(description)
-        isovalue_range = (settings.low, settings.high) if len(volumes) == 1 else (0.0, 1.0)
-        fields = [cache.world_volume(volume).field() for volume in volumes]
-        self._scene = core_scene(description, fields, isovalue_range)
-        self._count, self._seed = options.count, options.seed
-        self._kind, self._radius = options.kind, options.radius
-        c = settings.isovalue
+        isovalue_range, c = (settings.low, settings.high), settings.isovalue
         if len(volumes) > 1:
-            c = isovalues.common_isovalue(settings, c)
+            isovalue_range, c = (0.0, 1.0), isovalues.common_isovalue(settings, c)
+        self._arguments = {
+            "volumes": [cache.world_volume(volume) for volume in volumes],
+            "scene": description,
+            "isovalues": isovalue_range,
+            "count": options.count,
+            "seed": options.seed,
+        }
+        self._kind, self._radius = options.kind, options.radius
         reach = 0.5 * options.band * (isovalue_range[1] - isovalue_range[0])
         self._band = (c - reach, c + reach) if options.band < 1 else isovalue_range
         self._collection, self._object_name = context.collection.name, obj.name
@@ -85,15 +86,12 @@ class PhotonJob(jobs.Job):
 
     def run(self, progress):
         """Traces the photons, in any thread. Touches no Blender data."""
-        positions, flux, c, direct = _core.photon_points(
-            self._scene, self._count, self._seed, progress
-        )
-        if progress.cancelled:
-            raise leaflight.Cancelled
+        found = trace_photons(**self._arguments, progress=progress)
+        c, direct = found.common_isovalue, found.direct
         chosen = (c >= self._band[0]) & (c <= self._band[1])
         if self._kind != "ALL":
             chosen &= direct == (self._kind == "DIRECT")
-        self.positions, self.flux = positions[chosen], flux[chosen]
+        self.positions, self.flux = found.positions[chosen], found.flux_height[chosen]
         self.c, self.direct = c[chosen], direct[chosen]
 
     def apply(self):
@@ -158,6 +156,3 @@ def _points(name, radius, material):
 
 def _socket(node, identifier):
     return next(socket for socket in node.inputs if socket.identifier == identifier)
-
-
-CLASSES = (LEAFLIGHT_OT_photon_cloud,)

@@ -94,6 +94,3 @@ class LEAFLIGHT_OT_throw_bake_away(checks.LeaflightOperator, bpy.types.Operator)
         offer(None)
         surface_object.forget_passes()
         walls.refresh(context.scene)
-
-
-CLASSES = (LEAFLIGHT_OT_stop_bake, LEAFLIGHT_OT_keep_bake, LEAFLIGHT_OT_throw_bake_away)

@@ -6,12 +6,10 @@ import json
 from pathlib import Path
 
 import bpy
-import leaflight._core as _core
 import numpy as np
-from leaflight.io.images import display_colors
+from leaflight.io.images import display_colors, write_exr, write_png
 from leaflight.io.output import replaced
 
-from . import render
 from .stills import flip_words
 
 # Gain of the difference in its PNG, which would be black otherwise. The EXR has the signed values.
@@ -20,7 +18,7 @@ _DIFFERENCE_GAIN = 5.0
 _STILLS = ("baked", "cycles", "local", "difference")
 
 
-def write(scene, folder, name, result):
+def write(folder, name, result):
     """Writes the result of stills.compare().
 
     The files are STEM_{baked,cycles,local,difference}.{exr,png} and STEM_comparison.{png,csv,json}.
@@ -29,9 +27,9 @@ def write(scene, folder, name, result):
     stem = str(Path(folder) / f"{name}_{result['isovalue']:g}".replace("/", "_"))
     for still in _STILLS:
         image = np.ascontiguousarray(result[still])
-        _core.write_exr(f"{stem}_{still}.exr", image)
+        write_exr(f"{stem}_{still}.exr", image)
         shown = _DIFFERENCE_GAIN * np.abs(image) if still == "difference" else image
-        render.write_png(scene, f"{stem}_{still}.png", shown)
+        write_png(f"{stem}_{still}.png", display_colors(shown, result["exposure"]))
     write_sheet(f"{stem}_comparison.png", name, result)
     numbers = {key: value for key, value in result.items() if not isinstance(value, np.ndarray)}
     numbers = {"name": name, **numbers}

@@ -6,10 +6,8 @@ import tempfile
 from pathlib import Path
 
 import bpy
-import leaflight._core as _core
-import numpy as np
 from leaflight import LeaflightError
-from leaflight.io.output import replaced
+from leaflight.io.images import read_exr
 
 from .. import versions
 
@@ -78,26 +76,4 @@ def cycles_still(scene, samples, seed, transparent=False, **settings):
         bpy.ops.render.render(write_still=True, scene=scene.name)
         if not path.exists():
             raise LeaflightError("The render was cancelled; nothing has changed.")
-        return _core.read_exr(str(path))
-
-
-def write_png(scene, path, image):
-    """Writes linear radiance (height, width, 3) with the scene's exposure and view Standard."""
-    height, width = image.shape[:2]
-    pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = image[::-1, :, :3]
-    picture = bpy.data.images.new("Leaflight", width, height, float_buffer=True)
-    try:
-        picture.pixels.foreach_set(pixels.ravel())
-        with contextlib.ExitStack() as stack:
-            stack.enter_context(
-                overridden(
-                    scene.render.image_settings,
-                    **versions.image_format(file_format="PNG", color_mode="RGB", color_depth="8"),
-                )
-            )
-            stack.enter_context(overridden(scene.view_settings, **versions.plain_view()))
-            temporary = stack.enter_context(replaced(path))
-            picture.save_render(str(temporary), scene=scene)
-    finally:
-        bpy.data.images.remove(picture)
+        return read_exr(path)

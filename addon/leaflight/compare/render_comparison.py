@@ -17,13 +17,13 @@ import bpy
 import leaflight
 from leaflight import LeaflightError
 
-from .. import versions
+from .. import props, versions
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import FloatProperty, IntProperty, StringProperty
 from ..stage import scene_export
 from ..store import bake_files
-from . import files, stills
+from . import files, render, stills
 
 # Prefix of the child's lines that are messages.
 MARK = "LEAFLIGHT COMPARISON "
@@ -44,13 +44,11 @@ def _save_copy(blend):
     Drawing the preview would block the window for many seconds without a graphics card.
     """
     preferences = bpy.context.preferences
-    paths, changed = preferences.filepaths, preferences.is_dirty
-    chosen = paths.file_preview_type
-    paths.file_preview_type = "NONE"
+    changed = preferences.is_dirty
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
+        with render.overridden(preferences.filepaths, file_preview_type="NONE"):
+            bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
     finally:
-        paths.file_preview_type = chosen
         preferences.is_dirty = changed
 
 
@@ -203,8 +201,7 @@ class LEAFLIGHT_OT_render_comparison(background.AskingOperator, bpy.types.Operat
     def draw(self, _context):
         layout = self.layout
         layout.use_property_split = True
-        for name in ("samples", "baked_samples", "share", "folder"):
-            layout.prop(self, name)
+        props.draw(layout, self, "samples", "baked_samples", "share", "folder")
 
     def execute(self, context):
         if self._by_hand and can_start():
@@ -240,7 +237,7 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
     """
     scene_export.export_scene(context, isosurface)
     result = stills.compare(context, isosurface, samples, baked_samples, share, report)
-    path = files.write(context.scene, folder, isosurface.name, result)
+    path = files.write(folder, isosurface.name, result)
     found, doubt = stills.summary(result), stills.doubt(result)
     return {
         "path": str(path),
@@ -248,6 +245,3 @@ def rendered(context, isosurface, folder, samples, baked_samples, share=1.0, rep
         "doubt": doubt,
         "report": f"{found}; pictures in {folder}",
     }
-
-
-CLASSES = (LEAFLIGHT_OT_render_comparison,)

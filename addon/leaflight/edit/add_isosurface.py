@@ -82,8 +82,8 @@ class LEAFLIGHT_OT_add_isosurface(checks.VolumeOperator, bpy.types.Operator):
     )
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: active_volume(context).library is None,
+        checks.volume_needs(
+            lambda volume: volume.library is None,
             "Make a library override of the linked volume first",
         ),
         _has_room,
@@ -165,6 +165,3 @@ def _place_nearest(box, volume_to_world, low, high):
     local = mathutils.Matrix.Diagonal((*half, 1.0))
     local.translation = middle + towards * half
     box.matrix_world = volume_to_world @ local
-
-
-CLASSES = (LEAFLIGHT_OT_add_isosurface, LEAFLIGHT_OT_remove_isosurface, LEAFLIGHT_OT_add_clip_box)

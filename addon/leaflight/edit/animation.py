@@ -207,6 +207,3 @@ def _keyframe(obj, path, values, scene):
 
 
 _ANIMATIONS = {"SWEEP": _sweep, "TURNTABLE": _turntable, "WIPE": _wipe, "LIT_WIPE": _lit_wipe}
-
-
-CLASSES = (LEAFLIGHT_OT_animate,)

@@ -11,7 +11,7 @@ from leaflight.volume.label_table import labels_of
 from ..operators import checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, StringProperty
-from ..show import label_list, texture
+from ..show import fill, label_list, texture
 from ..store import cache
 
 
@@ -25,10 +25,7 @@ def label_map_of(obj):
 class _LabelOperator(checks.VolumeOperator):
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: label_map_of(active_volume(context)),
-            "Choose a label map as Color By first",
-        ),
+        checks.volume_needs(label_map_of, "Choose a label map as Color By first"),
     )
 
     def label_map(self, context):
@@ -57,8 +54,7 @@ class LEAFLIGHT_OT_show_labels(_LabelOperator, bpy.types.Operator):
         items, active = label_map.leaflight.labels, label_map.leaflight.label
         shown = np.ones(len(items), bool)
         if self.which == "OTHERS":
-            items.foreach_get("is_shown", shown)
-            shown = ~shown
+            shown = ~fill.read(items, "is_shown", bool)
         elif self.which == "ACTIVE":
             shown = np.arange(len(items)) == active
         items.foreach_set("is_shown", shown)
@@ -81,6 +77,3 @@ class LEAFLIGHT_OT_read_label_table(_LabelOperator, bpy.types.Operator, ImportHe
         label_list.fill(label_map, labels_of(values, table))
         label_list.show_eyes(label_map)
         label_list.show_colors(label_map)
-
-
-CLASSES = (LEAFLIGHT_OT_show_labels, LEAFLIGHT_OT_read_label_table)

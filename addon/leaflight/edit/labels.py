@@ -10,10 +10,9 @@ import numpy as np
 from leaflight import LeaflightError
 from mathutils import Matrix, Vector
 
-from .. import versions
 from ..operators import checks
 from ..operators.checks import active_volume
-from ..show import color_bar, display, label_parts, shader, texture
+from ..show import color_bar, display, label_parts, texture
 from ..store import cache, source_files
 
 _BAR, _LETTER = "scale bar", "letter"
@@ -175,10 +174,7 @@ def _cube_object(volume, name, data, grays):
     obj = display.new_display(volume, _CUBE, name, data)
     obj.hide_select = True
     for gray in grays:
-        material = bpy.data.materials.new(name)
-        versions.do_not_sample_as_light(material)
-        shader.build_emission(material, label_parts.exposed((gray,) * 3))
-        data.materials.append(material)
+        data.materials.append(label_parts.gray_material(name, gray))
     return obj
 
 
@@ -190,8 +186,8 @@ class LEAFLIGHT_OT_add_scale_bar(checks.VolumeOperator, bpy.types.Operator):
 
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: active_volume(context).leaflight.unit, "Choose the unit of length first"
+        checks.volume_needs(
+            lambda volume: volume.leaflight.unit, "Choose the unit of length first"
         ),
     )
 
@@ -230,19 +226,11 @@ class LEAFLIGHT_OT_add_color_bar(checks.VolumeOperator, bpy.types.Operator):
 
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: texture.is_colored(active_volume(context)),
+        checks.volume_needs(
+            texture.is_colored,
             "Choose the values that color the isosurfaces first, under Isosurfaces",
         ),
     )
 
     def run(self, context):
         color_bar.add(context.scene, active_volume(context))
-
-
-CLASSES = (
-    LEAFLIGHT_OT_add_scale_bar,
-    LEAFLIGHT_OT_add_letters,
-    LEAFLIGHT_OT_add_orientation_cube,
-    LEAFLIGHT_OT_add_color_bar,
-)

@@ -4,8 +4,7 @@
 from dataclasses import dataclass, field
 
 import bpy
-from leaflight import LeaflightError
-from leaflight.looks import LOOKS as OF_ONE_COLOR
+from leaflight import LeaflightError, looks
 
 from ..operators import checks
 from ..operators.checks import active_volume
@@ -15,30 +14,16 @@ from ..stage import stage
 
 
 @dataclass(frozen=True)
-class Preset:
-    """A preset of isosurfaces.
+class Preset(looks.Preset):
+    """A preset of isosurfaces, which need not have one color.
 
-    name, text: Label and description.
     settings: Values of Object.leaflight.
     stops: (share of the isovalue range, linear color) of each stop.
-    gloss, roughness: Values of Object.leaflight_look.
-    background: A linear color or None.
     """
 
-    name: str
-    text: str
+    color: tuple = None
     settings: dict = field(default_factory=dict)
     stops: tuple = ()
-    gloss: float = 0.0
-    roughness: float = 0.3
-    background: tuple = None
-
-
-def _one_color(preset):
-    settings = {"isosurface_albedo": preset.color}
-    return Preset(
-        preset.name, preset.text, settings, (), preset.gloss, preset.roughness, preset.background
-    )
 
 
 def _mapped(name, text, colors):
@@ -47,7 +32,10 @@ def _mapped(name, text, colors):
 
 
 LOOKS = {
-    **{key: _one_color(look) for key, look in OF_ONE_COLOR.items()},
+    **{
+        key: Preset(**vars(look), settings={"isosurface_albedo": look.color})
+        for key, look in looks.LOOKS.items()
+    },
     "TISSUE": Preset(
         "Tissue",
         "Skin, flesh and bone, from low to high isovalues",
@@ -57,17 +45,17 @@ LOOKS = {
     "GLOW": Preset(
         "Glowing",
         "Emits light",
-        {"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
+        settings={"isosurface_emission": (1.0, 0.75, 0.45), "isosurface_emission_strength": 1.0},
     ),
     "MIRROR": Preset(
         "Mirror",
         "Polished metal; reflections are rendered, not baked",
-        {"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
+        settings={"isosurface_scattering": "MIRROR", "isosurface_albedo": (0.9, 0.9, 0.9)},
     ),
     "GLASS": Preset(
         "Glass",
         "Clear glass with caustics",
-        {
+        settings={
             "isosurface_scattering": "GLASS",
             "isosurface_albedo": (1.0, 1.0, 1.0),
             "isosurface_ior": 1.45,
@@ -131,9 +119,8 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
 
     conditions = (
         *checks.VOLUME,
-        checks.needs(
-            lambda context: active_volume(context).leaflight.isosurface_stops,
-            "There is no stop to remove",
+        checks.volume_needs(
+            lambda volume: volume.leaflight.isosurface_stops, "There is no stop to remove"
         ),
     )
 
@@ -147,6 +134,3 @@ class LEAFLIGHT_OT_remove_stop(checks.VolumeOperator, bpy.types.Operator):
             0, min(settings.isosurface_stop, len(settings.isosurface_stops) - 1)
         )
         surface_object.shade_all(volume)
-
-
-CLASSES = (LEAFLIGHT_OT_isosurface_preset, LEAFLIGHT_OT_add_stop, LEAFLIGHT_OT_remove_stop)

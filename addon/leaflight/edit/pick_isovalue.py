@@ -172,6 +172,3 @@ def _remove_all():
 
 
 unregister = _remove_all
-
-
-CLASSES = (LEAFLIGHT_OT_pick_isovalue,)

@@ -11,7 +11,7 @@ from leaflight import LeaflightError
 from leaflight.export.export import OF_SEQUENCE, OF_VOLUME, PAGE, SUFFIXES, absent_package
 from leaflight.export.page_size import estimated_bytes
 
-from .. import session
+from .. import props, session
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -192,9 +192,7 @@ class LEAFLIGHT_OT_export(_ExportOperator, bpy.types.Operator):
             return
         layout.row().prop(self, "isovalues", expand=True)
         if self.isovalues == "RANGE":
-            column = layout.column(align=True)
-            for name in ("first", "last", "count"):
-                column.prop(self, name)
+            props.draw(layout.column(align=True), self, "first", "last", "count")
         elif self.isovalues == "LIST":
             layout.prop(self, "listed")
 
@@ -296,5 +294,4 @@ def _draw_menu(menu, _context):
     menu.layout.operator(LEAFLIGHT_OT_export_page.bl_idname, text="Leaflight Web Page (.html)")
 
 
-CLASSES = (LEAFLIGHT_OT_export, LEAFLIGHT_OT_export_page)
 MENUS = (("TOPBAR_MT_file_export", _draw_menu),)

@@ -5,6 +5,7 @@ import bpy
 from bpy_extras.io_utils import ImportHelper
 from leaflight.io import readers
 
+from .. import props
 from ..operators import background, failures
 from ..props import (
     BoolProperty,
@@ -73,7 +74,6 @@ class LEAFLIGHT_OT_import_volume(
         "Smooth",
         "Standard deviation, in voxels, of a Gaussian on the values. Removes noise "
         "and the steps of 8-bit values",
-        0.0,
         min=0.0,
         max=10.0,
     )
@@ -81,7 +81,6 @@ class LEAFLIGHT_OT_import_volume(
         "Smooth Normals",
         "Standard deviation, in voxels, of a Gaussian on the normals. Smooths the "
         "shading; isosurfaces stay where they are",
-        0.0,
         min=0.0,
         max=10.0,
     )
@@ -175,20 +174,13 @@ class LEAFLIGHT_OT_import_volume(
             layout.prop(self, "size")
         elif self.size_from == "SAME":
             layout.prop(self, "partner")
-        layout.prop(self, "resolution")
-        layout.prop(self, "crop")
+        props.draw(layout, self, "resolution", "crop")
         if self.crop:
-            layout.prop(self, "crop_from")
-            layout.prop(self, "crop_to")
-        layout.prop(self, "smooth")
-        layout.prop(self, "smooth_normals")
-        layout.prop(self, "both_signs")
-        layout.prop(self, "labels")
-        layout.prop(self, "label_table")
+            props.draw(layout, self, "crop_from", "crop_to")
+        props.draw(layout, self, "smooth", "smooth_normals", "both_signs", "labels", "label_table")
         if stored is not None and not stored.patient:
             layout.label(text="The file has no orientation", icon="QUESTION")
-        layout.prop(self, "up")
-        layout.prop(self, "front")
+        props.draw(layout, self, "up", "front")
         if stored is not None and not stored.unit:
             layout.label(text="The file has no unit of length", icon="QUESTION")
             layout.prop(self, "unit")
@@ -197,8 +189,7 @@ class LEAFLIGHT_OT_import_volume(
     def _draw_choices(self, layout, stored, takes):
         """Draws the options of the file's format."""
         if "type" in takes:
-            for name in ("dims", "value_type", "endian", "skip"):
-                layout.prop(self, name)
+            props.draw(layout, self, "dims", "value_type", "endian", "skip")
         elif "spacing" in takes:
             layout.prop(self, "use_spacing")
         if "type" in takes or ("spacing" in takes and self.use_spacing):
@@ -243,5 +234,4 @@ def _draw_menu(menu, _context):
     menu.layout.operator(name, text="Volume for Leaflight (.nii, .nrrd, .dcm, .tif, .raw, ...)")
 
 
-CLASSES = (LEAFLIGHT_OT_import_volume,)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

@@ -65,5 +65,4 @@ def unregister():
     _entries.clear()
 
 
-CLASSES = (LEAFLIGHT_OT_open_example,)
 MENUS = (("TOPBAR_MT_file_import", _draw_menu),)

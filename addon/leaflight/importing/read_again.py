@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the file of a volume object again with another choice, and shows the result."""
+"""Reads the file of a volume object again with another choice, such as smoothing, and shows it."""
 
 import bpy
 
 from ..bake import live
-from ..operators import checks, jobs
+from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
+from ..props import EnumProperty
 from ..show import display, isovalues
 from ..stage import staleness
 from ..store import cache, frame_bakes, source_files
 
-has_file = checks.needs(
-    lambda c: active_volume(c).library is None and active_volume(c).leaflight.source,
+has_file = checks.volume_needs(
+    lambda volume: volume.library is None and volume.leaflight.source,
     "The volume has no volume file: import it",
 )
 CONDITIONS = (jobs.is_free, *checks.VOLUME, has_file)
@@ -50,3 +51,39 @@ class ReadAgainJob(jobs.Job):
         staleness.forget()
         live.changed(bpy.context.scene)
         return self._done(obj)
+
+
+class LEAFLIGHT_OT_smooth(background.BackgroundOperator, bpy.types.Operator):
+    bl_label = "Smooth"
+    bl_description = (
+        "Smooth the values against noise and 8-bit steps, or only the normals, so that "
+        "isosurfaces stay where they are. A bake keeps its values, so bake again"
+    )
+    conditions = CONDITIONS
+
+    what: EnumProperty(
+        "Apply To",
+        items=[
+            ("smooth", "Values", "Values, and with them isosurfaces and normals"),
+            ("smooth_normals", "Normals", "Only normals; isosurfaces do not change"),
+        ],
+    )
+    amount: EnumProperty(
+        "Smooth",
+        items=[
+            ("0", "Not Smoothed", "As in the file"),
+            ("0.5", "By 0.5 Voxels", "Standard deviation of the Gaussian"),
+            ("1", "By 1 Voxel", "Standard deviation of the Gaussian; suits most 8-bit scans"),
+            ("1.5", "By 1.5 Voxels", "Standard deviation of the Gaussian"),
+            ("2", "By 2 Voxels", "Standard deviation of the Gaussian"),
+            ("3", "By 3 Voxels", "Standard deviation of the Gaussian"),
+        ],
+        default="1",
+    )
+
+    def start(self, context):
+        amount = float(self.amount)
+        normals = "normals " if self.what == "smooth_normals" else ""
+        text = f"{normals}smoothed by {amount:g} voxels"
+        obj = active_volume(context)
+        return ReadAgainJob(obj, "Smooth", self.what, amount, lambda obj: f"{obj.name}: {text}")

@@ -31,6 +31,7 @@ _TITLES = {
     "largest_part": "Largest Part",
     "part": "Removed Part",
     "dust": "Removed Dust",
+    "apart": "Parts Moved Apart",
     "within_labels": "Within Labels",
 }
 
@@ -53,19 +54,34 @@ def crop(low, high, index_to_file):
     return {**record_of(box), "on": True}
 
 
-def _job(obj, regions, text):
-    """Returns the job that reads a volume again with regions. text: The report."""
+class _Change(background.BackgroundOperator):
+    """An operator that reads the active volume again with other regions.
 
-    def done(obj):
-        return f"{obj.name}: {iface_(text)}"
+    changed(context, obj, regions) returns the new regions. done: The report. shown(obj): Called
+    once the object shows them.
+    """
 
-    value = json.dumps(regions) if regions else ""
-    return read_again.ReadAgainJob(obj, "Change Data", "regions", value, done)
+    conditions = read_again.CONDITIONS
+
+    def start(self, context):
+        obj, done, shown = active_volume(context), self.done, type(self).shown
+        regions = self.changed(context, obj, source_files.regions_of(obj.leaflight))
+
+        def report(obj):
+            shown(obj)
+            return f"{obj.name}: {iface_(done)}"
+
+        value = json.dumps(regions) if regions else ""
+        return read_again.ReadAgainJob(obj, "Change Data", "regions", value, report)
+
+    @staticmethod
+    def shown(obj):
+        pass
 
 
-def _with_region_of(obj, other, region):
-    """Returns the regions of a volume with a new one, in place of the last one by this object."""
-    kept = [r for r in source_files.regions_of(obj.leaflight) if r.get("object") != other.name]
+def _with_region_by(other, region, regions):
+    """Returns the regions with a new one, in place of the last one by this object."""
+    kept = [each for each in regions if each.get("object") != other.name]
     return [*kept, {**region, "object": other.name, "on": True}]
 
 
@@ -75,7 +91,7 @@ _CUTS = [
 ]
 
 
-class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_cut_data(_Change, bpy.types.Operator):
     bl_label = "Cut Data"
     bl_description = (
         "Cut the data itself by the clip box, so that a bake lights the cut. The cut follows the "
@@ -83,19 +99,16 @@ class LEAFLIGHT_OT_cut_data(background.BackgroundOperator, bpy.types.Operator):
     )
     conditions = (
         *read_again.CONDITIONS,
-        checks.needs(
-            lambda c: look.box_of(active_volume(c)) is not None, "Add a clip box that cuts first"
-        ),
+        checks.volume_needs(look.box_of, "Add a clip box that cuts first"),
     )
+    done = "cut; bake to light the cut"
 
     cut: EnumProperty("Cut", items=_CUTS)
 
-    def start(self, context):
-        obj = active_volume(context)
+    def changed(self, context, obj, regions):
         box = look.box_of(obj)
         region = box_cuts.region_by(obj, box, obj.leaflight_look.keep, self.cut)
-        regions = _with_region_of(obj, box, region)
-        return _job(obj, regions, "cut; bake to light the cut")
+        return _with_region_by(box, region, regions)
 
 
 def label_maps(scene):
@@ -107,7 +120,7 @@ def _is_label_map(obj):
     return obj.leaflight.is_volume and obj.leaflight.source and len(obj.leaflight.labels) > 0
 
 
-class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_mask_data(_Change, bpy.types.Operator):
     bl_label = "Mask Data"
     bl_description = (
         "Keep only what is within the shown labels of a label map, such as one organ of a scan. "
@@ -119,6 +132,7 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
             lambda c: any(map(_is_label_map, c.scene.objects)), "Import a label map first"
         ),
     )
+    done = "masked; bake again"
 
     label_map: StringProperty(
         "Label Map",
@@ -126,8 +140,8 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
         search=lambda _self, context, _text: label_maps(context.scene),
     )
 
-    def start(self, context):
-        obj, names = active_volume(context), label_maps(context.scene)
+    def changed(self, context, obj, regions):
+        names = label_maps(context.scene)
         name = self.label_map or names[0]
         if name not in names:
             raise LeaflightError(f'"{name}" is no label map of this scene: import it.')
@@ -142,34 +156,32 @@ class LEAFLIGHT_OT_mask_data(background.BackgroundOperator, bpy.types.Operator):
             "labels": shown,
             "reading": source_files.reading_of(path, source_files.choices_of(labels)),
         }
-        return _job(obj, _with_region_of(obj, other, region), "masked; bake again")
+        return _with_region_by(other, region, regions)
 
 
-class LEAFLIGHT_OT_crop_to_shown(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_crop_to_shown(_Change, bpy.types.Operator):
     bl_label = "Crop to Isosurface"
     bl_description = "Crop the data to a box around the shown isosurfaces, so that a bake is faster"
-    conditions = read_again.CONDITIONS
+    done = "cropped"
 
     margin: IntProperty("Margin", "Voxels around the isosurfaces", 4, min=0)
 
-    def start(self, context):
-        obj = active_volume(context)
+    def changed(self, context, obj, regions):
         place = cache.volume_of(obj).index_to_world
         to_index = np.linalg.inv(np.array(obj.matrix_world, np.float64) @ place)
         points = camera.shown_points([obj]) @ to_index[:3, :3].T + to_index[:3, 3]
         low, high = points.min(axis=0) - self.margin, points.max(axis=0) + self.margin
         to_file = np.linalg.inv(source_files.from_file(obj.leaflight)) @ place
         region = crop(low, high, to_file)
-        others = source_files.regions_of(obj.leaflight)
-        return _job(obj, [*others, region], "cropped")
+        return [*regions, region]
 
 
-class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_clean_data(_Change, bpy.types.Operator):
     bl_label = "Clean Data"
     bl_description = (
         "Remove parts of the data that are not connected at the shown isovalue, with their shadows"
     )
-    conditions = read_again.CONDITIONS
+    done = "small parts removed"
 
     kind: EnumProperty(
         "Remove",
@@ -180,21 +192,48 @@ class LEAFLIGHT_OT_clean_data(background.BackgroundOperator, bpy.types.Operator)
     )
     voxels: IntProperty("Smallest Part", "Voxels of the smallest part to keep", 1000, min=1)
 
-    def start(self, context):
-        obj = active_volume(context)
+    def changed(self, context, obj, regions):
         region = {"kind": self.kind, "isovalue": obj.leaflight.isovalue, "on": True}
         if self.kind == "dust":
             region["voxels"] = self.voxels
-        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "small parts removed")
+        return [*regions, region]
 
 
-class LEAFLIGHT_OT_remove_part(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_move_parts(_Change, bpy.types.Operator):
+    bl_label = "Move Parts in Data"
+    bl_description = (
+        "Move the parts apart in the data, as they are shown, so that a bake lights them there. "
+        "What is not connected with a part at the shown isovalue goes"
+    )
+    conditions = (
+        *read_again.CONDITIONS,
+        checks.volume_needs(
+            lambda obj: exploded.axis_of(obj) is not None, "Choose an axis of Explode first"
+        ),
+    )
+    done = "parts moved; bake to light them"
+
+    def changed(self, context, obj, regions):
+        along = obj.leaflight_look.explode_distance * exploded.axis_of(obj)
+        isovalue = obj.leaflight.isovalue
+        region = {"kind": "apart", "along": along.tolist(), "isovalue": isovalue, "on": True}
+        # Parts move before they are cut.
+        cuts = (number for number, each in enumerate(regions) if each.get("cut") == "capped")
+        regions.insert(next(cuts, len(regions)), region)
+        return regions
+
+    @staticmethod
+    def shown(obj):
+        obj.leaflight_look.explode_axis = exploded.CLOSED
+
+
+class LEAFLIGHT_OT_remove_part(_Change, bpy.types.Operator):
     bl_label = "Remove Part"
     bl_description = (
         "Click on a part, such as a head rest, to remove all that is connected with it at the "
         "shown isovalue. Esc ends it"
     )
-    conditions = read_again.CONDITIONS
+    done = "part removed"
 
     point: bpy.props.FloatVectorProperty(
         name="Point", description="Point of the part, in Blender's coordinates", size=3
@@ -239,13 +278,12 @@ class LEAFLIGHT_OT_remove_part(background.BackgroundOperator, bpy.types.Operator
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 
-    def start(self, context):
-        obj = active_volume(context)
+    def changed(self, context, obj, regions):
         to_file = np.linalg.inv(source_files.place_of_file(obj))
         point = to_file[:3, :3] @ np.array(self.point) + to_file[:3, 3]
         isovalue = obj.leaflight.isovalue
         region = {"kind": "part", "point": point.tolist(), "isovalue": isovalue, "on": True}
-        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "part removed")
+        return [*regions, region]
 
 
 def _surface_point(context, event):
@@ -267,13 +305,13 @@ def surface_point(obj, origin, direction):
 _RADIUS = 0.1
 
 
-class LEAFLIGHT_OT_remove_sphere(background.AskingOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_remove_sphere(_Change, background.AskingOperator, bpy.types.Operator):
     bl_label = "Remove Sphere"
     bl_description = (
         "Remove a sphere about the 3D cursor from the data, with its shadow. Shift and the right "
         "mouse button put the cursor on a surface"
     )
-    conditions = read_again.CONDITIONS
+    done = "sphere removed"
 
     radius: FloatProperty(
         "Radius",
@@ -286,8 +324,7 @@ class LEAFLIGHT_OT_remove_sphere(background.AskingOperator, bpy.types.Operator):
         self.radius = self.radius or _first_radius(active_volume(context))
         return super().ask(context, event)
 
-    def start(self, context):
-        obj = active_volume(context)
+    def changed(self, context, obj, regions):
         place = obj.matrix_world.inverted_safe() @ context.scene.cursor.location
         place = exploded.closed_place(obj, place)
         radius = self.radius or _first_radius(obj)
@@ -297,7 +334,7 @@ class LEAFLIGHT_OT_remove_sphere(background.AskingOperator, bpy.types.Operator):
             )
         center = np.array(place, np.float64) + obj.leaflight.origin
         region = {**record_of(sphere(center, radius, cut=self.cut)), "on": True}
-        return _job(obj, [*source_files.regions_of(obj.leaflight), region], "sphere removed")
+        return [*regions, region]
 
 
 def _first_radius(obj):
@@ -308,10 +345,10 @@ def _bounds(obj):
     return np.asarray(cache.volume_of(obj).field().bounds, np.float64)
 
 
-class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operator):
+class LEAFLIGHT_OT_switch_region(_Change, bpy.types.Operator):
     bl_label = "Switch or Remove"
     bl_description = "Turn this change of the data on or off, or remove it"
-    conditions = read_again.CONDITIONS
+    done = "data changed"
 
     index: IntProperty("Number", "Number of the change, from 0", min=0)
     action: EnumProperty(
@@ -322,9 +359,7 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
         ],
     )
 
-    def start(self, context):
-        obj = active_volume(context)
-        regions = source_files.regions_of(obj.leaflight)
+    def changed(self, context, obj, regions):
         if self.index >= len(regions):
             raise LeaflightError(
                 f'"{obj.name}" has {len(regions)} changes of its data: choose one of them.'
@@ -333,15 +368,4 @@ class LEAFLIGHT_OT_switch_region(background.BackgroundOperator, bpy.types.Operat
             del regions[self.index]
         else:
             regions[self.index]["on"] = not regions[self.index]["on"]
-        return _job(obj, regions, "data changed")
-
-
-CLASSES = (
-    LEAFLIGHT_OT_cut_data,
-    LEAFLIGHT_OT_mask_data,
-    LEAFLIGHT_OT_crop_to_shown,
-    LEAFLIGHT_OT_clean_data,
-    LEAFLIGHT_OT_remove_part,
-    LEAFLIGHT_OT_remove_sphere,
-    LEAFLIGHT_OT_switch_region,
-)
+        return regions

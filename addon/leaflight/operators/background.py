@@ -252,6 +252,3 @@ def _go_on_elsewhere() -> None:
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window):
         bpy.ops.leaflight.go_on("INVOKE_DEFAULT")
-
-
-CLASSES = (LEAFLIGHT_OT_go_on,)

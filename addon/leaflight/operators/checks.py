@@ -45,6 +45,11 @@ def needs(holds: Callable[[bpy.types.Context], Any], reason: str) -> Condition:
     return condition
 
 
+def volume_needs(holds: Callable[[bpy.types.Object], Any], reason: str) -> Condition:
+    """Returns needs() with a function of the active volume."""
+    return needs(lambda context: holds(active_volume(context)), reason)
+
+
 in_object_mode = needs(lambda context: context.mode == "OBJECT", "Leave Edit Mode first")
 
 VOLUME: tuple[Condition, ...] = (
@@ -53,7 +58,7 @@ VOLUME: tuple[Condition, ...] = (
 )
 BAKE = (
     *VOLUME,
-    needs(lambda c: active_volume(c).leaflight.bake_id, "Bake this volume first"),
+    volume_needs(lambda volume: volume.leaflight.bake_id, "Bake this volume first"),
 )
 
 

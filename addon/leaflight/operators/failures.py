@@ -71,6 +71,3 @@ class LEAFLIGHT_OT_copy_report(bpy.types.Operator):
         context.window_manager.clipboard = report()
         self.report({"INFO"}, "The report is in the clipboard")
         return {"FINISHED"}
-
-
-CLASSES = (LEAFLIGHT_OT_copy_report,)

@@ -2,9 +2,9 @@
 """The parts of Object.leaflight about the next bake and the last one."""
 
 from .. import versions
-from ..props import EnumProperty
-from .overridable import (
+from ..props import (
     BoolProperty,
+    EnumProperty,
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
@@ -19,20 +19,6 @@ QUALITY_ITEMS = [
     ("FINAL", "Final", "Very little noise, for stills; several times the time of Good"),
     ("CUSTOM", "Custom", "Error set under Advanced"),
 ]
-
-# Arguments of the property Error.
-ERROR = {
-    "name": "Error",
-    "description": "Target error, in percent of the displayable range",
-    "subtype": "PERCENTAGE",
-    "default": QUALITIES["GOOD"],
-    "min": 0.01,
-    "soft_min": 0.2,
-    "soft_max": 10.0,
-    "max": 100.0,
-    "precision": 2,
-}
-_WHEN_TO_CHANGE = "Target error, if Draft, Good and Final do not suit"
 
 
 def _quality(settings):
@@ -77,7 +63,15 @@ class BakeOptions:
         "Quality", "Accuracy of the bake", QUALITY_ITEMS, get=_quality, set=_set_quality
     )
     error: FloatProperty(
-        **{**ERROR, "description": f"{ERROR['description']}. {_WHEN_TO_CHANGE}"},
+        "Error",
+        "Target error, in percent of the displayable range, if Draft, Good and Final do not suit",
+        QUALITIES["GOOD"],
+        subtype="PERCENTAGE",
+        min=0.01,
+        soft_min=0.2,
+        soft_max=10.0,
+        max=100.0,
+        precision=2,
     )
     use_time_limit: BoolProperty(
         "Time Limit", "Stop after a number of seconds. A short time makes the light coarser"

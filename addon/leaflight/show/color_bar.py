@@ -13,11 +13,10 @@ from leaflight import LeaflightError
 from leaflight.scene.color_bar import color_bar_of
 from mathutils import Matrix, Vector
 
-from .. import versions
 from . import display, fill, label_parts, shader, texture
 
 KIND = "color bar"
-_VOLUME = "leaflight_volume"
+_VOLUME, _MATERIAL = "leaflight_volume", "leaflight_color_bar"
 # Cycles takes the name "color" for that of volumes.
 _COLOR = "bar_color"
 # Shares of the picture's height: length and width of the bar, its margin, size of the texts.
@@ -41,7 +40,8 @@ def add(scene, volume):
     for bar in _bars():
         _fill(bar, None)
         bpy.data.meshes.remove(bar.data)
-    bar = _object(volume, camera, bpy.data.meshes.new("Color Bar"), _material())
+    material = shader.shared_material(_MATERIAL, "Leaflight Color Bar", _COLOR)
+    bar = _object(volume, camera, bpy.data.meshes.new("Color Bar"), material)
     bar[_VOLUME] = volume
     low, high = label_parts.picture_corners(scene, camera)
     height = high.y - low.y
@@ -103,13 +103,3 @@ def _object(volume, parent, data, material):
     obj.hide_select = True
     data.materials.append(material)
     return obj
-
-
-def _material():
-    name = "Leaflight Color Bar"
-    material = bpy.data.materials.get(name)
-    if material is None:
-        material = bpy.data.materials.new(name)
-        versions.do_not_sample_as_light(material)
-        shader.build_attribute(material, _COLOR)
-    return material

@@ -78,6 +78,16 @@ def is_isosurface(obj):
     return obj.leaflight.is_volume or (is_added(obj) and obj.parent is not None)
 
 
+def on_volume(call):
+    """Returns an update function of properties, which calls a function with their volume object."""
+
+    def changed(settings, _context):
+        if settings.id_data.leaflight.is_volume:
+            call(settings.id_data)
+
+    return changed
+
+
 def is_added(obj):
     return is_display(obj, _ISOSURFACE)
 

@@ -7,7 +7,7 @@ distance therefore needs no new isosurface, and light is looked up at the closed
 
 import numpy as np
 
-from . import display
+from . import display, fill
 
 # Value of explode_axis without an exploded view.
 CLOSED = "NONE"
@@ -58,9 +58,7 @@ def closed_positions(mesh):
     """Returns the vertices (n, 3) of a mesh as they are in the data."""
     if _POSITION in mesh.attributes:
         return _vectors(mesh, _POSITION)
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    return vertices.reshape(-1, 3)
+    return fill.read(mesh.vertices, "co", np.float32, 3)
 
 
 def closed_place(obj, place):
@@ -77,6 +75,4 @@ def closed_place(obj, place):
 
 
 def _vectors(mesh, name):
-    vectors = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.attributes[name].data.foreach_get("vector", vectors)
-    return vectors.reshape(-1, 3)
+    return fill.read(mesh.attributes[name].data, "vector", np.float32, 3)

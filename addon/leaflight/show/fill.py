@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Functions that fill a Blender mesh, in the fastest way of the Blender version.
+"""Functions that fill and read a Blender mesh, in the fastest way of the Blender version.
 
 In the way that works in all versions, Blender finds the edges and copies vertices and corners one
 by one. That took more than half of the time to show an isovalue. In the fast ways the core finds
@@ -8,8 +8,8 @@ the edges, and arrays are copied to Blender's memory (docs/decisions/meshes.md).
 
 import ctypes
 
-import leaflight._core as _core
 import numpy as np
+from leaflight.volume.meshes import PolygonEdges
 
 from .. import versions
 
@@ -32,6 +32,13 @@ def fill(mesh, vertices, faces, colors):
     if len(mesh.vertices):
         for name, values in colors.items():
             color(mesh, name, values)
+
+
+def read(items, name, kind, width=1):
+    """Returns an attribute of the items of a collection: (n,), or (n, width) vectors."""
+    numbers = np.empty(width * len(items), kind)
+    items.foreach_get(name, numbers)
+    return numbers.reshape(-1, width) if width > 1 else numbers
 
 
 def color(mesh, name, values):
@@ -59,7 +66,7 @@ def fill_with_care(mesh, vertices, faces):
 
 def fill_structs(mesh, vertices, faces):
     """Fills an empty mesh in versions where it consists of arrays of the structs above."""
-    edges = _core.PolygonEdges(faces, len(vertices))
+    edges = PolygonEdges(faces, len(vertices))
     sizes = {
         "vertices": len(vertices),
         "edges": len(edges),
@@ -87,7 +94,7 @@ def fill_structs(mesh, vertices, faces):
 
 def fill_attributes(mesh, vertices, faces):
     """Fills an empty mesh in versions where it consists of attributes and starts of polygons."""
-    edges = _core.PolygonEdges(faces, len(vertices))
+    edges = PolygonEdges(faces, len(vertices))
     of_edges, of_corners = np.empty((len(edges), 2), np.int32), np.empty(faces.size, np.int32)
     edges.write(of_edges, of_corners)
     mesh.vertices.add(len(vertices))

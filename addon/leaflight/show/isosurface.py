@@ -3,9 +3,9 @@
 
 from dataclasses import dataclass
 
-import leaflight._core as _core
 import numpy as np
 from leaflight import LeaflightError
+from leaflight.volume import meshes
 from leaflight.volume.exploded import explode_offsets
 
 from ..store import cache, source_files
@@ -51,7 +51,7 @@ class Isosurface:
     def mesh(self):
         """Returns (vertices, normals, triangles), in any thread. Raises LeaflightError."""
         if self.is_coarse() or self.grid is None:
-            vertices, normals, triangles = _core.contour(self._field(), self.isovalue)
+            vertices, normals, triangles = meshes.contour(self._field(), self.isovalue)
         else:
             vertices, normals, triangles = self._lit_contour(normals=True)[:3]
         vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
@@ -80,14 +80,16 @@ class Isosurface:
         """
         if self.is_coarse() or self.grid is None:
             is_projected = bool(self.grid is not None and self.halvings)
-            vertices, normals, triangles = _core.contour(self._field(), self.isovalue, is_projected)
+            vertices, normals, triangles = meshes.contour(
+                self._field(), self.isovalue, is_projected
+            )
             count = len(triangles) * 4 ** (self.halvings or 0)
             vertices, triangles, normals = self._without_dust(vertices, triangles, normals)
             offsets = self._offsets(vertices, triangles)
             if is_projected:
                 # Move vertices to the isosurface of the light, on the same side of a thin shell.
                 field, reach = self.volume.field(), 2.0 * 2**self.halvings
-                vertices = _core.project_along(field, vertices, normals, self.isovalue, reach)
+                vertices = meshes.project_along(field, vertices, normals, self.isovalue, reach)
             return vertices, triangles, self.radiance(vertices) | offsets, count
         vertices, _, triangles, *sides, count = self._lit_contour()
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
@@ -113,7 +115,7 @@ class Isosurface:
         """
         if self.dust <= 0:
             return vertices, triangles, *of_vertices
-        kept, triangles = _core.large_parts(vertices, triangles, self.dust)
+        kept, triangles = meshes.large_parts(vertices, triangles, self.dust)
         rest = (None if rows is None else rows[kept] for rows in of_vertices)
         return vertices[kept], triangles, *rest
 

@@ -15,11 +15,10 @@ def export_isosurfaces(obj, several):
     several: True if other volumes are baked with it.
     """
     settings = obj.leaflight
-    strength = settings.isosurface_emission_strength
     return Isosurfaces(
         name=obj.name,
         albedo=albedo_ramp(obj),
-        emission=tuple(strength * x for x in settings.isosurface_emission),
+        emission=emission_of(obj),
         scattering=settings.isosurface_scattering.lower(),
         ior=settings.isosurface_ior,
         isovalues=(settings.low, settings.high) if several else None,

@@ -7,9 +7,9 @@ from leaflight import LeaflightError
 from leaflight.srgb import linear_from_srgb
 from leaflight.volume.label_table import labels_of
 
+from ..props import BoolProperty, ColorProperty, IntProperty
 from ..store import cache
 from . import surface_object, texture
-from .overridable import BoolProperty, ColorProperty, IntProperty
 
 
 def _colored_by(label_map):
@@ -19,24 +19,20 @@ def _colored_by(label_map):
     return [obj for obj in of_labels if texture.volumes_that_color(obj) == [label_map]]
 
 
-def _color_changed(label, _context):
-    show_colors(label.id_data)
-
-
-def _eye_changed(label, _context):
-    show_eyes(label.id_data)
-
-
 class LeaflightLabel(bpy.types.PropertyGroup):
     """A label of a label map. Blender searches its list by the name."""
 
     number: IntProperty("Number", "Value of the label in the file")
-    color: ColorProperty("Color", "Color of the isosurface at this label", update=_color_changed)
+    color: ColorProperty(
+        "Color",
+        "Color of the isosurface at this label",
+        update=lambda label, _context: show_colors(label.id_data),
+    )
     is_shown: BoolProperty(
         "Show",
         "Show the surface of this label. A bake keeps its labels, so bake again",
         True,
-        update=_eye_changed,
+        update=lambda label, _context: show_eyes(label.id_data),
     )
 
 

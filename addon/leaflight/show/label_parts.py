@@ -8,19 +8,20 @@ from mathutils import Vector
 from .. import versions
 from . import shader
 
-_WHITE = (0.9, 0.9, 0.9)
+_LABEL, _WHITE = "Leaflight Label", 0.9
 # Distance from the camera, as a multiple of its clip start.
 _DISTANCE = 4.0
 
 
 def white_material():
     """Returns the material of white labels, which all of them share."""
-    name = "Leaflight Label"
-    material = bpy.data.materials.get(name)
-    if material is None:
-        material = bpy.data.materials.new(name)
-        versions.do_not_sample_as_light(material)
-        shader.build_emission(material, exposed(_WHITE))
+    return bpy.data.materials.get(_LABEL) or gray_material(_LABEL, _WHITE)
+
+
+def gray_material(name, gray):
+    material = bpy.data.materials.new(name)
+    versions.do_not_sample_as_light(material)
+    shader.build_emission(material, exposed((gray,) * 3))
     return material
 
 

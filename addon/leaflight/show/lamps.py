@@ -9,14 +9,11 @@ import dataclasses
 import json
 from typing import Any
 
-from leaflight.bake.relit import scales_exactly, strengths_of
-from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
+from leaflight.bake.relit import scales_exactly
+from leaflight.scene.lights import LIGHTS, Cone, strengths_of
 
 from .. import session
 from ..store import cache
-
-_KINDS = {kind.__name__: kind for kind in (AreaLight, PointLight, SunLight)}
-_STRENGTHS = ("radiance", "intensity", "irradiance")
 
 # Id of a bake -> ((name of a lamp, factors (r, g, b)), ...) of the changed lamps.
 _factors = session.cache()
@@ -138,10 +135,10 @@ def _light(kind, fields):
     if known.get("cone") is not None:
         cone = known["cone"]
         known["cone"] = Cone(**{**cone, "axis": tuple(cone["axis"])})
-    return _KINDS[kind](**known)
+    return LIGHTS[kind](**known)
 
 
 def _shape(light):
     """Returns all data of a lamp except its strength and color."""
     fields = dataclasses.asdict(light)
-    return type(light), {key: x for key, x in fields.items() if key not in _STRENGTHS}
+    return type(light), {key: x for key, x in fields.items() if key != light.STRENGTH}

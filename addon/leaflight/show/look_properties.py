@@ -7,9 +7,7 @@ import bpy
 import numpy as np
 from leaflight import LeaflightError
 
-from ..store import cache
-from . import data_faces, display, exploded, surface_object
-from .overridable import (
+from ..props import (
     BoolProperty,
     BoolVectorProperty,
     ColorProperty,
@@ -19,6 +17,8 @@ from .overridable import (
     PointerProperty,
     ShareProperty,
 )
+from ..store import cache
+from . import data_faces, display, exploded, surface_object
 
 
 def _changed(look, _context):
@@ -27,15 +27,13 @@ def _changed(look, _context):
         data_faces.update_cut(display.volume_object(look.id_data))
 
 
-def _all_changed(look, _context):
-    if look.id_data.leaflight.is_volume:
-        surface_object.shade_all(look.id_data)
-        data_faces.update_cut(look.id_data)
+@display.on_volume
+def _all_changed(volume):
+    surface_object.shade_all(volume)
+    data_faces.update_cut(volume)
 
 
-def _slices_changed(look, _context):
-    if look.id_data.leaflight.is_volume:
-        data_faces.update_slices(look.id_data)
+_slices_changed = display.on_volume(data_faces.update_slices)
 
 
 def _shape_changed(look, _context):
@@ -44,11 +42,9 @@ def _shape_changed(look, _context):
         surface_object.update(obj, surface_object.shown_isovalue(obj))
 
 
-def _axis_chosen(look, _context):
-    volume = look.id_data
-    if not volume.leaflight.is_volume:
-        return
-    axis = exploded.axis_of(volume)
+@display.on_volume
+def _axis_chosen(volume):
+    axis, look = exploded.axis_of(volume), volume.leaflight_look
     if axis is not None and look.explode_distance == 0:
         with suppress(LeaflightError):
             low, high = np.asarray(cache.volume_of(volume).field().bounds, np.float64)
@@ -57,10 +53,10 @@ def _axis_chosen(look, _context):
     _all_changed(look, None)
 
 
-def _distance_changed(look, _context):
-    if look.id_data.leaflight.is_volume:
-        for obj in display.surfaces_of(look.id_data):
-            surface_object.explode(obj, look.explode_distance)
+@display.on_volume
+def _distance_changed(volume):
+    for obj in display.surfaces_of(volume):
+        surface_object.explode(obj, volume.leaflight_look.explode_distance)
 
 
 def _color_chosen(look, _context):
@@ -95,7 +91,6 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
         "Hide Dust",
         "Hide separate parts that are shorter than this many voxels; 0 shows all. "
         "Hidden parts still cast their shadows",
-        0.0,
         min=0.0,
         soft_max=50.0,
         precision=1,
@@ -114,7 +109,6 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
         "Distance",
         "Distance by which the two outermost parts move apart, in the unit of the data. The "
         "parts between move in proportion",
-        0.0,
         min=0.0,
         update=_distance_changed,
     )
@@ -187,5 +181,4 @@ class LeaflightIsosurfaceDisplay(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (LeaflightIsosurfaceDisplay,)
 PROPERTIES = ((bpy.types.Object, "leaflight_look", PointerProperty(LeaflightIsosurfaceDisplay)),)

@@ -8,9 +8,7 @@ from leaflight import LeaflightError
 from leaflight.color_maps import CATEGORICAL, MAPS
 from leaflight.scene.volume_texture import MOST_STEPS
 
-from . import color_bar, isovalues, label_list, surface_object, texture, walls
-from .bake_properties import BakeOptions, BakeRecord
-from .overridable import (
+from ..props import (
     BoolProperty,
     CollectionProperty,
     ColorProperty,
@@ -19,6 +17,8 @@ from .overridable import (
     IntProperty,
     PointerProperty,
 )
+from . import color_bar, display, isovalues, label_list, surface_object, texture, walls
+from .bake_properties import BakeOptions, BakeRecord
 from .volume_properties import VolumeSource, shape_changed
 
 # Color map of slices.
@@ -30,9 +30,7 @@ SCATTERING_ITEMS = [
 ]
 
 
-def _shading_changed(settings, _context):
-    if settings.id_data.leaflight.is_volume:
-        surface_object.shade_all(settings.id_data)
+_shading_changed = display.on_volume(surface_object.shade_all)
 
 
 def _can_color(settings, obj):
@@ -76,10 +74,10 @@ def _kind_changed(settings, context):
     _texture_changed(settings, context)
 
 
-def _texture_changed(settings, _context):
-    if settings.id_data.leaflight.is_volume:
-        surface_object.update_all(settings.id_data)
-        color_bar.update(settings.id_data)
+@display.on_volume
+def _texture_changed(obj):
+    surface_object.update_all(obj)
+    color_bar.update(obj)
 
 
 class LeaflightColorStop(bpy.types.PropertyGroup):
@@ -193,7 +191,6 @@ class Isosurfaces:
     isosurface_emission_strength: FloatProperty(
         "Strength",
         "Radiance that the isosurfaces emit; 0 is none",
-        0.0,
         min=0.0,
         soft_max=100.0,
         update=_shading_changed,
@@ -287,7 +284,6 @@ class LeaflightSceneSettings(bpy.types.PropertyGroup):
     active_volume: bpy.props.StringProperty(name="Volume That Was Active Last")
 
 
-CLASSES = (LeaflightColorStop, label_list.LeaflightLabel, LeaflightSettings, LeaflightSceneSettings)
 PROPERTIES = (
     (bpy.types.Object, "leaflight", PointerProperty(LeaflightSettings)),
     (bpy.types.Scene, "leaflight", bpy.props.PointerProperty(type=LeaflightSceneSettings)),

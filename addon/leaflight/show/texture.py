@@ -16,7 +16,7 @@ from leaflight.volume.label_table import without_labels
 
 from .. import session, versions
 from ..store import cache, frame_bakes, source_files
-from . import display
+from . import display, fill
 
 # Cache: full name of an object -> (values of its label map, hidden labels, VolumeTexture).
 _labels = session.cache()
@@ -259,10 +259,9 @@ def _label_texture(obj, volume, colors):
 def _colors_of_labels(label_map):
     """Returns {number: color} of the list of labels of an object."""
     labels = label_map.leaflight.labels
-    numbers, colors = np.empty(len(labels), np.int32), np.empty(3 * len(labels), np.float32)
-    labels.foreach_get("number", numbers)
-    labels.foreach_get("color", colors)
-    return dict(zip(map(float, numbers), map(tuple, colors.reshape(-1, 3).tolist())))
+    numbers = fill.read(labels, "number", np.int32)
+    colors = fill.read(labels, "color", np.float32, 3)
+    return dict(zip(map(float, numbers), map(tuple, colors.tolist())))
 
 
 def begin(obj):

@@ -4,8 +4,7 @@
 from leaflight.volume.units import METERS
 
 from .. import versions
-from . import isovalues, surface_object
-from .overridable import (
+from ..props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
@@ -14,6 +13,7 @@ from .overridable import (
     IntVectorProperty,
     StringProperty,
 )
+from . import display, isovalues, surface_object
 
 _UNKNOWN = "UNKNOWN"
 # Units as (symbol, identifier, description). Blender's identifiers are ASCII.
@@ -40,16 +40,6 @@ def unit_of(key):
     return _UNITS[_UNIT_KEYS.index(key)]
 
 
-def unit_number(unit):
-    """Returns the index of the item of a unit."""
-    return _UNITS.index(unit)
-
-
-def unit_at(number):
-    """Returns the unit of the item at an index."""
-    return _UNITS[number]
-
-
 VALUE_TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 VALUE_TYPE_ITEMS = [(name, name, f"Values of type {name}") for name in VALUE_TYPES]
 ENDIAN_ITEMS = [
@@ -58,15 +48,10 @@ ENDIAN_ITEMS = [
 ]
 
 
-def shape_changed(settings, _context):
-    if settings.is_volume:
-        surface_object.update(settings.id_data, settings.isovalue)
-        surface_object.update_all(settings.id_data)
-
-
-def _frame_changed(settings, _context):
-    if settings.is_volume:
-        isovalues.show_frame(settings.id_data)
+@display.on_volume
+def shape_changed(obj):
+    surface_object.update(obj, obj.leaflight.isovalue)
+    surface_object.update_all(obj)
 
 
 class ReadingChoices:
@@ -78,7 +63,6 @@ class ReadingChoices:
     skip: IntProperty(
         "Skip",
         "Bytes before the values of a .raw file; -1 if the values are at its end",
-        0,
         min=-1,
     )
     spacing: FloatVectorProperty(
@@ -118,7 +102,7 @@ class VolumeSource(ReadingChoices):
         "Number of the shown volume in the series over time, from 0. Keyframes play "
         "the series. Each frame has its own bake",
         min=0,
-        update=_frame_changed,
+        update=display.on_volume(isovalues.show_frame),
     )
     frame_bakes: StringProperty("Bakes of the Other Frames")
     frame_regions: StringProperty("Regions of Each Frame")
@@ -133,7 +117,6 @@ class VolumeSource(ReadingChoices):
     smooth: FloatProperty(
         "Smooth",
         "Standard deviation, in voxels, of the Gaussian that smooths the values",
-        0.0,
         min=0.0,
         max=10.0,
         options=set(),
@@ -142,7 +125,6 @@ class VolumeSource(ReadingChoices):
     smooth_normals: FloatProperty(
         "Smooth Normals",
         "Standard deviation, in voxels, of the Gaussian on the normals",
-        0.0,
         min=0.0,
         max=10.0,
         options=set(),
@@ -156,6 +138,6 @@ class VolumeSource(ReadingChoices):
         "Unit",
         "Unit of the coordinates in the file",
         UNIT_ITEMS,
-        get=lambda settings: unit_number(settings.unit),
-        set=lambda settings, number: setattr(settings, "unit", unit_at(number)),
+        get=lambda settings: _UNITS.index(settings.unit),
+        set=lambda settings, number: setattr(settings, "unit", _UNITS[number]),
     )

@@ -213,7 +213,9 @@ def _build(scene, leader):
             continue
         collection.objects.link(_display(bake, index, mesh.name, shared))
         original[_BAKED_AS] = mesh.name
-        _hide(scene, original)
+        # An object with several materials has a mesh for each.
+        if not (is_hidden(original) or original.hide_render):
+            display.hide(scene, original, _HIDDEN)
 
 
 def _original(scene, name):
@@ -238,12 +240,6 @@ def _display(bake, index, name, shared):
     obj[_INDEX], obj[_NAME] = index, name
     obj.hide_select = True
     return obj
-
-
-def _hide(scene, obj):
-    """Hides an object that renders. The call is repeated for objects with several materials."""
-    if not (is_hidden(obj) or obj.hide_render):
-        display.hide(scene, obj, _HIDDEN)
 
 
 def _clear(scene):

@@ -4,11 +4,11 @@
 import math
 
 import bpy
-import leaflight._core as _core
 import mathutils
 import numpy as np
+from leaflight.volume.meshes import connected_parts
 
-from ..show import display, isosurfaces
+from ..show import display, fill, isosurfaces
 
 # Angle of view across the frame's shorter side, as of a portrait lens.
 _ANGLE = math.radians(26.0)
@@ -87,14 +87,11 @@ def bounds(points):
 
 
 def _large_parts(obj):
-    mesh = obj.data
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    vertices = fill.read(obj.data.vertices, "co", np.float32, 3)
+    corners = fill.read(obj.data.loops, "vertex_index", np.int32)
     matrix = np.array(obj.matrix_world, np.float64)
-    large = in_large_parts(len(mesh.vertices), corners.reshape(-1, 3))
-    return vertices.reshape(-1, 3)[large] @ matrix[:3, :3].T + matrix[:3, 3]
+    large = in_large_parts(len(vertices), corners.reshape(-1, 3))
+    return vertices[large] @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def in_large_parts(count, triangles):
@@ -104,6 +101,6 @@ def in_large_parts(count, triangles):
     """
     if not len(triangles):
         return np.zeros(count, bool)
-    part = _core.connected_parts(triangles, count)
+    part = connected_parts(triangles, count)
     sizes = np.bincount(part[triangles[:, 0]], minlength=count)
     return sizes[part] >= _SHARE * sizes.max()

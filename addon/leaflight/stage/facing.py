@@ -8,22 +8,16 @@ import math
 
 import numpy as np
 
-AXES = {
-    "POS_X": (1, 0, 0),
-    "NEG_X": (-1, 0, 0),
-    "POS_Y": (0, 1, 0),
-    "NEG_Y": (0, -1, 0),
-    "POS_Z": (0, 0, 1),
-    "NEG_Z": (0, 0, -1),
-}
-ITEMS = [
-    ("POS_X", "+X", "To the right of a patient"),
-    ("NEG_X", "-X", "To the left of a patient"),
-    ("POS_Y", "+Y", "To the front of a patient"),
-    ("NEG_Y", "-Y", "To the back of a patient"),
-    ("POS_Z", "+Z", "To the head of a patient; the slice axis of most files"),
-    ("NEG_Z", "-Z", "To the feet of a patient"),
+_ROWS = [
+    ("POS_X", "+X", "To the right of a patient", (1, 0, 0)),
+    ("NEG_X", "-X", "To the left of a patient", (-1, 0, 0)),
+    ("POS_Y", "+Y", "To the front of a patient", (0, 1, 0)),
+    ("NEG_Y", "-Y", "To the back of a patient", (0, -1, 0)),
+    ("POS_Z", "+Z", "To the head of a patient; the slice axis of most files", (0, 0, 1)),
+    ("NEG_Z", "-Z", "To the feet of a patient", (0, 0, -1)),
 ]
+ITEMS = [row[:3] for row in _ROWS]
+AXES = {row[0]: row[3] for row in _ROWS}
 NAMES = list(AXES)
 
 # Front axis of volumes without an orientation, and of patients. Readers store a patient's axes as

@@ -84,6 +84,3 @@ def _is_lamp(obj):
 
 def _stands_at(obj, place):
     return np.allclose(obj.matrix_world.translation, place, atol=1e-3)
-
-
-CLASSES = (LEAFLIGHT_OT_show_hidden,)

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 from leaflight import LeaflightError
-from leaflight.scene.scene import AreaLight, Cone, PointLight, SunLight
+from leaflight.scene.lights import AreaLight, Cone, PointLight, SunLight
 
 from .. import versions
 from . import nodes
@@ -65,13 +65,7 @@ def _tint(what, light):
         raise LeaflightError(
             f"{what} ends in a {emission.bl_label} node, but the bake models Emission: change it."
         )
-    strength = nodes.number(emission, "Strength")
-    if not np.isfinite(strength):
-        node = nodes.source(nodes.socket(emission, "Strength"))
-        raise LeaflightError(
-            f"{what} has a strength made by a {node.bl_label} node, which the bake cannot model: "
-            "disconnect it, or disable the light in renders."
-        )
+    strength = nodes.constant(what, emission, "Strength")
     return np.array(nodes.color(what, nodes.socket(emission, "Color"))) * strength
 
 

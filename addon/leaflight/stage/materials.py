@@ -54,11 +54,7 @@ def surface_of(owner, material):
     if tree is None:
         return Surface(tuple(material.diffuse_color[:3]))
     what = f'Material "{material.name}" of "{owner}"'
-    if nodes.linked(tree, "Volume") is not None:
-        raise LeaflightError(
-            f"{what} has a volume shader, which the bake cannot model: disconnect it."
-        )
-    shader = nodes.linked(tree, "Surface")
+    shader = nodes.shader(what, tree)
     return Surface() if shader is None else _surface(what, shader)
 
 
@@ -157,7 +153,7 @@ def _clear(what, shader, color):
             "Glass BSDF for a match"
         )
     passing = versions.principled_glass_color(color)
-    return Surface(passing, "glass", _ior(what, shader), warnings=warnings)
+    return Surface(passing, "glass", nodes.constant(what, shader, "IOR", 1.5), warnings=warnings)
 
 
 def _left_out(what, shader, identifiers):
@@ -170,7 +166,7 @@ def _left_out(what, shader, identifiers):
 
 def _principled_emission(what, shader):
     end = nodes.socket(shader, "Emission") or nodes.socket(shader, "Emission Color")
-    strength = nodes.number(shader, "Emission Strength", 1.0)
+    strength = nodes.constant(what, shader, "Emission Strength", 1.0)
     if end is None or strength == 0:
         return (0.0, 0.0, 0.0)
     return _radiance(what, nodes.color(what, end), strength)
@@ -185,12 +181,12 @@ def _glass(what, shader):
     _check_polished(what, shader, "glass")
     color = nodes.color(what, nodes.socket(shader, "Color"))
     warnings = _left_out(what, shader, _FILM)
-    return Surface(color, "glass", _ior(what, shader), warnings=warnings)
+    return Surface(color, "glass", nodes.constant(what, shader, "IOR", 1.5), warnings=warnings)
 
 
 def _emission(what, shader):
     color = nodes.color(what, nodes.socket(shader, "Color"))
-    return Surface(emission=_radiance(what, color, nodes.number(shader, "Strength")))
+    return Surface(emission=_radiance(what, color, nodes.constant(what, shader, "Strength")))
 
 
 def _sum(what, shader):
@@ -212,10 +208,6 @@ def _sum(what, shader):
 
 
 def _radiance(what, color, strength):
-    if not np.isfinite(strength):
-        raise LeaflightError(
-            f"{what} has a textured emission strength, which the bake cannot model: disconnect it."
-        )
     radiance = tuple(float(strength * x) for x in color)
     if min(radiance) < 0:
         raise LeaflightError(f"{what} emits negative light: make its strength zero or positive.")
@@ -232,15 +224,6 @@ def _check_polished(what, shader, kind):
         f"{what} is {kind} with {found}, but the bake models polished {kind}: set Roughness to 0, "
         "or make the material diffuse."
     )
-
-
-def _ior(what, shader):
-    ior = nodes.number(shader, "IOR", 1.5)
-    if not np.isfinite(ior):
-        raise LeaflightError(
-            f"{what} has a textured IOR, which the bake cannot model: disconnect it."
-        )
-    return float(ior)
 
 
 def _textured(what, end):

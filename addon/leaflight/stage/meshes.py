@@ -7,6 +7,7 @@ import numpy as np
 from leaflight import LeaflightError
 from leaflight.scene.scene import Mesh
 
+from ..show import fill
 from . import images, materials
 
 
@@ -56,8 +57,7 @@ def export_meshes(obj, matrix, warnings):
 
 
 def _triangle_slots(obj, mesh):
-    slots = np.empty(len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("material_index", slots)
+    slots = fill.read(mesh.loop_triangles, "material_index", np.int32)
     # Blender renders an index beyond the slots with the last slot.
     return np.clip(slots, 0, max(len(obj.material_slots) - 1, 0))
 
@@ -70,12 +70,9 @@ def _surface(obj, index, warnings):
 
 
 def _whole(obj, mesh, axes, order):
-    vertices = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    world = vertices.reshape(-1, 3) @ axes[:3, :3].T + axes[:3, 3]
-    triangles = triangles.reshape(-1, 3)[:, order].astype(np.uint32)
+    vertices = fill.read(mesh.vertices, "co", np.float32, 3)
+    triangles = fill.read(mesh.loop_triangles, "vertices", np.int32, 3)[:, order].astype(np.uint32)
+    world = vertices @ axes[:3, :3].T + axes[:3, 3]
     return Mesh(obj.name, world.astype(np.float32), triangles, materials.DEFAULT_ALBEDO)
 
 
@@ -102,12 +99,9 @@ def _uv(obj, mesh, surface, order):
             f'"{obj.name}" has an image as its color but no UV map{wanted}: unwrap it, or choose a '
             "color."
         )
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    flat = np.empty(2 * len(layer.data), np.float32)
-    layer.data.foreach_get("uv", flat)
+    loops = fill.read(mesh.loop_triangles, "loops", np.int32, 3).ravel()
     points = np.zeros((len(loops), 4))
-    points[:, :2] = flat.reshape(-1, 2)[loops]
+    points[:, :2] = fill.read(layer.data, "uv", np.float32, 2)[loops]
     points[:, 3] = 1.0
     mapped = (points @ picture.uv_matrix.T)[:, :2].astype(np.float32)
     return mapped.reshape(-1, 3, 2)[:, order]
@@ -122,9 +116,7 @@ def _check_extension(what, picture, uv):
 
 
 def _warn_of_smoothness(obj, mesh, warnings):
-    smooth = np.empty(len(mesh.polygons), bool)
-    mesh.polygons.foreach_get("use_smooth", smooth)
-    if smooth.any():
+    if fill.read(mesh.polygons, "use_smooth", bool).any():
         warnings.append(
             f'"{obj.name}" reflects or refracts with smooth shading but is baked with its flat '
             "facets: use a finer mesh, or shade it flat for a match"

@@ -50,6 +50,27 @@ def number(node, identifier, absent=0.0):
     return np.inf if source(end) else end.default_value
 
 
+def constant(what, node, identifier, absent=0.0):
+    """Returns the number at a socket. Raises LeaflightError if other nodes feed it."""
+    value = number(node, identifier, absent)
+    if not np.isfinite(value):
+        other = source(socket(node, identifier))
+        raise LeaflightError(
+            f"{what} has a {other.bl_label} node in its {identifier}, which the bake cannot model: "
+            "disconnect it."
+        )
+    return value
+
+
+def shader(what, tree):
+    """Returns the node of a tree's surface, or None. Raises LeaflightError for a volume shader."""
+    if linked(tree, "Volume") is not None:
+        raise LeaflightError(
+            f"{what} has a volume shader, which the bake cannot model: disconnect it."
+        )
+    return linked(tree, "Surface")
+
+
 def color(what, end):
     """Returns the color (r, g, b) at a socket. Raises LeaflightError if other nodes feed it."""
     if source(end):

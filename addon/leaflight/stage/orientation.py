@@ -11,9 +11,8 @@ from mathutils import Matrix
 
 from ..operators import checks, jobs
 from ..operators.checks import active_volume
-from ..props import EnumProperty
+from ..props import BoolProperty, EnumProperty, IntProperty, PointerProperty
 from ..show import isosurfaces, isovalues
-from ..show.overridable import BoolProperty, IntProperty, PointerProperty
 from ..store import cache, source_files
 from . import stage
 from .facing import (
@@ -38,37 +37,32 @@ def _up(group):
     return int(np.argmax(heights))
 
 
-def _front(group):
-    return group.front_axis
+def _chooser(turned):
+    """Returns a function that sets an axis. turned: with_up() or with_front()."""
 
+    def choose(group, number):
+        up, front = _axes_of(group)
+        if turned(up, front, vector(number)) == (up, front):
+            group.is_unknown = False
+        else:
+            _turn(group.id_data, *turned(up, front, vector(number)))
 
-def _set_up(group, number):
-    _choose(group, with_up, number)
-
-
-def _set_front(group, number):
-    _choose(group, with_front, number)
-
-
-def _choose(group, turned, number):
-    up, front = _axes_of(group)
-    if turned(up, front, vector(number)) == (up, front):
-        group.is_unknown = False
-    else:
-        _turn(group.id_data, *turned(up, front, vector(number)))
+    return choose
 
 
 def _axes_of(group):
     """Returns (up, front), at a right angle even after the user has rotated the volume."""
-    up, front = vector(_up(group)), vector(_front(group))
+    up, front = vector(_up(group)), vector(group.front_axis)
     if along(up, front):
         front = AXES[FRONT] if not along(up, AXES[FRONT]) else AXES["NEG_X"]
     return up, front
 
 
 class LeaflightOrientation(bpy.types.PropertyGroup):
-    up: EnumProperty("Up", UP_TEXT, ITEMS, get=_up, set=_set_up)
-    front: EnumProperty("Front", FRONT_TEXT, ITEMS, get=_front, set=_set_front)
+    up: EnumProperty("Up", UP_TEXT, ITEMS, get=_up, set=_chooser(with_up))
+    front: EnumProperty(
+        "Front", FRONT_TEXT, ITEMS, get=lambda group: group.front_axis, set=_chooser(with_front)
+    )
     front_axis: IntProperty("Number of the Front", default=NAMES.index(FRONT))
     is_unknown: BoolProperty("No Orientation in the File or Chosen")
 
@@ -124,7 +118,7 @@ def begin(obj, is_patient, up, front):
 
 def take_over(obj, other):
     """Gives a volume the front of another volume, to which it is registered."""
-    obj.leaflight_orientation.front_axis = _front(other.leaflight_orientation)
+    obj.leaflight_orientation.front_axis = other.leaflight_orientation.front_axis
 
 
 def _turn(obj, up, front):
@@ -174,5 +168,4 @@ def _is_same_space(*objects):
     return np.allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(one).max())
 
 
-CLASSES = (LeaflightOrientation, LEAFLIGHT_OT_turn_volume)
 PROPERTIES = ((bpy.types.Object, "leaflight_orientation", PointerProperty(LeaflightOrientation)),)

@@ -114,5 +114,4 @@ class LeaflightStage(bpy.types.PropertyGroup):
     own_camera: PointerProperty(bpy.types.Object)
 
 
-CLASSES = (LeaflightStage,)
 PROPERTIES = ((bpy.types.Scene, "leaflight_stage", PointerProperty(LeaflightStage)),)

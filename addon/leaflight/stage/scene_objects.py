@@ -6,7 +6,7 @@ import math
 import bpy
 import mathutils
 import numpy as np
-from leaflight.scene.scene import AreaLight, SunLight
+from leaflight.scene.lights import AreaLight, SunLight, strengths_of
 
 from .. import versions
 from ..show import shader
@@ -75,11 +75,9 @@ def _is_curved(mesh):
 def light_object(description):
     if isinstance(description, AreaLight):
         obj = _area_light(description)
-        wanted = description.radiance
     elif isinstance(description, SunLight):
         obj = _turned("SUN", description.name, description.direction)
         obj.data.angle = description.angle
-        wanted = description.irradiance
     else:
         cone = description.cone
         kind, axis = ("POINT", (0, 0, -1)) if cone is None else ("SPOT", cone.axis)
@@ -88,8 +86,7 @@ def light_object(description):
         versions.harden_falloff(obj.data)
         if cone is not None:
             obj.data.spot_size, obj.data.spot_blend = cone.angle, cone.blend
-        wanted = description.intensity
-    _brighten(obj, np.array(wanted, np.float64))
+    _brighten(obj, np.array(strengths_of(description), np.float64))
     return obj
 
 
@@ -120,9 +117,7 @@ def _brighten(obj, wanted):
     """Sets a light's color and power so that its export has the wanted values (3,)."""
     obj.data.color, obj.data.energy = wanted / wanted.max(), 1.0
     exported = lights.export_light(obj, obj.matrix_basis, lambda: [], [])
-    names = ("radiance", "irradiance", "intensity")
-    found = next(getattr(exported, name) for name in names if hasattr(exported, name))
-    obj.data.energy = wanted.max() / max(found)
+    obj.data.energy = wanted.max() / max(strengths_of(exported))
 
 
 def surround(scene, environment):

@@ -303,6 +303,3 @@ def paint_backdrop(scene, color):
             for material in obj.data.materials:
                 shader.set_albedo(material, color)
                 material.diffuse_color = (*color, 1.0)
-
-
-CLASSES = (LEAFLIGHT_OT_stage, LEAFLIGHT_OT_frame_isosurface)

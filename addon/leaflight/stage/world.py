@@ -17,11 +17,7 @@ def export_world(world):
     tree = versions.node_tree(world)
     if tree is None:
         return _environment(what, world.name, tuple(world.color))
-    if nodes.linked(tree, "Volume") is not None:
-        raise LeaflightError(
-            f"{what} has a volume shader, which the bake cannot model: disconnect it."
-        )
-    background = nodes.linked(tree, "Surface")
+    background = nodes.shader(what, tree)
     if background is None:
         return None
     if background.type != "BACKGROUND":
@@ -29,11 +25,7 @@ def export_world(world):
             f"{what} ends in a {background.bl_label} node, but the bake models Background: connect "
             "that, with a color or an Environment Texture."
         )
-    strength = nodes.number(background, "Strength")
-    if not np.isfinite(strength):
-        raise LeaflightError(
-            f"{what} has a textured strength, which the bake cannot model: disconnect it."
-        )
+    strength = nodes.constant(what, background, "Strength")
     if strength == 0:
         return None
     end = nodes.socket(background, "Color")

@@ -11,7 +11,8 @@ import re
 from pathlib import Path
 
 import numpy as np
-from leaflight import LeaflightError, _core
+from leaflight import LeaflightError
+from leaflight.io.images import read_exr_comments, write_exr
 
 # Limit of width and height in pixels. Graphics drivers and memory rarely hold larger float images.
 LARGEST_ATLAS = 8192
@@ -71,7 +72,7 @@ def require(grid, bake_path, identifier, index, back):
     """
     path, expected = path_of(bake_path, index, back), label(identifier, index, back)
     try:
-        if path.is_file() and _core.read_exr_comments(str(path)) == expected:
+        if path.is_file() and read_exr_comments(str(path)) == expected:
             return path, False
     except LeaflightError:
         pass
@@ -81,4 +82,4 @@ def require(grid, bake_path, identifier, index, back):
 
 def _write(pixels, path, comments):
     # Rows of Blender and of the atlas count from the bottom. Rows of EXR count from the top.
-    _core.write_exr(str(path), np.ascontiguousarray(pixels[::-1]), comments)
+    write_exr(str(path), np.ascontiguousarray(pixels[::-1]), comments)

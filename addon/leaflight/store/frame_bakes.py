@@ -42,7 +42,9 @@ def switch(obj, frame):
     names = _names(settings)
     kept = json.loads(settings.frame_bakes or "{}")
     if is_baked(settings):
-        kept[str(settings.frame)] = {name: _plain(getattr(settings, name)) for name in names}
+        kept[str(settings.frame)] = {
+            name: source_files.plain(getattr(settings, name)) for name in names
+        }
     found = kept.pop(str(frame), {})
     regions = json.loads(settings.frame_regions or "[]")
     if regions and not found and kept:
@@ -115,7 +117,3 @@ def bakes_of(settings):
 def _names(settings):
     names = [name for name in settings.bl_rna.properties.keys() if name.startswith("bake_")]
     return [name for name in (*names, *_MORE) if name not in _OF_ALL]
-
-
-def _plain(value):
-    return value if isinstance(value, (bool, int, float, str)) else list(value)

@@ -90,9 +90,6 @@ def _limit_memory(chosen):
     limit_memory(int(chosen.memory * 2**30) if chosen.limit_memory else None, cache_folder())
 
 
-CLASSES = (LeaflightPreferences,)
-
-
 def register():
     chosen = _chosen()
     if chosen is not None:

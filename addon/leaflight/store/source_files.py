@@ -66,12 +66,13 @@ def read(settings):
 
 def choices_of(settings):
     """Returns the arguments of read_volume() beside the path, by the names of the properties."""
-    choices = {name: _plain(getattr(settings, name)) for name in CHOICES}
+    choices = {name: plain(getattr(settings, name)) for name in CHOICES}
     # The frames of a wipe are cuts of one volume. Import operators have none.
     return {**choices, "frame": -1} if getattr(settings, "frame_regions", "") else choices
 
 
-def _plain(value):
+def plain(value):
+    """Returns the value of a property as numbers or text that JSON can hold."""
     return value if isinstance(value, (bool, int, float, str)) else tuple(value)
 
 
@@ -247,8 +248,10 @@ def file_state(settings):
     """Returns a hash of the names, sizes and times of the volume's file or slices, and of those of
     the label maps that mask it.
 
-    Returns an empty text if they cannot be read.
+    Returns an empty text if the volume has no file, or one cannot be read.
     """
+    if not settings.source:
+        return ""
     paths = map(Path, files_of(settings))
     try:
         states = [(file.name, os.stat(file)) for path in paths for file in _files_at(path)]
@@ -278,7 +281,7 @@ def source_of(settings):
 
 def changes_of(settings):
     """Returns the changes of a volume's values since the import, as text."""
-    return json.dumps([_plain(getattr(settings, name)) for name in CHANGES])
+    return json.dumps([plain(getattr(settings, name)) for name in CHANGES])
 
 
 def regions_alone_changed(settings):
@@ -301,7 +304,7 @@ def changed_since_bake(obj):
     False if one of them is gone.
     """
     settings = obj.leaflight
-    now = file_state(settings) if settings.source else ""
+    now = file_state(settings)
     if not now or now == settings.bake_file_state:
         return False
     key = key_of(settings)

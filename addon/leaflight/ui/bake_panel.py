@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import versions
+from .. import props, versions
 from ..bake import bake, continue_bake, estimate_bake, live, load_bake, photon_cloud, stopped
 from ..operators import failures, jobs
 from ..operators.checks import active_volume
@@ -23,9 +23,7 @@ class LEAFLIGHT_PT_bake(VolumePanel, bpy.types.Panel):
         split(column)
         column.prop(settings, "low", text="Lowest")
         column.prop(settings, "high", text="Highest")
-        column = layout.column(align=True)
-        column.prop(settings, "light_walls")
-        column.prop(settings, "both_sides")
+        props.draw(layout.column(align=True), settings, "light_walls", "both_sides")
         self._draw_quality(context, settings)
         button = layout.row(align=True)
         button.scale_y = 1.5
@@ -160,9 +158,7 @@ class LEAFLIGHT_PT_advanced(_AdvancedPanel, bpy.types.Panel):
         layout.prop(settings, "error")
         optional(layout.column(), settings, "use_time_limit", "time_limit")
         optional(layout.column(), settings, "use_resolution", "resolution")
-        layout.prop(settings, "seed")
-        layout.prop(settings, "shading")
-        layout.prop(settings, "bake_folder")
+        props.draw(layout, settings, "seed", "shading", "bake_folder")
         layout.operator(photon_cloud.LEAFLIGHT_OT_photon_cloud.bl_idname, icon="POINTCLOUD_DATA")
 
 
@@ -183,6 +179,3 @@ class LEAFLIGHT_PT_files(_AdvancedPanel, bpy.types.Panel):
                 sizes = load_bake.megabytes(bakes), load_bake.megabytes(unused)
                 text = iface_("Bakes: %s (unused: %s)") % sizes
             sentence(context, self.layout, text, icon="DISK_DRIVE")
-
-
-CLASSES = (LEAFLIGHT_PT_bake, LEAFLIGHT_PT_bake_details, LEAFLIGHT_PT_advanced, LEAFLIGHT_PT_files)

@@ -4,15 +4,16 @@
 import bpy
 from leaflight import LeaflightError
 
+from .. import props
 from ..bake import bake
 from ..compare import render_comparison
-from ..edit import add_isosurface, animation, labels, looks
+from ..edit import add_isosurface, animation, label_operators, labels, looks
 from ..importing import regions
 from ..operators.checks import active_volume
 from ..show import data_faces, display, exploded, look, surface_material, texture
 from ..store import source_files
 from ..translations import iface_
-from . import clip_outline, label_panel
+from . import clip_outline
 from .sidebar import ClosedPanel, sentence, split
 
 
@@ -32,15 +33,8 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
             layout.prop(settings, "isosurface_ior")
         row = layout.row()
         if settings.isosurface_stops:
-            row.template_list(
-                "LEAFLIGHT_UL_stops",
-                "",
-                settings,
-                "isosurface_stops",
-                settings,
-                "isosurface_stop",
-                rows=3,
-            )
+            name, stops = "LEAFLIGHT_UL_stops", (settings, "isosurface_stops")
+            row.template_list(name, "", *stops, settings, "isosurface_stop", rows=3)
         else:
             row.prop(settings, "isosurface_albedo")
         buttons = row.column(align=True)
@@ -48,21 +42,20 @@ class LEAFLIGHT_PT_isosurfaces(ClosedPanel, bpy.types.Panel):
         if settings.isosurface_stops:
             buttons.operator(looks.LEAFLIGHT_OT_remove_stop.bl_idname, text="", icon="REMOVE")
         _draw_texture(layout, volume)
-        column = layout.column(align=True)
-        column.prop(settings, "isosurface_emission")
-        column.prop(settings, "isosurface_emission_strength")
+        emission = "isosurface_emission", "isosurface_emission_strength"
+        props.draw(layout.column(align=True), settings, *emission)
         layout.prop(settings, "capped")
-        column = layout.column(align=True)
-        column.prop(volume.leaflight_look, "gloss")
+        shown, column = volume.leaflight_look, layout.column(align=True)
+        column.prop(shown, "gloss")
         row = column.row()
-        row.active = volume.leaflight_look.gloss > 0
-        row.prop(volume.leaflight_look, "roughness")
-        layout.prop(volume.leaflight_look, "opacity")
-        layout.prop(volume.leaflight_look, "dust")
+        row.active = shown.gloss > 0
+        row.prop(shown, "roughness")
+        props.draw(layout, shown, "opacity", "dust")
         column = layout.column(align=True)
-        column.row(align=True).prop(volume.leaflight_look, "explode_axis", expand=True)
+        column.row(align=True).prop(shown, "explode_axis", expand=True)
         if exploded.axis_of(volume) is not None:
-            column.prop(volume.leaflight_look, "explode_distance")
+            column.prop(shown, "explode_distance")
+            column.operator(regions.LEAFLIGHT_OT_move_parts.bl_idname)
         if surface_material.is_recolored(volume):
             sentence(context, layout, look.NEW_COLOR, icon="INFO")
 
@@ -77,20 +70,44 @@ def _draw_texture(layout, volume):
     if settings.texture_kind == "SLICES" and not texture.is_colored(volume):
         layout.label(text="No capped cut: use Cut Data", icon="INFO")
     if settings.texture_kind == "LABELS":
-        label_panel.draw_labels(layout, volume)
+        _draw_labels(layout, volume)
         return
     if settings.texture_kind == "CHANNELS":
-        layout.prop(settings, "texture_green")
-        layout.prop(settings, "texture_blue")
-        layout.prop(settings, "texture_srgb")
+        props.draw(layout, settings, "texture_green", "texture_blue", "texture_srgb")
     else:
-        layout.prop(settings, "texture_map")
-        layout.prop(settings, "texture_reverse")
-        layout.prop(settings, "texture_steps")
-    column = layout.column(align=True)
-    column.prop(settings, "texture_low")
-    column.prop(settings, "texture_high")
+        props.draw(layout, settings, "texture_map", "texture_reverse", "texture_steps")
+    props.draw(layout.column(align=True), settings, "texture_low", "texture_high")
     layout.prop(settings, "texture_symmetric")
+
+
+def _draw_labels(layout, volume):
+    """Draws the labels of the map that colors a volume."""
+    label_map = label_operators.label_map_of(volume)
+    if label_map is None:
+        return
+    settings = label_map.leaflight
+    layout.template_list("LEAFLIGHT_UL_labels", "", settings, "labels", settings, "label", rows=6)
+    if volume.leaflight.field == "labels":
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.operator_enum(label_operators.LEAFLIGHT_OT_show_labels.bl_idname, "which")
+    layout.operator(label_operators.LEAFLIGHT_OT_read_label_table.bl_idname)
+
+
+class LEAFLIGHT_UL_labels(bpy.types.UIList):
+    """The labels of a label map. The search is by name."""
+
+    def draw_item(self, context, layout, _data, item, _icon, _active, _property):
+        row = layout.row(align=True)
+        row.use_property_split = False
+        # Labels that only color a scan have no surfaces.
+        if active_volume(context).leaflight.field == "labels":
+            icon = "HIDE_OFF" if item.is_shown else "HIDE_ON"
+            row.prop(item, "is_shown", text="", icon=icon, emboss=False)
+        row.prop(item, "name", text="", emboss=False)
+        color = row.row()
+        color.ui_units_x = 2
+        color.prop(item, "color", text="")
 
 
 class LEAFLIGHT_UL_stops(bpy.types.UIList):
@@ -163,8 +180,7 @@ class LEAFLIGHT_PT_slices(ClosedPanel, bpy.types.Panel):
             row.active = shown.slice_axes[axis]
             row.prop(shown, "slice_places", index=axis, text=_place(volume, axis), slider=True)
         if any(shown.slice_axes):
-            self.layout.prop(shown, "slice_colors")
-            self.layout.prop(shown, "slices_inside")
+            props.draw(self.layout, shown, "slice_colors", "slices_inside")
 
 
 def _place(volume, axis):
@@ -212,14 +228,3 @@ class LEAFLIGHT_PT_comparison(ClosedPanel, bpy.types.Panel):
         comparison = volume.leaflight.comparison
         if comparison:
             sentence(context, layout, comparison)
-
-
-CLASSES = (
-    LEAFLIGHT_UL_stops,
-    LEAFLIGHT_PT_isosurfaces,
-    LEAFLIGHT_PT_clip,
-    LEAFLIGHT_PT_slices,
-    LEAFLIGHT_PT_animation,
-    LEAFLIGHT_PT_labels,
-    LEAFLIGHT_PT_comparison,
-)

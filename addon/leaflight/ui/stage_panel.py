@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import props
 from ..bake import bake, stopped
 from ..operators import jobs
 from ..operators.checks import active_volume
@@ -47,8 +48,7 @@ class LEAFLIGHT_PT_stage(VolumePanel, bpy.types.Panel):
         column = self.layout.column(align=True)
         column.enabled = jobs.running() is None
         split(column)
-        column.prop(orientation, "up")
-        column.prop(orientation, "front")
+        props.draw(column, orientation, "up", "front")
         row = column.row(align=True)
         row.label(text="Turn 90 Degrees")
         for way, icon in (("TIP", "TRIA_DOWN"), ("ROLL", "FILE_REFRESH"), ("TURN", "TRIA_RIGHT")):
@@ -107,6 +107,3 @@ def register():
 
 def unregister():
     bpy.types.VIEW3D_HT_tool_header.remove(_draw_strip)
-
-
-CLASSES = (LEAFLIGHT_PT_stage, LEAFLIGHT_MT_stage)

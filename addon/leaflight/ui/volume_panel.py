@@ -5,14 +5,14 @@ import bpy
 
 from ..bake import continue_bake, load_bake
 from ..edit import add_isosurface, data_picture, pick_isovalue
-from ..importing import import_volume, open_example, regions, smooth_volume
+from ..importing import import_volume, open_example, read_again, regions
 from ..operators import jobs
 from ..operators.checks import active_volume
 from ..show import display, distribution, isovalues, look, surface_material, surface_object, texture
 from ..store import cache, frame_bakes, source_files
 from ..translations import iface_
 from . import clip_outline
-from .sidebar import SidebarPanel, sentence
+from .sidebar import SidebarPanel, VolumePanel, sentence
 
 
 class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
@@ -91,16 +91,8 @@ class LEAFLIGHT_PT_volume(SidebarPanel, bpy.types.Panel):
 ICON, BESIDE = 20, 40
 
 
-class LEAFLIGHT_PT_data(bpy.types.Panel):
+class LEAFLIGHT_PT_data(VolumePanel, bpy.types.Panel):
     bl_label = "Data"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Leaflight"
-    bl_parent_id = "LEAFLIGHT_PT_volume"
-
-    @classmethod
-    def poll(cls, context):
-        return active_volume(context) is not None
 
     def draw(self, context):
         layout = self.layout
@@ -137,7 +129,7 @@ class LEAFLIGHT_PT_data(bpy.types.Panel):
 
 
 def _draw_smooth(layout, settings):
-    name = smooth_volume.LEAFLIGHT_OT_smooth.bl_idname
+    name = read_again.LEAFLIGHT_OT_smooth.bl_idname
     for what, text in (
         ("smooth", iface_("Smooth: %s voxels")),
         ("smooth_normals", iface_("Smooth Normals: %s")),
@@ -163,6 +155,3 @@ def _draw_regions(layout, settings):
         row.operator(switch, text=regions.title(item), icon=icon, translate=False).index = index
         remove = row.operator(switch, text="", icon="X")
         remove.index, remove.action = index, "REMOVE"
-
-
-CLASSES = (LEAFLIGHT_PT_volume, LEAFLIGHT_PT_data)

@@ -19,7 +19,8 @@ from ..arrays import Array
 from ..io.output import check_writable
 from ..paths import AnyPath
 from ..scene.on_mesh import interpolated
-from ..scene.scene import Color, SceneDescription, core_scene, isovalue_at
+from ..scene.lights import Color
+from ..scene.scene import SceneDescription, core_scene, isovalue_at
 from ..scene.volume_texture import named_values
 from ..volume.setting_error import SettingError, check_is_baked
 from ..volume.volume import Volume

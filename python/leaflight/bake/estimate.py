@@ -13,7 +13,7 @@ from ..progress_bar import with_progress
 from ..scene.scene import SceneDescription
 from .bake import Workers, bake
 from .baked import Bake
-from .settings import DEFAULT_ERROR, CommonOptions
+from .settings import DEFAULT_ERROR, BakeOptions
 from .statistics import Statistics
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ INDEPENDENT, STEEPEST, FLATTEST = -0.5, -1.0, -0.25
 MOST_PASSES = 5
 
 
-class PilotOptions(CommonOptions, total=False):
+class PilotOptions(BakeOptions, total=False):
     """The settings of bake() that estimate() passes to it."""
 
     spacing: ArrayLike | None
@@ -79,8 +79,6 @@ def estimate(
     volumes: Any,
     scene: SceneDescription | None = None,
     *,
-    error: float | None = None,
-    time: float | None = None,
     progress: _core.Progress | None = None,
     **settings: "Unpack[PilotOptions]",
 ) -> Estimate:
@@ -89,16 +87,14 @@ def estimate(
     The arguments are those of bake().
     Raises LeaflightError for input that cannot be baked, Cancelled.
     """
-    made = pilot(volumes, scene, error=error, time=time, progress=progress, **settings)
-    return extrapolated(made.passes, made.last, DEFAULT_ERROR if error is None else error, time)
+    made, error = pilot(volumes, scene, progress, **settings), settings.get("error")
+    error = DEFAULT_ERROR if error is None else error
+    return extrapolated(made.passes, made.last, error, settings.get("time"))
 
 
 def pilot(
     volumes: Any,
     scene: SceneDescription | None = None,
-    *,
-    error: float | None = None,
-    time: float | None = None,
     progress: _core.Progress | None = None,
     **settings: "Unpack[PilotOptions]",
 ) -> Pilot:
@@ -114,9 +110,7 @@ def pilot(
         if len(_alike(passes)) >= PILOT_PASSES:
             watched.stop()
 
-    baked = bake(
-        volumes, scene, error=error, time=time, on_pass=collect, progress=watched, **settings
-    )
+    baked = bake(volumes, scene, on_pass=collect, progress=watched, **settings)
     return Pilot(passes, baked.statistics)
 
 

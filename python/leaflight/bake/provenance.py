@@ -15,7 +15,8 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..paths import AnyPath
-from ..scene.scene import Color, Isosurfaces
+from ..scene.lights import Color
+from ..scene.scene import Isosurfaces
 from ..version import __version__
 from ..volume.regions import cuts_to_record, frozen
 from ..volume.volume import Volume

@@ -17,7 +17,8 @@ import numpy as np
 
 from .._core import LeaflightError
 from ..arrays import Array
-from ..scene.scene import AreaLight, Color, Isosurfaces, Light, Mesh, PointLight, Ramp, is_color
+from ..scene.lights import Color, Light, strengths_of
+from ..scene.scene import Isosurfaces, Mesh, Ramp, is_color
 from ..volume.regions import frozen
 
 if TYPE_CHECKING:
@@ -91,12 +92,6 @@ def indirect_by_lamp(bake: "Bake") -> Array:
     return np.divide(rows, total, out=np.full_like(rows, 1.0 / len(rows)), where=total > 0)
 
 
-def strengths_of(light: Light) -> Color:
-    """Returns the strength (r, g, b) of a lamp of a scene, in the unit of its kind."""
-    strengths: Color = getattr(light, _strength(light))
-    return strengths
-
-
 def scales_exactly(bake: "Bake") -> bool:
     """Returns True if indirect light of a relit bake is exact: one factor for all emitters."""
     if bake.factors is None:
@@ -136,14 +131,8 @@ def _factor(name: str, factor: Any) -> Color:
     return r, g, b
 
 
-def _strength(light: Light) -> str:
-    if isinstance(light, AreaLight):
-        return "radiance"
-    return "intensity" if isinstance(light, PointLight) else "irradiance"
-
-
 def _scaled(light: Light, factor: Color) -> Light:
-    changes: dict[str, Any] = {_strength(light): _times(strengths_of(light), factor)}
+    changes: dict[str, Any] = {light.STRENGTH: _times(strengths_of(light), factor)}
     return replace(light, **changes)
 
 

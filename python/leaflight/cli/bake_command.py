@@ -5,6 +5,7 @@ import os
 from argparse import Namespace
 from collections.abc import Callable, Collection
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from .._core import Cancelled, LeaflightError, Progress
@@ -43,25 +44,23 @@ _RECIPE = {
 def run_bake(options: Namespace) -> Output:
     if options.resume is not None:
         return run_bake(_interrupted(options))
+    light: Callable[..., Bake]
     if options.previous is not None:
-        return _output(_continued(options), options)
-    volumes, scene = to_light(options, ".vdb")
-    settings = bake_settings(options)
-    if options.estimate:
-        return _estimate(volumes, scene, settings, options)
+        light = _continuing(options)
+    else:
+        volumes, scene = to_light(options, ".vdb")
+        settings = bake_settings(options)
+        if options.estimate:
+            return _estimate(volumes, scene, settings, options)
+        light = partial(bake, volumes, scene, **settings)
 
     def work(progress: Progress) -> Bake:
         checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
         with workers_of(options, progress) as workers:
-            baked = bake(
-                volumes,
-                scene,
-                progress=progress,
-                checkpoint=checkpoint,
-                workers=workers,
-                **settings,
-            )
-        return _saved(baked, options, progress, checkpoint)
+            baked = light(progress=progress, checkpoint=checkpoint, workers=workers)
+        baked.save(options.out, progress)
+        checkpoint.remove()
+        return baked
 
     return _output(_worked(work, options), options)
 
@@ -71,7 +70,8 @@ def bake_settings(options: Namespace) -> dict[str, Any]:
     return {**bake_options(options), **picked(options, "both_sides walls")}
 
 
-def _continued(options: Namespace) -> Bake:
+def _continuing(options: Namespace) -> Callable[..., Bake]:
+    """Returns the function that continues a bake."""
     given = _given(options, _OF_CONTINUED | _AT_WILL)
     if given:
         raise LeaflightError(
@@ -79,22 +79,8 @@ def _continued(options: Namespace) -> Bake:
             f"leave out {', '.join(given)}."
         )
     check_writable(options.out, ".vdb")
-    previous = load_bake(options.previous)
-
-    def work(progress: Progress) -> Bake:
-        checkpoint = checkpoint_of(options, resumed=getattr(options, "resumed", False))
-        with workers_of(options, progress) as workers:
-            baked = refine(
-                previous,
-                walls=options.walls or None,
-                progress=progress,
-                checkpoint=checkpoint,
-                workers=workers,
-                **picked(options, "error time threads"),
-            )
-        return _saved(baked, options, progress, checkpoint)
-
-    return _worked(work, options)
+    how = picked(options, "error time threads")
+    return partial(refine, load_bake(options.previous), walls=options.walls or None, **how)
 
 
 def _interrupted(options: Namespace) -> Namespace:
@@ -164,12 +150,6 @@ def _given(options: Namespace, ignored: Collection[str]) -> list[str]:
         for name, value in vars(options).items()
         if name not in ignored and value not in (None, False, 0, [])
     ]
-
-
-def _saved(baked: Bake, options: Namespace, progress: Progress, checkpoint: Checkpoint) -> Bake:
-    baked.save(options.out, progress)
-    checkpoint.remove()
-    return baked
 
 
 def _output(baked: Bake, options: Namespace) -> Output:

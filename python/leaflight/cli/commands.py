@@ -19,10 +19,12 @@ import leaflight._core as _core
 
 from .._core import Cancelled, LeaflightError, Progress
 from ..bake.baked import Bake, Surface
-from ..bake.load_bake import load_bake
 from ..bake.photons import Photons, trace_photons
 from ..bake.settings import ChosenSetting, UnusedSetting
 from ..bake.statistics import outcome
+from ..bake.load_bake import load_bake
+from ..export import ply
+from ..export.export import export
 from ..flatland.flat_scene import load_flat_scene
 from ..flatland.flatland import (
     FlatBake,
@@ -31,7 +33,6 @@ from ..flatland.flatland import (
     picture,
     read_image,
 )
-from ..io import ply
 from ..io.images import write_png
 from ..io.output import check_writable, replaced_together
 from ..io.readers.channels import Channel
@@ -40,14 +41,12 @@ from ..io.readers.reading import StoredOptions, probe
 from ..io.sources import is_generated
 from ..measure.compare import compare
 from ..progress_bar import run_with_progress
-from ..stills.first_view import default_isovalue_of
 from ..volume.first_isovalue import default_isovalue, default_isovalue_range
 from ..volume.label_table import labels_of
 from ..words import by, figures
 from .bake_command import run_bake
 from .batch_command import run_batch
-from .export_command import run_export
-from .lighting import bake_options, given_options, open_with, to_light
+from .lighting import bake_options, given_options, open_with, opened, to_light
 from .output import Command, Output, json_line, picked, print_error, print_lines
 from .render_command import run_render
 from .still_command import run_still
@@ -170,7 +169,7 @@ def _in_flags(error: LeaflightError) -> str:
 def _surface(options: Namespace) -> Output:
     ply.library(options.out)
     check_writable(options.out, ".ply", options.bake)
-    baked = _baked(options)
+    baked = opened(options)
 
     def work(progress: Progress) -> Surface:
         surface = baked.surface(options.isovalue, options.volume, options.back)
@@ -191,16 +190,8 @@ def _surface(options: Namespace) -> Output:
     ]
 
 
-def _baked(options: Namespace) -> Bake:
-    """Returns the bake, and chooses an isovalue if none is given."""
-    baked = load_bake(options.bake)
-    if options.isovalue is None:
-        options.isovalue = default_isovalue_of(baked, options.volume)
-    return baked
-
-
 def _compare(options: Namespace) -> Output:
-    baked = _baked(options)
+    baked = opened(options)
 
     def work(progress: Progress) -> dict[str, Any]:
         how = picked(options, "points spp seed threads volume back mesh reference")
@@ -277,6 +268,39 @@ def _flatland(options: Namespace) -> Output:
     ]
 
 
+def _export(options: Namespace) -> Output:
+    baked = load_bake(options.bake)
+
+    def work(progress: Progress) -> dict[float, Surface]:
+        how = picked(options, "volume back explode coarser embed")
+        return export(baked, options.out, options.isovalue, progress=progress, **how)
+
+    surfaces = run_with_progress(work, "export", writes=True)
+    out = Path(options.out)
+    if options.embed:
+        out = out.with_suffix("")
+    size = sum(file.stat().st_size for file in (out.iterdir() if options.embed else [out]))
+    result = {
+        "out": str(out),
+        "bytes": size,
+        "volume": options.volume,
+        "isosurfaces": [
+            {
+                "isovalue": isovalue,
+                "vertices": len(surface.vertices),
+                "triangles": len(surface.triangles),
+            }
+            for isovalue, surface in surfaces.items()
+        ],
+    }
+    what = "all isosurfaces"
+    if surfaces:
+        triangles = sum(len(surface.triangles) for surface in surfaces.values())
+        shown = ", ".join(figures(*surfaces, *baked.isovalues)[: len(surfaces)])
+        what = f"isovalue{'s' if len(surfaces) > 1 else ''} {shown}, {triangles} triangles"
+    return result, [f"{out}: {what}, {size / 2**20:.1f} MiB"]
+
+
 def _errors(result: Mapping[str, Any]) -> str:
     if result["points"] == 0:
         return "none"
@@ -296,7 +320,7 @@ COMMANDS: dict[str, Command] = {
     "batch": run_batch,
     "surface": _surface,
     "still": run_still,
-    "export": run_export,
+    "export": _export,
     "photons": _photons,
     "render": run_render,
     "compare": _compare,

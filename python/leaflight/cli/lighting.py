@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the options of commands that light volumes: scene, colors, bake and workers."""
+"""Reads the options of commands: volumes to light, scene, colors, bake and workers."""
 
 import contextlib
 import os
@@ -9,12 +9,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from .._core import LeaflightError, Progress
+from ..bake.baked import Bake
+from ..bake.load_bake import load_bake
 from ..io.output import check_writable
 from ..io.readers.reading import OPTIONS
 from ..io.scene_file import cornell_box, load_scene
 from ..io.sources import is_generated, open_volume
 from ..scene.scene import SceneDescription, match_isosurfaces
 from ..scene.volume_texture import VolumeTexture, label_texture, texture_of
+from ..stills.first_view import default_isovalue_of
 from ..volume.derived import gradient_of, height_of, slices_of
 from ..volume.first_isovalue import default_isovalue_range
 from ..volume.memory import limit_memory
@@ -83,6 +86,14 @@ def open_with(source: str, options: Namespace, reading: Mapping[str, Any] | None
 
 def _merged(options: Namespace, reading: Mapping[str, Any]) -> dict[str, Any]:
     return {**reading, **given_options(options, OPTIONS)}
+
+
+def opened(options: Namespace) -> Bake:
+    """Returns the bake of a command, and chooses an isovalue if none is given."""
+    baked = load_bake(options.bake)
+    if options.isovalue is None:
+        options.isovalue = default_isovalue_of(baked, getattr(options, "volume", 0))
+    return baked
 
 
 # Functions from a volume to one that colors it, by the name of the option.

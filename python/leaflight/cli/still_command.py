@@ -10,18 +10,18 @@ import leaflight._core as _core
 from .._core import LeaflightError, Progress
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..bake.load_bake import load_bake
 from ..io.images import write_png
 from ..io.output import check_writable
 from ..stills.camera import Camera, load_camera
 from ..scene.color_bar import captions_of
 from ..stills.drawn_color_bar import bar_of_bake, with_color_bar
-from ..stills.first_view import camera_around_bake, default_isovalue_of
+from ..stills.first_view import camera_around_bake
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
 from ..volume.setting_error import SettingError
 from ..words import figures
 from ..progress_bar import run_with_progress
+from .lighting import opened
 from .output import Output
 
 SUFFIXES = (".png", ".exr")
@@ -32,10 +32,8 @@ def run_still(options: Namespace) -> Output:
     if suffix not in SUFFIXES:
         raise LeaflightError(f"{options.out}: a picture must end in {' or '.join(SUFFIXES)}.")
     check_writable(options.out, suffix, options.bake)
-    baked = load_bake(options.bake)
+    baked = opened(options)
     isovalue = options.isovalue
-    if isovalue is None:
-        isovalue = default_isovalue_of(baked)
     camera = _camera(baked, options, isovalue)
     start = time.perf_counter()
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..scene.volume_texture import identifiers
 from .mesh_objects import needed
 from .point_grid import point_grid
 
@@ -24,10 +23,6 @@ def to_xarray(bake: Bake, volume: int = 0) -> Any:
     xarray = needed("xarray")
     grid = point_grid(bake, volume)
     space = ("z", "y", "x")
-    variables = {"value": grid.values, "radiance": grid.radiance, "radiance_error": grid.error}
-    if grid.radiance_back is not None:
-        variables["radiance_back"] = grid.radiance_back
-    variables |= identifiers(grid.of_texture, variables)
     units = {"radiance": "W m-2 sr-1", "radiance_error": "W m-2 sr-1"}
     units["radiance_back"] = units["radiance"]
     return xarray.Dataset(
@@ -37,7 +32,7 @@ def to_xarray(bake: Bake, volume: int = 0) -> Any:
                 values,
                 {"units": units[name]} if name in units else {},
             )
-            for name, values in variables.items()
+            for name, values in grid.arrays().items()
         },
         coords={"channel": ["r", "g", "b"], **_coordinates(grid.index_to_world, grid, bake.unit)},
         attrs={

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""export() writes a bake in the format of a file's suffix; export_page() writes a web page."""
+"""Writes a bake in the format of a file's suffix."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ from ..progress_bar import with_progress
 from ..stills.first_view import default_isovalue_of
 from ..volume.exploded import explode_offsets
 from ..volume.setting_error import SettingError
-from .page import PageOptions, write_page
+from .page import PageOptions, export_page
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 # sequence.
 PAGE = ".html"
 OF_VOLUME = {
-    ".vti": ("vti", "write_vti"),
+    ".vti": ("vtk_files", "write_vti"),
     ".am": ("amira", "write_amira"),
     ".blend": ("blend", "write_blend"),
 }
-OF_SURFACE = {".vtp": ("vtp", "write_vtp"), ".ply": ("..io.ply", "write_ply")}
+OF_SURFACE = {".vtp": ("vtk_files", "write_vtp"), ".ply": ("ply", "write_ply")}
 OF_SEQUENCE = {
     ".glb": ("gltf", "write_glb"),
     **{suffix: ("usd", "write_usd") for suffix in (".usda", ".usdc", ".usd")},
@@ -78,7 +78,7 @@ def export(
     back: True writes the back.
     explode: Direction and distance (x, y, z) by which the outermost parts move apart. Each part
         keeps the light of the closed arrangement.
-    page: Options coarser, embed and lengths of an .html, see write_page().
+    page: Options coarser, embed and lengths of an .html, see export_page().
     Returns {isovalue: Surface} of the written surfaces, empty for a volume. Raises LeaflightError,
     Cancelled.
     """
@@ -128,22 +128,6 @@ def export(
     return surfaces
 
 
-@with_progress("export")
-def export_page(
-    bake: Bake,
-    path: AnyPath,
-    isovalue: float | None = None,
-    *,
-    coarser: int = 0,
-    embed: bool = False,
-    lengths: tuple[float, str] | None = None,
-    progress: _core.Progress | None = None,
-) -> Path:
-    """Writes a Bake as a web page, see write_page(). isovalue: None is the default one."""
-    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
-    return write_page(path, bake, isovalue, coarser, embed, progress, lengths)
-
-
 def absent_package(suffix: str) -> str | None:
     """Returns the package on PyPI that a format needs and that is absent, or None."""
     module, package = _LIBRARIES.get(suffix, ("", ""))
@@ -186,9 +170,8 @@ def _check(
 def _writer(path: Path, suffix: str) -> Callable[..., None]:
     """Returns the function that writes the format. Raises LeaflightError if a library is absent."""
     module, function = _WRITERS[suffix]
-    relative = module if module.startswith(".") else f".{module}"
     try:
-        loaded = import_module(relative, __package__)
+        loaded = import_module(f".{module}", __package__)
         if suffix == ".ply":
             loaded.library(path)  # fail early, because it is loaded only to write
     except ImportError as error:

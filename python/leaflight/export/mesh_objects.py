@@ -13,9 +13,9 @@ from ..io.images import display_colors
 
 
 def to_vtk(surface: Surface, exposure: float = 1.0) -> Any:
-    """Returns a vtkPolyData with point data (vtp.py). Raises LeaflightError without VTK."""
+    """Returns a vtkPolyData with point data (vtk_files.py). Raises LeaflightError without VTK."""
     needed("vtkmodules", "vtk")
-    return import_module(".vtp", __package__).polygons(surface, exposure)
+    return import_module(".vtk_files", __package__).polygons(surface, exposure)
 
 
 def to_pyvista(surface: Surface, exposure: float = 1.0) -> Any:

@@ -16,9 +16,8 @@ from ..stills.drawn_color_bar import bar_of_bake, with_color_bar
 from ..stills.first_view import default_isovalue_of
 from ..stills.photograph import metered_stops, photographed
 from ..stills.still import still
-from .export import export_page
 from .mesh_objects import needed
-from .page import MOST_COARSER
+from .page import MOST_COARSER, export_page
 from .page_size import estimated_bytes
 
 if TYPE_CHECKING:

@@ -14,12 +14,13 @@ from ..bake.baked import Bake
 from ..io.images import png_bytes
 from ..io.output import check_writable, replaced, replaced_together
 from ..paths import AnyPath
+from ..progress_bar import with_progress
+from ..stills.first_view import default_isovalue_of
 from ..stills.photograph import photographed
 from ..stills.still import check_diffuse, still
 from .light_bricks import LARGEST_SIDE
 from .page_data import EVERY, page_data
-from .page_size import estimated_bytes
-from .page_template import read_template
+from .page_size import estimated_bytes, read_template
 from .page_volume import dims_of, texels_of
 
 # Places in the template for the page's data, its first picture and its permissions.
@@ -36,25 +37,27 @@ MOST_COARSER = 3
 
 
 class PageOptions(TypedDict, total=False):
-    """The arguments of write_page() that are given by name."""
+    """The options of a page that export() takes, too."""
 
     coarser: int
     embed: bool
     lengths: tuple[float, str] | None
 
 
-def write_page(
-    path: AnyPath,
+@with_progress("export")
+def export_page(
     bake: Bake,
-    isovalue: float,
+    path: AnyPath,
+    isovalue: float | None = None,
+    *,
     coarser: int = 0,
     embed: bool = False,
-    progress: _core.Progress | None = None,
     lengths: tuple[float, str] | None = None,
+    progress: _core.Progress | None = None,
 ) -> Path:
     """Writes a Bake as a web page, an .html that needs no server and loads nothing else.
 
-    isovalue: Common isovalue that is shown at first.
+    isovalue: Common isovalue that is shown at first. None is the default one.
     coarser: Number of times that voxels and texels are halved along each axis, 0 to 3.
     embed: True writes a folder for an iframe, named as path without its suffix. Its index.html
         fetches bake.bin beside it, and so needs a server.
@@ -63,6 +66,7 @@ def write_page(
     page would be too large, the error names the coarser level that fits.
     """
     path = Path(path)
+    isovalue = default_isovalue_of(bake) if isovalue is None else isovalue
     check_writable(path, ".html")
     check_diffuse(bake)
     bake.check_isovalue(isovalue)

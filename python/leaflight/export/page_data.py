@@ -14,10 +14,11 @@ import numpy as np
 from .._core import Progress
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..bake.relit import can_be_relit, indirect_by_lamp, strengths_of
+from ..bake.relit import can_be_relit, indirect_by_lamp
 from ..color_maps import MAPS
 from ..io.images import display_colors
 from ..looks import LOOKS
+from ..scene.lights import strengths_of
 from ..scene.color_bar import captions_of, color_bar_of
 from ..stills.camera import bounds_of
 from ..stills.first_view import FILLED, framing

@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Estimates the size of a web page by deflating samples of its data."""
+"""The web page without a bake, and the size of one with a bake, estimated from samples of it."""
 
 import math
 import zlib
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from .._core import DirectLight, Progress
+from .._core import DirectLight, LeaflightError, Progress
 from ..arrays import Array
 from ..bake.baked import Bake
+from ..paths import AnyPath
 from ..stills.still import back_side
 from .page_data import PageData, by_significance
-from .page_template import template_bytes
 from .page_volume import NO_DATA, bytes_each, coded, colors_data, dims_of, texel_places, texels_of
 from .page_walls import walls_data
 from .shared_exponent import packed, planes
 from .visibility_levels import code_of, pairs_in, ranges_in_plane
 
+# The page without a bake, which web/bundle.mjs builds as a part of the package.
+TEMPLATE = Path(__file__).parent.parent / "page" / "page.html"
 # Sample sizes: bytes of an array, and planes of a volume.
 _SAMPLE, _PLANES = 1 << 18, 4
 # Bytes of the first picture of a page.
@@ -26,10 +29,21 @@ _POSTER = 75_000
 _TEXT = 4.0 / 3.0
 
 
+def read_template(path: AnyPath) -> str:
+    """Returns the page without a bake. Raises LeaflightError for path if it is missing."""
+    try:
+        return TEMPLATE.read_text(encoding="utf-8")
+    except OSError:
+        raise LeaflightError(
+            f"{path}: this installation was built without Node, so it cannot write web pages: "
+            "install a wheel of Leaflight, or build it with scripts/setup."
+        ) from None
+
+
 def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
     """Returns the approximate size of a page in bytes: within a fifth, if it is not coarser.
 
-    coarser: As for write_page().
+    coarser: As for export_page().
     """
     total = _POSTER + _bytes_of_colors_and_walls(bake)
     for number, grid in enumerate(bake.grids):
@@ -39,7 +53,8 @@ def estimated_bytes(bake: Bake, coarser: int = 0) -> float:
         total += lit * light * _share_of_light(bake, number)
         total += _lit_maps(grid.direct, lit, coarser) * maps * _share_of_maps(bake, number)
         total += math.prod(dims) * values * _share_of_values(bake, number)
-    return template_bytes() + _TEXT * total
+    template = TEMPLATE.stat().st_size if TEMPLATE.exists() else 0
+    return template + _TEXT * total
 
 
 def _lit_texels(lit: Array, texels: Sequence[int]) -> float:

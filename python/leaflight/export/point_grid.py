@@ -9,7 +9,7 @@ import numpy as np
 from .._core import Field
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..scene.volume_texture import named_values
+from ..scene.volume_texture import identifiers, named_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,14 @@ class PointGrid:
     error: Array
     radiance_back: Array | None
     of_texture: dict[str, Array]
+
+    def arrays(self, **added: Array) -> dict[str, Array]:
+        """Returns all values and light by name, the added arrays, and the values of_texture."""
+        found = {"value": self.values, "radiance": self.radiance, "radiance_error": self.error}
+        found |= added
+        if self.radiance_back is not None:
+            found["radiance_back"] = self.radiance_back
+        return found | identifiers(self.of_texture, found)
 
 
 def point_grid(bake: Bake, volume: int = 0) -> PointGrid:

@@ -21,7 +21,8 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..io.json_object import JsonObject, parse, read_text
 from ..paths import AnyPath
-from ..scene.scene import Color, Fit, Isosurfaces, core_isosurfaces
+from ..scene.lights import Color
+from ..scene.scene import Fit, Isosurfaces, core_isosurfaces
 from ..volume.volume import Volume
 
 

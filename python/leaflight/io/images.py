@@ -6,11 +6,12 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import leaflight._core as _core
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._core import LeaflightError
+from .._core import LeaflightError, read_exr
+from .._core import read_exr_comments as read_exr_comments
+from .._core import write_exr as write_exr
 from ..arrays import Array
 from ..paths import AnyPath
 from ..srgb import linear_from_srgb, srgb_from_linear
@@ -34,7 +35,7 @@ def read_pixels(path: AnyPath) -> Array:
         if not path.is_file():
             raise LeaflightError(f"{path}: there is no such image; check the path.")
         if suffix == ".exr":
-            pixels = _core.read_exr(path)
+            pixels = read_exr(path)
         elif suffix in (".tif", ".tiff"):
             pixels = _read_tiff(path)
         else:

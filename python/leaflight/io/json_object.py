@@ -11,7 +11,8 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..paths import AnyPath
-from ..scene.scene import Color, Ramp, Vector
+from ..scene.lights import Color, Vector
+from ..scene.scene import Ramp
 
 
 def read_text(path: AnyPath) -> str:

@@ -66,18 +66,8 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..paths import AnyPath
-from ..scene.scene import (
-    IDENTITY,
-    AreaLight,
-    Cone,
-    Environment,
-    Isosurfaces,
-    Light,
-    Mesh,
-    PointLight,
-    SceneDescription,
-    SunLight,
-)
+from ..scene.lights import AreaLight, Cone, Light, PointLight, SunLight
+from ..scene.scene import IDENTITY, Environment, Isosurfaces, Mesh, SceneDescription
 from ..scene.volume_texture import VolumeTexture
 from .images import read_texture
 from .json_object import JsonObject, parse, read_text

@@ -2,7 +2,6 @@
 """Computes the error of a bake on one isosurface, or on a mesh around it, by a reference."""
 
 import time
-from dataclasses import astuple
 from typing import TYPE_CHECKING, Any
 
 from .._core import LeaflightError, Progress
@@ -58,8 +57,8 @@ def compare(
         that of the reference's noise add up to that of rms_percent. None for backs and meshes.
     points, spp, reference, isovalue, triangles, bake_seconds, reference_seconds: Further facts.
     """
-    points, spp, seed, threads = astuple(Sampling(**sampling))
-    if points < 1 or spp < 2:
+    how = Sampling(**sampling)
+    if how.points < 1 or how.spp < 2:
         raise LeaflightError(
             "The number of points or samples is too small: give at least 1 point and 2 samples "
             "per point."
@@ -69,20 +68,19 @@ def compare(
         side = IsosurfaceSide(bake, isovalue, volume, back)
     else:
         side = MeshSide(bake, mesh, isovalue, back)
-    work = spp, seed, threads, progress
     start = time.perf_counter()
     trace = {"path": side.path_traced, "cycles": side.by_cycles}[reference]
-    truth = trace(points, *work)
+    truth = trace(how, progress)
     reference_seconds = time.perf_counter() - start
     baked, exposure = side.baked(truth.points), bake.scene.exposure
-    exposed = side.seen_from_outside(truth.points, seed)
+    exposed = side.seen_from_outside(truth.points, how.seed)
     parts = None
     if isinstance(side, IsosurfaceSide) and not back:
-        path = truth if reference == "path" else side.path_traced_at(truth.points, *work)
+        path = truth if reference == "path" else side.path_traced_at(truth.points, how, progress)
         parts = side.parts(truth, path)
     return {
         "isovalue": float(isovalue),
-        "spp": int(spp),
+        "spp": int(how.spp),
         "reference": reference,
         "triangles": side.triangles,
         **errors_of(baked, truth, exposure),

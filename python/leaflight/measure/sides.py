@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One side of an isosurface, or of a mesh around it: its baked light and its references.
 
-isovalue is always the common isovalue. spp: Paths per point. seed, threads, progress: As for
-bake().
+isovalue is always the common isovalue. progress: As for bake().
 """
 
 from dataclasses import replace
@@ -53,36 +52,22 @@ class IsosurfaceSide:
         a, b, c = (self._vertices[corner] for corner in self._triangles.T)
         return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
-    def path_traced(
-        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
-    ) -> Truth:
-        """Returns the Truth of the core's path tracer at `count` random points."""
-        on_mesh = random_points(self._vertices, self._triangles, count, seed)
-        return self.path_traced_at(on_mesh, spp, seed, threads, progress)
+    def path_traced(self, sampling: Sampling, progress: Progress | None) -> Truth:
+        """Returns the Truth of the core's path tracer at random points."""
+        on_mesh = random_points(self._vertices, self._triangles, sampling.points, sampling.seed)
+        return self.path_traced_at(on_mesh, sampling, progress)
 
-    def path_traced_at(
-        self, on_mesh: Array, spp: int, seed: int, threads: int, progress: Progress | None
-    ) -> Truth:
+    def path_traced_at(self, on_mesh: Array, how: Sampling, progress: Progress | None) -> Truth:
         """Returns the same at given points of the mesh, traced from the nearby isosurface."""
-        passes = min(PASSES, spp)
-        on_isosurface = np.tile(self._projected(on_mesh), (passes, 1))
-        radiance, _ = self.bake.reference(
-            on_isosurface,
-            self.isovalue,
-            -(-spp // passes),
-            seed,
-            threads,
-            progress,
-            self.volume,
-            self.back,
-        )
+        passes = min(PASSES, how.spp)
+        points = np.tile(self._projected(on_mesh), (passes, 1))
+        work = -(-how.spp // passes), how.seed, how.threads, progress
+        radiance, _ = self.bake.reference(points, self.isovalue, *work, self.volume, self.back)
         return self._of_visible(_of_passes(on_mesh, radiance, passes))
 
-    def by_cycles(
-        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
-    ) -> Truth:
-        """Returns the Truth of Cycles at about `count` random points."""
-        target, sampling = Target(self.volume, None, self.back), Sampling(count, spp, seed, threads)
+    def by_cycles(self, sampling: Sampling, progress: Progress | None) -> Truth:
+        """Returns the Truth of Cycles at about as many random points."""
+        target = Target(self.volume, None, self.back)
         return self._of_visible(_by_cycles(self.bake, self.isovalue, target, sampling, progress))
 
     def _of_visible(self, truth: Truth) -> Truth:
@@ -109,11 +94,9 @@ class IsosurfaceSide:
         """Returns a mask (n,) of points that can be seen from outside; None on the back."""
         if self.back:
             return None
-        on_isosurface = self._projected(points)
-        return (
-            _core.seen_from_outside(self._field(), on_isosurface, self._own(), EXPOSURE_RAYS, seed)
-            > 0
-        )
+        where = self._projected(points), self._own()
+        seen: Array = _core.seen_from_outside(self._field(), *where, EXPOSURE_RAYS, seed) > 0
+        return seen
 
     def _projected(self, points: Array) -> Array:
         return _core.project_to_isosurface(self._field(), points, self._own())
@@ -138,29 +121,17 @@ class MeshSide:
         _check_diffuse(self.mesh)
         self.triangles = len(self.mesh.triangles)
 
-    def path_traced(
-        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
-    ) -> Truth:
+    def path_traced(self, how: Sampling, progress: Progress | None) -> Truth:
         vertices, triangles = self.mesh.vertices, self.mesh.triangles
-        facets, coordinates = random_places(vertices, triangles, count, seed)
-        passes = min(PASSES, spp)
-        radiance, _ = self.bake.mesh_reference(
-            self.number,
-            (np.tile(facets, passes), np.tile(coordinates, (passes, 1))),
-            self.isovalue,
-            -(-spp // passes),
-            seed,
-            threads,
-            progress,
-            back=self.back,
-        )
+        facets, coordinates = random_places(vertices, triangles, how.points, how.seed)
+        passes = min(PASSES, how.spp)
+        places = np.tile(facets, passes), np.tile(coordinates, (passes, 1))
+        work = -(-how.spp // passes), how.seed, how.threads, progress, self.back
+        radiance, _ = self.bake.mesh_reference(self.number, places, self.isovalue, *work)
         return _of_passes(positions(vertices, triangles, facets, coordinates), radiance, passes)
 
-    def by_cycles(
-        self, count: int, spp: int, seed: int, threads: int, progress: Progress | None
-    ) -> Truth:
+    def by_cycles(self, sampling: Sampling, progress: Progress | None) -> Truth:
         target = Target(mesh=self.number, back=self.back)
-        sampling = Sampling(count, spp, seed, threads)
         return _by_cycles(self.bake, self.isovalue, target, sampling, progress)
 
     def baked(self, points: Array) -> Array:
@@ -186,6 +157,5 @@ def _by_cycles(
     bake: Bake, isovalue: float, target: Target, sampling: Sampling, progress: Progress | None
 ) -> Truth:
     fields = [volume.field() for volume in bake.volumes]
-    return Truth.measured(
-        measure(bake.scene, fields, isovalue, target, sampling, progress=progress)
-    )
+    found = measure(bake.scene, fields, isovalue, target, sampling, progress=progress)
+    return Truth.measured(found)

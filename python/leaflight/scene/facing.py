@@ -9,7 +9,8 @@ import numpy as np
 
 from ..volume.first_isovalue import default_isovalue
 from ..volume.volume import Volume
-from .scene import IDENTITY, Light, PointLight, SceneDescription, Vector
+from .lights import Light, PointLight, Vector
+from .scene import IDENTITY, SceneDescription
 
 # Ratio of the visible widths from two sides above which a scene turns to the wider one.
 CLEARLY_WIDER = 1.3

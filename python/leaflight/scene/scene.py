@@ -22,13 +22,12 @@ from .._core import LeaflightError
 from ..arrays import Array
 from ..volume.first_isovalue import default_isovalue_range
 from ..volume.volume import Volume
+from .lights import Color, Light, Vector
 from .volume_texture import VolumeTexture
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
-Vector = tuple[float, float, float]
-Color = tuple[float, float, float]
 Ramp = Color | list[tuple[float, Color]]
 
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -91,71 +90,6 @@ class Mesh:
     emission: Color = (0.0, 0.0, 0.0)
     texture: Array | None = None
     uv: Array | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class AreaLight:
-    """A rectangle, or the ellipse inscribed in it, that emits towards cross(edge_u, edge_v).
-
-    radiance: Color in W/(m^2 sr).
-    It neither blocks nor reflects light.
-    """
-
-    name: str
-    corner: Vector
-    edge_u: Vector
-    edge_v: Vector
-    radiance: Color
-    ellipse: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Cone:
-    """The cone of a spot.
-
-    axis: Unit vector.
-    angle: Angle from edge to edge in radians, at most pi.
-    blend: Part of the cone over which its edge is soft, 0..1.
-    cosine_falloff: True if the intensity also falls with the cosine to the axis.
-    """
-
-    axis: Vector
-    angle: float
-    blend: float = 0.0
-    cosine_falloff: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class PointLight:
-    """A sphere that emits equally in all directions, or within a cone.
-
-    intensity: Color in W/sr; on the axis of a spot.
-    It neither blocks nor reflects light.
-    """
-
-    name: str
-    position: Vector
-    radius: float
-    intensity: Color
-    cone: Cone | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class SunLight:
-    """Parallel light.
-
-    direction: Unit vector in which light travels.
-    irradiance: Irradiance in W/m^2 on a surface facing it.
-    angle: Diameter of the sun's disc in radians, below pi.
-    """
-
-    name: str
-    direction: Vector
-    irradiance: Color
-    angle: float = 0.0
-
-
-Light = AreaLight | PointLight | SunLight
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +177,7 @@ def fitted(description: SceneDescription, fit: "Fit") -> SceneDescription:
     return replace(
         description,
         meshes=[replace(mesh, vertices=fit.vertices(mesh.vertices)) for mesh in description.meshes],
-        lights=[_fit_light(light, fit) for light in description.lights],
+        lights=[light.fitted(fit) for light in description.lights],
         coordinates="world",
     )
 
@@ -277,23 +211,6 @@ class Fit:
 
     def vector(self, v: _Place) -> _Place:
         return tuple((self.scale * np.asarray(v)).tolist())
-
-
-def _fit_light(light: Light, fit: Fit) -> Light:
-    if isinstance(light, AreaLight):
-        corner, edge_u, edge_v = light.corner, light.edge_u, light.edge_v
-        return replace(
-            light, corner=fit.point(corner), edge_u=fit.vector(edge_u), edge_v=fit.vector(edge_v)
-        )
-    if isinstance(light, PointLight):
-        r, g, b = (fit.scale**2 * x for x in light.intensity)
-        return replace(
-            light,
-            position=fit.point(light.position),
-            radius=fit.scale * light.radius,
-            intensity=(r, g, b),
-        )
-    return light
 
 
 def is_color(ramp: Ramp) -> "TypeIs[Color]":
@@ -357,7 +274,7 @@ def core_scene(
         if isosurfaces.texture is not None:
             volume.set_texture(isosurfaces.texture.core())
     meshes = [_core_mesh(mesh) for mesh in description.meshes]
-    lights = [_core_light(light) for light in description.lights]
+    lights = [light.core() for light in description.lights]
     return _core.Scene(volumes, meshes, lights, isovalue_range, _core_environment(description))
 
 
@@ -415,18 +332,6 @@ def _core_texture(pixels: Array | None, name: str) -> _core.Texture | None:
         return None if pixels is None else _core.Texture(pixels)
     except LeaflightError as error:
         raise LeaflightError(f'The image of "{name}" cannot be used: {error}') from None
-
-
-def _core_light(light: Light) -> _core.AreaLight | _core.PointLight | _core.SunLight:
-    if isinstance(light, AreaLight):
-        return _core.AreaLight(
-            light.name, light.corner, light.edge_u, light.edge_v, light.radiance, light.ellipse
-        )
-    if isinstance(light, SunLight):
-        return _core.SunLight(light.name, light.direction, light.irradiance, light.angle)
-    cone = light.cone
-    shape = () if cone is None else (cone.axis, cone.angle, cone.blend, cone.cosine_falloff)
-    return _core.PointLight(light.name, light.position, light.radius, light.intensity, *shape)
 
 
 def _core_environment(description: SceneDescription) -> _core.Environment | None:

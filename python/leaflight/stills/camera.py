@@ -13,7 +13,7 @@ from ..arrays import Array
 from ..bake.baked import Bake
 from ..io.json_object import read_text
 from ..paths import AnyPath
-from ..scene.scene import Vector
+from ..scene.lights import Vector
 
 # Angle of view across the picture's shorter side: a portrait lens, as in the add-on's stages.
 ANGLE = 26.0

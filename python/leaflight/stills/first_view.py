@@ -15,7 +15,7 @@ import numpy as np
 from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.baked import Bake
-from ..scene.scene import Vector
+from ..scene.lights import Vector
 from ..volume.first_isovalue import default_isovalue
 from .camera import ANGLE, Camera, bounds_of
 

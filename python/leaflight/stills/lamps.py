@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..scene.scene import AreaLight, Light, Mesh, PointLight, SceneDescription, SunLight
+from ..scene.lights import AreaLight, Light, PointLight, SunLight
+from ..scene.scene import Mesh, SceneDescription
 
 # Upper bound on the lamps in the shader of a web page.
 MOST_LAMPS = 16

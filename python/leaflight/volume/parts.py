@@ -2,8 +2,8 @@
 """Separate parts of a volume: connected voxels at or above an isovalue.
 
 A part that goes or moves takes the voxels around it along, up to a distance, where its edge fades
-out. Where a part was removed, values become at most that of the surroundings, so lower isosurfaces
-show no shell.
+out. Values at the place of a removed part become at most that of the surroundings, so lower
+isosurfaces show no shell.
 """
 
 from collections.abc import Callable, Iterator

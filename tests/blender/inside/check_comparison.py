@@ -222,19 +222,6 @@ def check_rms_is_thesis_equation_4_11_corrected():
     )
 
 
-def check_a_png_shows_linear_radiance_through_the_srgb_curve(tmp_path):
-    scene = bpy.context.scene
-    scene.view_settings.view_transform = "Filmic"
-    image = np.full((4, 6, 3), 0.5, np.float32)
-    image[0] = 0.0
-    render.write_png(scene, tmp_path / "half.png", image)
-    picture = bpy.data.images.load(str(tmp_path / "half.png"))
-    pixels = np.array(picture.pixels).reshape(4, 6, 4)
-    close(pixels[0, :, :3], 1.055 * 0.5 ** (1 / 2.4) - 0.055, 1 / 255)
-    close(pixels[3, :, :3], 0.0, 1 / 255)
-    assert scene.view_settings.view_transform == "Filmic"
-
-
 def check_outside_the_window_it_is_refused_and_nothing_has_changed(baked, small_frame, tmp_path):
     baked.leaflight.low, baked.leaflight.high = 40.0, 60.0
     baked.leaflight.isovalue = 50.0

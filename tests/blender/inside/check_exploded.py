@@ -47,6 +47,24 @@ def _is_apart(obj, closed, distance):
     return not moved[:, 1:].any()
 
 
+def _ends(obj):
+    """Returns the ends of an isosurface along x. Its light decides which edges are split."""
+    return np.array([end(vertices_of(obj)[:, 0]) for end in (np.min, np.max)])
+
+
+def check_parts_move_in_the_data(balls):
+    closed = _ends(balls)
+    _explode(balls, 8.0)
+    assert bpy.ops.leaflight.move_parts() == {"FINISHED"}
+    assert balls.leaflight_look.explode_axis == "NONE"
+    close(_ends(balls), closed + [-4.0, 4.0], 1e-3)
+    assert cache.volume_of(balls).values.shape == (N, N, N + 8)
+    assert bpy.ops.leaflight.bake() == {"FINISHED"}
+    close(_ends(balls), closed + [-4.0, 4.0], 1e-3)
+    bpy.ops.leaflight.switch_region(index=0, action="SWITCH")
+    close(_ends(balls), closed, 1e-3)
+
+
 def check_parts_move_and_keep_their_light(balls, tmp_path):
     closed, light = vertices_of(balls), colors_of(balls)
     assert "explode_distance" not in drawn(look_panel.LEAFLIGHT_PT_isosurfaces)

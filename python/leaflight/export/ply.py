@@ -2,42 +2,19 @@
 """Lit isosurfaces and photons as PLY files."""
 
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 from .._core import LeaflightError
 from ..arrays import Array
+from ..bake.baked import Surface
+from ..bake.photons import Photons
+from ..io.images import display_colors
+from ..io.output import check_writable, replaced
 from ..paths import AnyPath
 from ..scene.volume_texture import identifiers
-from .images import display_colors
-from .output import check_writable, replaced
 
 
-class _Surface(Protocol):
-    @property
-    def vertices(self) -> Array: ...
-    @property
-    def normals(self) -> Array: ...
-    @property
-    def triangles(self) -> Array: ...
-    @property
-    def radiance(self) -> Array: ...
-    @property
-    def values(self) -> dict[str, Array]: ...
-
-
-class _Photons(Protocol):
-    @property
-    def positions(self) -> Array: ...
-    @property
-    def flux_height(self) -> Array: ...
-    @property
-    def common_isovalue(self) -> Array: ...
-    @property
-    def direct(self) -> Array: ...
-    def colors(self) -> Array: ...
-
-
-def write_ply(path: AnyPath, surface: _Surface, exposure: float) -> None:
+def write_ply(path: AnyPath, surface: Surface, exposure: float) -> None:
     """Writes a Surface as binary PLY, under its final name or not at all. Raises LeaflightError.
 
     Vertex properties: x y z, nx ny nz, radiance_r radiance_g radiance_b (float, W/(m^2 sr), linear)
@@ -54,7 +31,7 @@ def write_ply(path: AnyPath, surface: _Surface, exposure: float) -> None:
     _write(path, surface.vertices, [("triangle", surface.triangles)], properties)
 
 
-def write_photons(path: AnyPath, photons: _Photons) -> None:
+def write_photons(path: AnyPath, photons: Photons) -> None:
     """Writes Photons as binary PLY of points, as write_ply does.
 
     Vertex properties: x y z (double), flux_r flux_g flux_b and common_isovalue (float, see

@@ -8,12 +8,10 @@ their power, so their radiance is 2/pi of the flattened one (thesis Eq. 3.7).
 
 import leaflight._core as _core
 import numpy as np
-
-from .._core import LeaflightError
-from ..arrays import Array
-from ..scene.scene import is_color
-from ..volume.volume import Volume
-from .flatland import BRIGHTNESS_CORRECTION, FlatBake
+from leaflight import LeaflightError, Volume
+from leaflight.arrays import Array
+from leaflight.flatland import BRIGHTNESS_CORRECTION, FlatBake
+from leaflight.scene.scene import is_color
 
 # Height of the graph, in longest sides of the height field.
 GRAPH_HEIGHT = 1.0
