@@ -134,13 +134,14 @@ void bind_field_of(py::module_& module, const char* name, const char* doc) {
            "of a scene.")
       .def_property_readonly("index_to_world",
                              [](const Field<D>& f) { return from_affine(f.index_to_world); })
-      .def("placed",
-           [](const Field<D>& f, const DoubleArray& index_to_world) {
-             return std::make_shared<Field<D>>(placed(f, to_affine<D>(index_to_world)));
-           },
-           py::arg("index_to_world"),
-           "Returns the field at another place. Both share their values and what was computed\n"
-           "from them. Raises LeaflightError for a transform that cannot be inverted.")
+      .def(
+          "placed",
+          [](const Field<D>& f, const DoubleArray& index_to_world) {
+            return std::make_shared<Field<D>>(placed(f, to_affine<D>(index_to_world)));
+          },
+          py::arg("index_to_world"),
+          "Returns the field at another place. Both share their values and what was computed\n"
+          "from them. Raises LeaflightError for a transform that cannot be inverted.")
       .def_property_readonly("bounds", &bounds<D>, "World box of the voxels, (2, D).")
       .def("sample", &sample<D>, py::arg("points"),
            "Returns interpolated values (n,) at world points (n, D); NaN outside and in masked\n"

@@ -25,8 +25,8 @@ namespace {
 
 constexpr std::array<const char*, 4> channel_names{"R", "G", "B", "A"};
 
-// Level of ZIP. Noise hardly compresses, so files are 3 % larger than at the default level of 4, and
-// written 1.5 times as fast.
+// Level of ZIP. Noise hardly compresses, so files are 3 % larger than at the default level of 4,
+// and written 1.5 times as fast.
 constexpr int zip_level = 1;
 
 // OpenEXR's threads while a file is written, unless the program has its own. They end with it: a
