@@ -13,22 +13,22 @@ namespace leaflight {
 // in the world. The others take them in the frame, where the volumes are around the origin. `u` is
 // uniform in [0,1)^2, and `bounds` contains the scene.
 //
-//   name              identifies the lamp in messages.
-//   check()           throws Error if the lamp is invalid.
-//   corners()         points whose box contains the lamp; none for a lamp at infinity.
-//   to_frame()        moves a position p to (p - center) * scale; radiance and irradiance stay.
-//   amount()          color that the lamp's strength multiplies; black lamps emit nothing.
-//   place()           point in front of the lamp; nothing for a lamp at infinity.
-//   power()           power, averaged over the channels, by which photons choose a lamp.
-//   largest_flux()    largest channel of the flux of any photon of emit().
-//   near_irradiance() rough irradiance at the origin, by which shadow rays choose a lamp.
-//   sample()          samples the light at a point.
-//   emit()            samples a photon.
-//   source()          samples a point of the lamp that stands for all of it.
-//   radiance_along()  radiance along a ray of unit direction up to t_max, which may be infinite.
-//   width()           width over the distance from the origin; wider lamps have more light points.
-//   aspect()          columns over rows of the lattice of light points.
-//   light_point()     the source for a position in that lattice.
+// Its `name` identifies it in messages. check() throws Error if the lamp is invalid.
+// The box of the points of corners() contains the lamp. A lamp at infinity has none.
+// The function to_frame() moves a position p to (p - center) * scale. Radiance and irradiance stay.
+// The strength of the lamp multiplies the color amount(). Black lamps emit nothing.
+// The point place() is in front of the lamp. A lamp at infinity has none.
+//
+// Photons choose a lamp by power(), the mean over the channels. Then emit() samples a photon.
+// No channel of its flux is above largest_flux().
+// Shadow rays choose a lamp by near_irradiance(), the rough irradiance at the origin. Then sample()
+// samples the light at a point.
+// The function source() samples a point of the lamp that stands for all of it.
+// The function radiance_along() takes a ray of unit direction up to t_max, which may be infinite.
+//
+// The lattice of light points has aspect() columns for each row. It has more points if width() is
+// larger, the width of the lamp over its distance from the origin.
+// The function light_point() returns the source for a position in that lattice.
 template <int D>
 using Light = std::variant<AreaLight<D>, PointLight<D>, SunLight<D>>;
 

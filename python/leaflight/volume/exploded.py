@@ -9,6 +9,7 @@ import numpy as np
 import leaflight._core as _core
 
 from ..arrays import Array
+from .parts import shares_apart
 from .volume import Volume
 
 
@@ -29,9 +30,7 @@ def explode_offsets(
     part = _parts_of(volume, isovalue, vertices, triangles)
     places = np.asarray(vertices, np.float64) @ along / length
     middles = np.bincount(part, places) / np.bincount(part)
-    low, high = middles.min(), middles.max()
-    if low < high:
-        offsets[:] = ((middles - 0.5 * (low + high)) / (high - low))[part, None] * along
+    offsets[:] = shares_apart(middles)[part, None] * along
     return offsets
 
 

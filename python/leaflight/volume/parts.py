@@ -69,19 +69,26 @@ def without(values: Array, goes: Array, stays: Array, check: Callable[[], None])
     return found
 
 
+def shares_apart(middles: Array) -> Array:
+    """Returns how far each part moves if the two outermost ones move apart by 1.
+
+    The others move in proportion. All are 0 if the parts are at one place.
+    middles: Places of the parts on a line.
+    """
+    low, high = middles.min(), middles.max()
+    return (middles - 0.5 * (low + high)) / (high - low) if high > low else 0.0 * middles
+
+
 def offsets_apart(numbers: Array, along: Array) -> Array:
     """Returns the offsets of parts in voxels, int64 (parts + 1, 3), [z, y, x]; row 0 is 0.
 
-    The middles of the two outermost parts move apart by `along`, and those between in proportion.
-    along: Voxels [z, y, x].
+    along: Direction and distance of shares_apart() of their middles, in voxels [z, y, x].
     """
     z, y, x = (np.arange(n) * (step / (along @ along)) for n, step in zip(numbers.shape, along))
     places = z[:, None, None] + y[:, None] + x
     middles = (np.bincount(numbers.ravel(), places.ravel()) / np.bincount(numbers.ravel()))[1:]
-    low, high = middles.min(), middles.max()
-    shares = (middles - 0.5 * (low + high)) / (high - low) if high > low else 0.0 * middles
-    offsets = np.zeros((len(shares) + 1, 3), np.int64)
-    offsets[1:] = np.rint(shares[:, None] * along)
+    offsets = np.zeros((len(middles) + 1, 3), np.int64)
+    offsets[1:] = np.rint(shares_apart(middles)[:, None] * along)
     return offsets
 
 
