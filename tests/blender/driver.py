@@ -99,12 +99,12 @@ class Blender:
         """Returns the output of a background Blender. Raises BlenderFailed."""
         return self._finished(self.start(*arguments, stderr=subprocess.STDOUT))
 
-    def in_window(self, script, *arguments, size=(1024, 640)):
+    def in_window(self, script, *arguments, **how):
         """Runs a script that drives Blender in a window; returns the object of its line WINDOW.
 
         It takes the arguments of show().
         """
-        status, said = self.show(script, *arguments, size=size)
+        status, said = self.show(script, *arguments, **how)
         lines = [line for line in said.splitlines() if line.startswith("WINDOW ")]
         assert lines and status == 0, said
         return json.loads(lines[0].removeprefix("WINDOW "))
@@ -117,16 +117,17 @@ class Blender:
             return "There is no xvfb-run: install the Debian package xvfb."
         return None
 
-    def show(self, script, *arguments, size=(1024, 640)):
+    def show(self, script, *arguments, size=(1024, 640), by_hand=True):
         """Runs a script that drives Blender in a window; returns its exit status and its output.
 
         script: a file of window/, or a path. xvfb-run provides a screen. Ends the program and its
-        screen when it hangs. size: the window and the screen, in pixels.
+        screen when it hangs. size: the window and the screen, in pixels. by_hand: whether the script
+        simulates keys and the mouse; Blender then never sleeps between events and keeps a core busy.
         """
         width, height = size
         screen = ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24"]
         program = ["blender", "-noaudio", "--window-geometry", "0", "0", width, height]
-        program += ["--enable-event-simulate", "--python-exit-code", "1"]
+        program += ["--enable-event-simulate"] * by_hand + ["--python-exit-code", "1"]
         script = HERE / "window" / script
         process = subprocess.Popen(
             list(map(str, [*screen, *program, *self._named, "--python", script, "--", *arguments])),

@@ -84,7 +84,7 @@ def small_case(folder):
 def measured(blender, case, folder):
     """Returns a row for each step of a case."""
     arguments = case.path, case.stage, int(case.walls), case.isovalue, case.quality
-    steps = blender.in_window(SCRIPT, *arguments, folder / "bakes")["steps"]
+    found = blender.in_window(SCRIPT, *arguments, folder / "bakes", by_hand=False)
     return [
         {
             "case": case.name,
@@ -92,5 +92,5 @@ def measured(blender, case, folder):
             "seconds": f"{seconds:.2f}",
             "processor seconds": f"{processor:.2f}",
         }
-        for name, seconds, processor in steps
+        for name, seconds, processor in found["steps"]
     ]

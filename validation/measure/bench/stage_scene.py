@@ -35,9 +35,13 @@ class Clock:
     def __init__(self):
         self._start = time.perf_counter(), time.process_time()
 
-    def add(self, name):
+    def time(self):
+        """Returns the seconds and the processor seconds since the start."""
         now = time.perf_counter(), time.process_time()
-        found["steps"].append([name, *(end - start for end, start in zip(now, self._start))])
+        return [end - start for end, start in zip(now, self._start)]
+
+    def add(self, name):
+        found["steps"].append([name, *self.time()])
 
 
 def clicks():
@@ -82,10 +86,13 @@ def bake():
     draw_little()
     while jobs.running() is not None:
         yield 0.01
-        if first and shown() != before:
-            clock.add("bake, first light")
+        if jobs.running() is not None and shown() != before:
+            before, seen_until = shown(), clock.time()
+            if first:
+                clock.add("bake, first light")
             first = False
-    clock.add("bake, whole")
+    found["steps"].append(["bake, last pass", *seen_until])
+    clock.add("bake, files written")
     yield from stepwise.until(lambda: not surface_object.is_coarse(hand.volume().data))
 
 
