@@ -253,13 +253,18 @@ Field<D> placed(const Field<D>& field, const Affine<D>& index_to_world) {
 }
 
 template <int D>
+std::vector<Vec<D>> world_corners(const Field<D>& field) {
+  Box<D> voxels{Vec<D>(0.0), {}};
+  for (int a = 0; a < D; ++a) voxels.high[a] = field.dims[a] - 1;
+  std::vector<Vec<D>> corners = voxels.corners();
+  for (Vec<D>& corner : corners) corner = field.index_to_world.point(corner);
+  return corners;
+}
+
+template <int D>
 Box<D> world_box(const Field<D>& field) {
   Box<D> box;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    Vec<D> index;
-    for (int a = 0; a < D; ++a) index[a] = ((corner >> a) & 1) * (field.dims[a] - 1);
-    box.extend(field.index_to_world.point(index));
-  }
+  for (const Vec<D>& corner : world_corners(field)) box.extend(corner);
   return box;
 }
 
@@ -396,6 +401,8 @@ template Field<3> make_field<3>(const Voxels&, const Index<3>&, const Affine<3>&
                                 std::shared_ptr<const void>);
 template Field<2> placed(const Field<2>&, const Affine<2>&);
 template Field<3> placed(const Field<3>&, const Affine<3>&);
+template std::vector<Vec<2>> world_corners<2>(const Field<2>&);
+template std::vector<Vec<3>> world_corners<3>(const Field<3>&);
 template Box<2> world_box<2>(const Field<2>&);
 template Box<3> world_box<3>(const Field<3>&);
 template CellPoint<2> locate<2>(const Field<2>&, const Vec<2>&);

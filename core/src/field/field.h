@@ -71,7 +71,9 @@ struct CellPoint {
 template <int D>
 CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
 
-// Returns the axis-aligned box of the voxels in world coordinates.
+// Returns the corners of the domain in world coordinates, and their axis-aligned box.
+template <int D>
+std::vector<Vec<D>> world_corners(const Field<D>& field);
 template <int D>
 Box<D> world_box(const Field<D>& field);
 

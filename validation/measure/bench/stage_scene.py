@@ -46,9 +46,11 @@ class Clock:
 
 def clicks():
     view = hand.view().spaces.active
-    # Without a graphics card, a picture of the isosurface takes seconds, also that in a file.
+    # Without a graphics card, a picture of the isosurface takes seconds, also that in a file, and
+    # smooth edges draw each picture eight times.
     view.shading.type, view.overlay.show_overlays = "SOLID", False
     bpy.context.preferences.filepaths.file_preview_type = "NONE"
+    bpy.context.preferences.system.viewport_aa = "OFF"
     yield from stepwise.wait(1.0)
     clock = Clock()
     obj = blender.import_volume(VOLUME)

@@ -48,8 +48,9 @@ Affine<D> texels_to_frame(const LineVolume<D>& volume, const TexelLattice<D>& la
   return m;
 }
 
-// True if a facet of the walls may lie in the box around a volume and, if given, a point of the
-// frame.
+// True if a facet of the walls may lie in the convex hull of a volume and, if given, a point of the
+// frame. Two tests find most that do not: boxes, and the facet's plane. Walls of a turned room, for
+// example, have wide boxes.
 template <int D>
 bool meshes_near(const SceneTracer<D>& tracer, int volume, const Vec<D>* point);
 
