@@ -117,7 +117,11 @@ void bind_radiance(py::module_& module, const std::string& suffix) {
           "radiance",
           [](const Walls& s, std::size_t i, double c, bool back) {
             static_cast<void>(s.meshes.at(i));
-            auto radiance = radiance_at(s, static_cast<int>(i), c, back);
+            std::vector<Vec<3, float>> radiance;
+            {
+              const py::gil_scoped_release unlocked;
+              radiance = radiance_at(s, static_cast<int>(i), c, back);
+            }
             const auto n = static_cast<py::ssize_t>(radiance.size());
             return adopt<float>(std::move(radiance), {n, 3});
           },

@@ -11,10 +11,10 @@ namespace leaflight {
 namespace {
 
 // Finds a sign change of a function between two arguments, by false position with the Illinois rule
-// (Dowell and Jarratt 1971). Returns the argument next to it, on the far side.
+// (Dowell and Jarratt 1971). Returns the argument within `precise` of it, on the far side.
 template <class Value>
-double change_of_sign(const Value& value, double near, double at_near, double far, double at_far) {
-  constexpr double precise = 1e-14;
+double change_of_sign(const Value& value, double near, double at_near, double far, double at_far,
+                      double precise) {
   constexpr int most_steps = 60;
   const bool below = at_near < 0;
   int repeated = 0;  // successive steps that moved only the near end; negative: only the far end
@@ -37,23 +37,31 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   return far;
 }
 
+// The search for an isosurface along a direction, in voxels: the distance between values that show
+// a crossing, and the error of its place.
+struct Search {
+  double step, precise;
+};
+constexpr Search exact{1.0 / 16, 1e-14};
+// For coarse meshes, whose edges are at least two voxels long.
+constexpr Search quick{1.0 / 4, 1e-4};
+
 // Returns the distance along a direction to the first crossing of the isovalue, from below or from
 // above. Returns 0 if there is none within `reach` voxels. Start and direction are in index
 // coordinates.
 template <int D>
 double first_crossing(const Field<D>& field, const Vec<D>& start, const Vec<D>& along,
-                      double isovalue, bool from_below, double reach) {
-  constexpr double step = 1.0 / 16;
+                      double isovalue, bool from_below, double reach, const Search& search) {
   const auto value = [&](double t) {
     const CellPoint<D> point = locate(field, Vec<D>(start + along * t));
     return interpolate(load_corners(field, point.cell), point.local) - isovalue;
   };
   double low = 0, at_low = value(0);
-  for (double high = step; high <= reach; high += step) {
+  for (double high = search.step; high <= reach; high += search.step) {
     const double at_high = value(high);
     if (std::isnan(at_high)) break;
     if ((at_low < 0) == from_below && (at_high < 0) != from_below) {
-      return change_of_sign(value, low, at_low, high, at_high);
+      return change_of_sign(value, low, at_low, high, at_high, search.precise);
     }
     low = high;
     at_low = at_high;
@@ -75,7 +83,7 @@ Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& world, double 
   for (Vec<D> along : {geometric_gradient(corners, point.local), shading_gradient(field, point)}) {
     if (!(along.length() > 0)) continue;
     along *= (here < 0 ? 1 : -1) / along.length();
-    const double t = first_crossing(field, start, along, isovalue, here < 0, 2);
+    const double t = first_crossing(field, start, along, isovalue, here < 0, 2, exact);
     if (t > 0) return field.index_to_world.point(locate(field, start + along * t).index_position());
   }
   return world;
@@ -87,9 +95,9 @@ Vec3 project_along(const Field<3>& field, const Vec3& world, const Vec3& outward
   Vec3 along = field.world_to_index.vector(outward);
   if (!holds_given(field, start) || !(along.length() > 0)) return world;
   along /= along.length();
-  const double after = first_crossing(field, start, along, isovalue, false, reach);
+  const double after = first_crossing(field, start, along, isovalue, false, reach, quick);
   const double before =
-      first_crossing(field, start, along * -1, isovalue, true, after > 0 ? after : reach);
+      first_crossing(field, start, along * -1, isovalue, true, after > 0 ? after : reach, quick);
   const double t = before > 0 ? -before : after;
   if (t == 0) return world;
   return field.index_to_world.point(locate(field, start + along * t).index_position());

@@ -13,7 +13,7 @@ Vec<D> project_to_isosurface(const Field<D>& field, const Vec<D>& point, double 
 // Returns the nearest point of the isosurface along a direction or against it, in world
 // coordinates. The field must fall below the isovalue in that direction, so points outside a thin
 // shell do not move to its inner side. Returns the point itself if there is none within `reach`
-// voxels.
+// voxels. Errs by up to 1e-4 voxels, since it is for the vertices of coarse meshes.
 Vec3 project_along(const Field<3>& field, const Vec3& point, const Vec3& outward, double isovalue,
                    double reach);
 

@@ -241,29 +241,38 @@ std::vector<Vec<3, float>> MeshDirectLight<D>::unshadowed_by(std::size_t light, 
 template <int D>
 std::vector<Vec<3, float>> MeshDirectLight<D>::radiance(int mesh, double c, bool back) const {
   const MeshRays& traced = (*meshes_)[mesh];
-  const std::size_t vertices = traced.sets.size(), points = sets_[0].size();
+  std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
+  const Vec<3, float> dark(0);
+  if (std::all_of(radiance.begin(), radiance.end(), [&](const auto& r) { return r == dark; })) {
+    return radiance;
+  }
+  const std::size_t points = sets_[0].size();
+  std::vector<Vec<3, float>> amounts;  // [set * points + point]
+  for (const auto& set : sets_) {
+    for (const LightPoint<D>& point : set) amounts.emplace_back(point.source.amount);
+  }
   const auto isovalue = static_cast<float>(c);
   const float side = back ? -1 : 1;
-  std::vector<Vec<3, float>> reaching(vertices);  // share of the light that reaches each vertex
-  for (std::size_t v = 0; v < vertices; ++v) {
+  // Shares of the light that reach each vertex.
+  std::vector<Vec<3, float>> reaching(radiance.size());
+  parallel_each(radiance.size(), [&](std::size_t v) {
     Vec<3, float> all(0), lit(0);
     for (std::size_t i = 0; i < points; ++i) {
       const TracedRay& ray = traced.rays[v * points + i];
       const Vec<3, float> light =
-          Vec<3, float>(sets_[traced.sets[v]][i].source.amount) * std::max(0.0f, side * ray.share);
+          amounts[traced.sets[v] * points + i] * std::max(0.0f, side * ray.share);
       all += light;
       const bool passes = !traced.least.empty() && isovalue <= traced.least[v * points + i];
       if (ray.greatest < isovalue || passes) lit += light;
     }
     for (int k = 0; k < 3; ++k) reaching[v][k] = all[k] > 0 ? lit[k] / all[k] : 0;
-  }
-  std::vector<Vec<3, float>> radiance = unshadowed(mesh, back);
-  for (std::size_t v = 0; v < vertices; ++v) {
+  });
+  parallel_each(radiance.size(), [&](std::size_t v) {
     const std::uint32_t *begin = traced.neighbors.begin(v), *end = traced.neighbors.end(v);
     Vec<3, float> sum(0);
     for (const std::uint32_t* u = begin; u != end; ++u) sum += reaching[*u];
     radiance[v] *= sum / static_cast<float>(end - begin);
-  }
+  });
   return radiance;
 }
 

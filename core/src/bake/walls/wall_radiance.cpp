@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace leaflight {
 
@@ -19,10 +20,10 @@ std::vector<Vec<3, float>> radiance_at(const WallRadiance<D>& walls, int mesh, d
   const IsovalueNodes::Place at = walls.nodes.place(c);
   const Vec<3, float>*low = &values[at.low * n], *high = low + n;
   const float t = 0.5f * static_cast<float>(at.t), rest = 0.5f - t;
-  for (std::size_t v = 0; v < radiance.size(); ++v) {
+  parallel_each(radiance.size(), [&](std::size_t v) {
     const auto [a, b] = subdivided.between[v];
     radiance[v] += (low[a] + low[b]) * rest + (high[a] + high[b]) * t;
-  }
+  });
   return radiance;
 }
 
