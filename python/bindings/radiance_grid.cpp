@@ -7,6 +7,7 @@
 #include "bake/output/atlas.h"
 #include "bake/output/estimated_grid.h"
 #include "bake/output/lit_contour.h"
+#include "base/parallel.h"
 #include "bindings.h"
 #include "grid_object.h"
 #include "mesh_arrays.h"
@@ -40,28 +41,66 @@ std::vector<Vec<3, float>> all_light(const GridObject<D>& grid, bool back) {
   return all_light(*grid.baked, *grid.lit, back);
 }
 
-// Returns the radiance of one side's texels, or its indirect part.
+// Returns the radiance of one side's texels at some slots, or its indirect part.
 template <int D>
-std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
+std::vector<Vec<3, float>> texels_at(const GridObject<D>& grid,
+                                     const std::vector<std::uint32_t>& slots, bool back,
+                                     bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
   check_side(from, back);
   const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
-  std::vector<Vec<3, float>> texels =
-      indirect_alone || grid.field ? indirect : all_light(grid, back);
-  if (!grid.field && !grid.texture) return texels;
   const ShownGrid<D> shown = grid.shown();
+  std::vector<Vec<3, float>> texels(slots.size());
   const py::gil_scoped_release unlocked;
-  tbb::parallel_for(std::size_t{0}, texels.size(), [&](std::size_t s) {
+  parallel_each(slots.size(), [&](std::size_t i) {
+    const std::size_t s = slots[i];
+    const Vec<3, float> part = indirect.empty() ? Vec<3, float>(0) : indirect[s];
     const Vec<D> center = from.lattice.center(from.lattice.active[s]);
+    Vec<3, float> light;
     if (grid.field) {
-      texels[s] = shown.scaled(indirect[s], *grid.field, center);
-      if (!indirect_alone)
-        texels[s] += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
+      light = shown.scaled(part, *grid.field, center);
+      if (!indirect_alone) light += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
+    } else {
+      light = indirect_alone ? part : radiance_of_texel(from, *grid.lit, s, back);
     }
-    texels[s] = shown.textured(texels[s], center);
+    texels[i] = shown.textured(light, center);
   });
   return texels;
+}
+
+// Returns at most `most` slots, evenly spread over all.
+template <int D>
+std::vector<std::uint32_t> spread_slots(const RadianceGrid<D>& grid, std::size_t most) {
+  std::vector<std::uint32_t> slots(std::min(most, grid.texels()));
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    slots[i] = static_cast<std::uint32_t>(i * grid.texels() / slots.size());
+  }
+  return slots;
+}
+
+// Returns the radiance of all texels of one side, or its indirect part.
+template <int D>
+std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool indirect_alone) {
+  return texels_at(grid, spread_slots(*grid.baked, grid.baked->texels()), back, indirect_alone);
+}
+
+// Returns standard errors of texels at some slots.
+template <int D>
+std::vector<float> errors_at(const GridObject<D>& grid, const std::vector<std::uint32_t>& slots) {
+  std::vector<float> errors;
+  for (const std::uint32_t s : slots) {
+    errors.push_back(grid.baked->radiance_error[s] * average(Rgb(grid.indirect)));
+  }
+  return errors;
+}
+
+template <int D>
+py::tuple some_texels(const GridObject<D>& grid, std::size_t most) {
+  const std::vector<std::uint32_t> slots = spread_slots(*grid.baked, most);
+  const auto n = static_cast<py::ssize_t>(slots.size());
+  return py::make_tuple(adopt<float>(texels_at(grid, slots, false, false), {n, 3}),
+                        adopt<float>(errors_at(grid, slots), {n}));
 }
 
 template <int D>
@@ -69,9 +108,7 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
   const RadianceGrid<D>& from = *grid.baked;
   std::vector<py::ssize_t> shape = array_shape(from.lattice.resolution);
   if (name == "radiance_error") {
-    std::vector<float> errors = from.radiance_error;
-    for (float& error : errors) error *= average(Rgb(grid.indirect));
-    return spread(from.lattice, errors, shape);
+    return spread(from.lattice, errors_at(grid, spread_slots(from, from.texels())), shape);
   }
   shape.push_back(3);
   for (const bool back : {false, true}) {
@@ -255,6 +292,9 @@ void bind_grid(py::module_& module, const std::string& suffix) {
            "direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].\n"
            "radiance_error, the standard error of the mean over the channels: float32 [z, y, x].\n"
            "Inactive texels are zero.")
+      .def("some_texels", &some_texels<D>, py::arg("most"),
+           "Returns the front's (radiance float32 (n, 3), radiance_error (n,)) of at most `most`\n"
+           "active texels, evenly spread over all.")
       .def(
           "mask", [](const Grid& g) { return active_mask(g.baked->lattice); },
           "uint8 [z, y, x], 1 at active texels.")

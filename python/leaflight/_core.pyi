@@ -587,6 +587,11 @@ class RadianceGrid:
         factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
         except emission. Shares the texels. Requires can_be_relit.
         """
+    def some_texels(self, most: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+        """
+        Returns the front's (radiance float32 (n, 3), radiance_error (n,)) of at most `most`
+        active texels, evenly spread over all.
+        """
     def stored_direct(self, scene: Scene, volume: typing.SupportsInt | typing.SupportsIndex) -> DirectLight:
         """
         Takes the maps of the scene's volume from a grid of read_bake(), and returns its
@@ -657,6 +662,11 @@ class RadianceGrid2:
         Returns the grid of the lit field with other strengths of the scene's lights:
         factors (r, g, b) for each, relative to the bake. `indirect`: factor on other light,
         except emission. Shares the texels. Requires can_be_relit.
+        """
+    def some_texels(self, most: typing.SupportsInt | typing.SupportsIndex) -> tuple:
+        """
+        Returns the front's (radiance float32 (n, 3), radiance_error (n,)) of at most `most`
+        active texels, evenly spread over all.
         """
     @property
     def can_be_relit(self) -> bool:
