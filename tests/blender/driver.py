@@ -121,8 +121,9 @@ class Blender:
         """Runs a script that drives Blender in a window; returns its exit status and its output.
 
         script: a file of window/, or a path. xvfb-run provides a screen. Ends the program and its
-        screen when it hangs. size: the window and the screen, in pixels. by_hand: whether the script
-        simulates keys and the mouse; Blender then never sleeps between events and keeps a core busy.
+        screen when it hangs. size: the window and the screen, in pixels.
+        by_hand: True if the script simulates keys and the mouse. Blender then does not sleep
+        between events, and keeps a core busy.
         """
         width, height = size
         screen = ["xvfb-run", "--auto-servernum", f"--server-args=-screen 0 {width}x{height}x24"]

@@ -63,8 +63,9 @@ def stage_section(options):
         "",
         f"- Seconds in a window of Blender {blender.about['blender']}, and processor seconds of "
         "Blender meanwhile. Each step begins with the click and ends when its result is in the "
-        "scene. There is no graphics card, so the window draws boxes without light in place of "
-        "surfaces.",
+        "scene. There is no graphics card, so the window draws boxes without light and smooth "
+        "edges in place of surfaces.",
+        "- The last pass of a bake is shown before its files are written.",
         "- The isovalue steps ten times, and the row has the median: *at rest* with all detail, "
         "*while it moves* as under the mouse, both before drawing.",
         "- With *Live* on, the lamp and then the clip box of a cut are moved once.",
