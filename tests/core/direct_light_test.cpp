@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "agreement.h"
+#include "bake/texels/line_volume.h"
 
 namespace leaflight {
 namespace {
@@ -352,6 +353,25 @@ TEST(LightPoints, TakeTheSunOutOfAnImage) {
   const double all = EnvironmentSampler<3>(*scene.environment).power(tracer.bounds());
   const double wide = EnvironmentSampler<3>(*split.wide).power(tracer.bounds());
   EXPECT_NEAR(points * tracer.bounds().parallel_area() / (all - wide), 1, 0.1);
+}
+
+// Returns true if a wall near an upright edge of the unit cube counts as near a ball within it.
+bool wall_is_near(double from_edge, const Vec3* light = nullptr) {
+  Scene<3> scene = test::scene_of(test::ball<3>(9), Rgb(0.5f), {0.6, 0.9});
+  const Vec3 corner(2 + from_edge, from_edge, -0.5);
+  scene.meshes.push_back(test::wall("turned", corner, {-2, 2, 0}, {0, 0, 2}, Rgb(0.5f)));
+  const SceneTracer<3> tracer(scene);
+  const Vec3 point = light ? tracer.frame().point(*light) : Vec3(0);
+  return meshes_near(tracer, 0, light ? &point : nullptr);
+}
+
+TEST(MeshesNear, TurnedWallsBesideTheVolumeAreNot) {
+  // The box of the wall contains a part of the cube in all cases.
+  EXPECT_FALSE(wall_is_near(0.1));
+  EXPECT_TRUE(wall_is_near(-0.1));
+  const Vec3 inside(0.5, 0.5, 1.6), behind(2, 2, 0.5);
+  EXPECT_FALSE(wall_is_near(0.1, &inside));
+  EXPECT_TRUE(wall_is_near(0.1, &behind));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 import leaflight
 import numpy as np
 import pytest
+from leaflight.bake import color_error
 from leaflight.io.scene_file import packaged_scene
 from leaflight.measure.sampling import Sampling
 from leaflight.measure.sides import IsosurfaceSide
@@ -89,6 +90,20 @@ def test_estimated_error_of_the_bake(thesis, bump_scene):
     ]
     true = 100 * np.sqrt(np.square(colors[0] - colors[1]).mean())
     assert true / 2 < estimated < 2 * true
+
+
+def test_noise_of_some_texels_stands_for_all(bump_scene, monkeypatch):
+    grid = leaflight.bake(leaflight.bump_box(20), bump_scene).grid
+    active = grid.mask().astype(bool)
+    radiance, error = grid.dense("radiance")[active], grid.dense("radiance_error")[active]
+    every, fifth = grid.some_texels(grid.texels), grid.some_texels(grid.texels // 5)
+    np.testing.assert_array_equal(every[0], radiance)
+    np.testing.assert_array_equal(every[1], error)
+    chosen = np.arange(grid.texels // 5) * grid.texels // (grid.texels // 5)
+    np.testing.assert_array_equal(fifth[0], radiance[chosen])
+    all_texels = color_error.estimated_rms_percent([grid], 1.0)
+    monkeypatch.setattr(color_error, "_MOST_TEXELS", grid.texels // 5)
+    assert color_error.estimated_rms_percent([grid], 1.0) == pytest.approx(all_texels, rel=0.03)
 
 
 ISOVALUES = (30.0, 70.0)
