@@ -173,6 +173,7 @@ ROWS = (
     Row("mask_data", "labeled", "regions", {"label_map": "regions labels"}, held="work"),
     Row("crop_to_shown", "imported", "regions", held="work"),
     Row("clean_data", "parts", "regions", {"kind": "largest_part"}, held="work"),
+    Row("move_parts", "exploded", "regions", held="work"),
     Row("remove_part", "parts", "regions", held="modal", clicks=True),
     Row("remove_sphere", "aimed", "regions", asks="dialog", held="work"),
     Row("switch_region", "cleaned", "regions", {"index": 0}, held="work"),

@@ -117,6 +117,10 @@ def _parts(scenes):
     _import(scenes, "parts.nii.gz")
 
 
+def _explode(_scenes):
+    seen.volume().leaflight_look.explode_axis = "Z"
+
+
 def _aim(_scenes):
     """Puts the 3D cursor into the volume."""
     bpy.context.scene.cursor.location = seen.volume().matrix_world.translation
@@ -225,6 +229,7 @@ _SCENES = {
     "colored": ("imported", _color),
     "parts": ("home", _parts),
     "aimed": ("parts", _aim),
+    "exploded": ("parts", _explode),
     "cleaned": ("parts", _clean),
     "clipped": ("imported", _add_clip_box),
     "labeled": ("home", _labels),
