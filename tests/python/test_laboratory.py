@@ -25,7 +25,7 @@ RUNS = [
     ("bench scale --quick", "| bump box, 12^3 |"),
     ("bench rays --quick", "| bump box, 16^3 at 100 |"),
     ("bench scrub --quick", "| bump box, 24^3 at 100 |"),
-    ("bench stage --quick", "| bump box, 24^3 | bake, whole |"),
+    ("bench stage --quick", "| bump box, 24^3 | bake, last pass |"),
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
     ("edits_against_cycles cuts bump --points 30 --spp 8", "| bump box | 100 |"),
     ("workers --dims 12", "| 4 |"),
