@@ -88,9 +88,10 @@ std::vector<Vec<3, float>> texels_of(const GridObject<D>& grid, bool back, bool 
 // Returns standard errors of texels at some slots.
 template <int D>
 std::vector<float> errors_at(const GridObject<D>& grid, const std::vector<std::uint32_t>& slots) {
-  std::vector<float> errors;
-  for (const std::uint32_t s : slots) {
-    errors.push_back(grid.baked->radiance_error[s] * average(Rgb(grid.indirect)));
+  std::vector<float> errors(slots.size());
+  const auto factor = average(Rgb(grid.indirect));
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    errors[i] = grid.baked->radiance_error[slots[i]] * factor;
   }
   return errors;
 }

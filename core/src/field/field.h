@@ -71,9 +71,11 @@ struct CellPoint {
 template <int D>
 CellPoint<D> locate(const Field<D>& field, const Vec<D>& index_position);
 
-// Returns the corners of the domain in world coordinates, and their axis-aligned box.
+// Returns the corners of the domain in world coordinates.
 template <int D>
 std::vector<Vec<D>> world_corners(const Field<D>& field);
+
+// Returns the axis-aligned box of the voxels in world coordinates.
 template <int D>
 Box<D> world_box(const Field<D>& field);
 

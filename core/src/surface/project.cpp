@@ -37,10 +37,10 @@ double change_of_sign(const Value& value, double near, double at_near, double fa
   return far;
 }
 
-// The search for an isosurface along a direction, in voxels: the distance between values that show
-// a crossing, and the error of its place.
+// Distances of a search for an isosurface along a line, in voxels.
 struct Search {
-  double step, precise;
+  double step;     // between the points whose values are compared
+  double precise;  // largest error of the place that is found
 };
 constexpr Search exact{1.0 / 16, 1e-14};
 // For coarse meshes, whose edges are at least two voxels long.

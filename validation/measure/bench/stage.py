@@ -63,8 +63,8 @@ def stage_section(options):
         "",
         f"- Seconds in a window of Blender {blender.about['blender']}, and processor seconds of "
         "Blender meanwhile. Each step begins with the click and ends when its result is in the "
-        "scene. There is no graphics card, so the window draws boxes without light and smooth "
-        "edges in place of surfaces.",
+        "scene. There is no graphics card, so the window draws boxes in place of surfaces, "
+        "without light and without smooth edges.",
         "- The last pass of a bake is shown before its files are written.",
         "- The isovalue steps ten times, and the row has the median: *at rest* with all detail, "
         "*while it moves* as under the mouse, both before drawing.",
