@@ -5,6 +5,7 @@
 
 #include <chrono>
 
+#include "bake/texels/texel_surface.h"
 #include "bake/walls/light_walls.h"
 #include "bake/walls/wall_light.h"
 #include "base/platform.h"
@@ -61,7 +62,7 @@ std::vector<Rgb> side_radiance(const Volume<D>& volume, const IsosurfaceRadiance
   std::vector<Rgb> radiance(lattice.active.size());
   for (std::size_t s = 0; s < radiance.size(); ++s) {
     const Vec<D> center = lattice.center(lattice.active[s]);
-    const Rgb albedo = albedo_near(volume, center) * volume.texture_at(center);
+    const Rgb albedo = texel_albedo(volume, lattice, s) * volume.texture_at(center);
     radiance[s] = albedo / static_cast<Real>(projected_hemisphere<D>) *
                   isosurface.photons->irradiance(static_cast<std::int32_t>(s), back);
     if (!direct.empty()) radiance[s] += direct[s].mean;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "thesis/isosurface_passes.h"
 
+#include "bake/texels/texel_surface.h"
 #include "thesis/photon_estimator.h"
 #include "thesis/scattered_averages.h"
 
@@ -32,7 +33,7 @@ void add_shared_variance(const FixedBake<D>& bake, const IsosurfaceTexels<D>& te
   for (std::size_t s = 0; s < averages.size(); ++s) {
     const Vec<D> center = texels.lattice.center(texels.lattice.active[s]);
     const IsosurfaceTexel<D> texel{texels.volume, texels.back, center,
-                                   albedo_near(scene_volume, center)};
+                                   texel_albedo(scene_volume, texels.lattice, s)};
     if (estimator) averages[s].variance += estimator->shared_variance(texel, averages[s].mean);
     if (bake.plan.caustics) averages[s].variance += caustic_variance(bake.isosurfaces, texel);
   }

@@ -20,7 +20,7 @@ template <int D, class Value>
 py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Value>& values,
                           std::vector<py::ssize_t> shape) {
   std::vector<Value> dense(lattice.texels(), Value(0));
-  for (std::size_t s = 0; s < values.size(); ++s) dense[lattice.active[s]] = values[s];
+  for (std::size_t s = 0; s < lattice.active_texels; ++s) dense[lattice.active[s]] = values[s];
   return adopt<float>(std::move(dense), std::move(shape));
 }
 

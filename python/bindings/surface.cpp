@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "field/shading_gradient.h"
 #include "mesh_arrays.h"
 #include "surface/islands.h"
 #include "surface/marching_squares.h"

@@ -8,6 +8,7 @@
 #include "errors.h"
 #include "field/bump_box.h"
 #include "field/coarser_values.h"
+#include "field/shading_gradient.h"
 #include "field/texel_lattice.h"
 #include "fields.h"
 

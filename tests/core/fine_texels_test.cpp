@@ -29,7 +29,7 @@ Passes passes_to(double error, int stop_after = 0) {
   Passes passes;
   Progress progress;
   const auto add = [&](const Baked<3>& baked) {
-    passes.resolutions.push_back(baked.grids[0].unfiltered.resolution);
+    passes.resolutions.push_back(baked.grids[0].unfiltered.lattice.resolution);
     passes.errors.push_back(baked.statistics.error_percent);
   };
   const auto look = [&](Baked<3>&& baked) {
@@ -56,7 +56,7 @@ TEST(FineTexels, LowerAnErrorThatBlocksCannotLower) {
   BakeSettings<3> settings;
   settings.error = 0.98 * passes.errors.back();
   const Baked<3> more = test::baked<3>(wavy_scene(), settings, {{}, &previous});
-  EXPECT_EQ(more.grids[0].unfiltered.resolution, fine);
+  EXPECT_EQ(more.grids[0].unfiltered.lattice.resolution, fine);
   EXPECT_GT(more.statistics.blocks, passes.last.statistics.blocks);
 }
 

@@ -93,8 +93,8 @@ TEST_F(Files, BakeComesBack) {
   // A bake has the precision of its file, so the light is equal, not only close.
   EXPECT_EQ(again.radiance_indirect, grid.radiance_indirect);
   EXPECT_EQ(again.radiance_error, grid.radiance_error);
-  EXPECT_EQ(again.unfiltered.texels, grid.unfiltered.texels);
-  EXPECT_EQ(again.unfiltered.resolution, grid.unfiltered.resolution);
+  EXPECT_EQ(again.unfiltered.lattice.active, grid.unfiltered.lattice.active);
+  EXPECT_EQ(again.unfiltered.lattice.resolution, grid.unfiltered.lattice.resolution);
   EXPECT_EQ(again.unfiltered.sides[0].blocks(), grid.unfiltered.sides[0].blocks());
   // All light is derived from the direct light.
   EXPECT_TRUE(again.radiance.empty());

@@ -8,6 +8,7 @@
 
 #include "agreement.h"
 #include "field/empty_space.h"
+#include "field/shading_gradient.h"
 #include "scenes.h"
 #include "surface/marching_cubes.h"
 #include "trace/isosurface_ray.h"

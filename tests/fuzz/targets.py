@@ -242,10 +242,10 @@ def _analyze(folder):
 
 def _afni(folder):
     from test_damaged_files import VALUES
-    from test_reader_scans import HEAD
+    from test_reader_scans import afni_head
 
     (folder / "input.BRIK").write_bytes(VALUES.tobytes())
-    texts = [HEAD.format(count=1, types="0", factors=k, order="LSB_FIRST") for k in ("0", "0.5")]
+    texts = [afni_head(types=(0,), factors=(factor,)) for factor in (0, 0.5)]
     return [text.replace("6 5 4", "8 7 6").encode() for text in texts]
 
 

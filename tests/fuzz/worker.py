@@ -34,7 +34,9 @@ def main(name, folder, seed, seconds, count):
     tried = accepted = 0
     slowest = 0.0
     faulthandler.enable()
-    signal.signal(signal.SIGALRM, lambda *_: faulthandler.dump_traceback() or sys.exit(3))
+    signal.signal(
+        signal.SIGALRM, lambda *_: faulthandler.dump_traceback(sys.__stderr__) or sys.exit(3)
+    )
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     while time.monotonic() - start < float(seconds) and tried < int(count):
         data = mutated(seeds, chance)

@@ -2,12 +2,13 @@
 """Tests DICOM in folders: CDs, nested folders, and files that are not slices of the series."""
 
 import os
+import re
 
 import numpy as np
 import pytest
 from leaflight import read_volume
 from leaflight.io.readers import probe
-from outcomes import reads, refused
+from outcomes import reads, refused, written
 
 pytest.importorskip("pydicom")
 from dicom_files import uid, write_disc, write_series, write_slice  # noqa: E402
@@ -91,6 +92,19 @@ def test_a_disc_that_lacks_files(disc, values):
     for path in slices[:-1]:
         path.unlink()
     refused("4 files", read_volume, disc / "DICOMDIR")
+
+
+def test_records_of_a_disc_in_a_circle(disc, values):
+    """Checks that reading ends. pydicom follows the records without end before version 3.0."""
+    data = bytearray((disc / "DICOMDIR").read_bytes())
+    tag = b"\x04\x00\x00\x14UL\x04\x00"  # offset of the next record
+    first = data.index(b"\xfe\xff\x00\xe0")
+    places = [match.end() for match in re.finditer(re.escape(tag), bytes(data))]
+    for place in places:
+        data[place : place + 4] = first.to_bytes(4, "little")
+    written(disc / "DICOMDIR", data)
+    assert len(places) >= len(values)
+    reads(values, disc / "DICOMDIR")
 
 
 def test_a_list_leads_nowhere_else(disc, values):

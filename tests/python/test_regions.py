@@ -263,6 +263,27 @@ def test_a_bake_keeps_its_regions(tmp_path):
     assert again.volume.cuts == halved.cuts
     assert again.volume.data_range() == halved.data_range()
     assert again.id == bake.id
+    points = vertices_of(halved, 300)
+    np.testing.assert_array_equal(again.radiance(points), bake.radiance(points))
+
+
+@pytest.mark.parametrize("resolution", [N, 32])
+def test_a_cap_has_the_light_of_its_own_isosurface(resolution):
+    """A corner is cut out of a box. Isosurfaces above 300 have no wall, which would light the floor."""
+    axis = np.linspace(-1, 1, N)
+    z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
+    values = np.where(x < 0, 300, 1000).astype(np.float32)
+    values[np.maximum(np.maximum(abs(x), abs(y)), abs(z)) > 0.9] = 0
+    corner = np.eye(4)
+    corner[:3, 3] = 0.97, 0, 1
+    box = Box(tuple(map(tuple, corner.tolist())), "outside", "capped")
+    bake = leaflight.bake(cut(replace(balls(), values=values), box), resolution=resolution)
+    for isovalue in (100, 200, 500, 800):
+        points = vertices_of(bake.volume, isovalue)
+        x, y, z = points.T
+        points = points[(x > 0.05) & (x < 0.45) & (abs(y) < 0.4) & (abs(z) < 0.06)][::8]
+        expected = bake.reference(points, isovalue, 512)[0].mean()
+        assert bake.radiance(points).mean() == pytest.approx(expected, rel=0.03)
 
 
 def test_reading_takes_regions(tmp_path):

@@ -122,20 +122,4 @@ double value_at(const Field<D>& field, const Vec<D>& index_position);
 template <int D>
 Vec<D> geometric_gradient(const CellCorners<D>& corners, const Vec<D>& local);
 
-// Moves a point of an isosurface to the plane of a cut if it should lie there. At voxels inside the
-// cut the data may be lower than the ramp. The interpolant is then lower, too, and has dents.
-template <int D>
-Vec<D> flat_on_cut(const Field<D>& field, const Vec<D>& index_position, double isovalue);
-
-// Interpolates central differences of the shading values between the voxels, in index coordinates.
-// They are one-sided at the border of the domain and next to masked voxels. Used for the cosine in
-// shading and for the normals of meshes. On a cut it is the gradient of the ramp.
-template <int D>
-Vec<D> shading_gradient(const Field<D>& field, const CellPoint<D>& point);
-
-// Returns the outward unit shading normal in world space of the isosurface through an index
-// position, or zero if there is none.
-template <int D>
-Vec<D> shading_normal(const Field<D>& field, const Vec<D>& index_position);
-
 }  // namespace leaflight

@@ -101,7 +101,19 @@ std::string product(const Index<D>& resolution) {
 template <int D>
 void TexelLattice<D>::activate(std::vector<std::uint32_t> numbers) {
   active = std::move(numbers);
+  active_texels = active.size();
   slot = RankedSet(texels(), active);
+}
+
+template <int D>
+void TexelLattice<D>::add_layers(const std::vector<std::uint32_t>& numbers, double low,
+                                 double high) {
+  if (numbers.empty()) return;
+  capped = RankedSet(texels(), numbers);
+  lowest_layer = low;
+  layer_step = (high - low) / layers;
+  active.reserve(active_texels + numbers.size() * layers);
+  for (const std::uint32_t number : numbers) active.insert(active.end(), layers, number);
 }
 
 // Returns a lattice with texel positions, but without active texels.

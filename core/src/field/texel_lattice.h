@@ -12,15 +12,22 @@ namespace leaflight {
 
 // Texels at regular points of the field's domain, the first and last on its border. Texels are
 // active if an isosurface of the isovalue range can reach them; the others are never stored or
-// sampled.
+// sampled. Each has a slot in the arrays of a bake. Texels on a capped cut have a slot more for
+// each layer (cap_layers.h).
 template <int D>
 struct TexelLattice {
   static constexpr std::int32_t inactive = RankedSet::absent;
+  static constexpr int layers = 8;
 
   Index<D> resolution{};
   Vec<D> voxels_per_texel;
-  std::vector<std::uint32_t> active;  // texel numbers, ascending, axis 0 fastest
-  RankedSet slot;                     // of a texel: its index in `active`, or inactive
+  // The texel of each slot, by its number, axis 0 fastest. The first `active_texels` are those of
+  // the active texels, ascending; those of layers follow.
+  std::vector<std::uint32_t> active;
+  std::size_t active_texels = 0;
+  RankedSet slot;                           // of a texel: its index in `active`, or inactive
+  RankedSet capped;                         // texels with layers; empty: none
+  double lowest_layer = 0, layer_step = 1;  // lowest value of the first layer, and their step
 
   std::size_t texels() const { return slot.bound(); }
   // Activates texels by their numbers, which must be ascending.
@@ -28,6 +35,33 @@ struct TexelLattice {
   void activate(RankedSet numbers) {
     slot = std::move(numbers);
     active = slot.numbers();
+    active_texels = active.size();
+  }
+  // Adds layers to active texels, for values between two.
+  void add_layers(const std::vector<std::uint32_t>& numbers, double low, double high);
+  void drop_layers() { active.resize(active_texels); }
+  bool has_layers() const { return active_texels < active.size(); }
+  // Returns the layer of a slot, or -1 for a texel itself.
+  int layer(std::size_t s) const {
+    return s < active_texels ? -1 : static_cast<int>((s - active_texels) % layers);
+  }
+  // Returns the lowest value of a layer, and the one in its middle.
+  double layer_low(int layer) const { return lowest_layer + layer * layer_step; }
+  double layer_value(int layer) const { return layer_low(layer) + 0.5 * layer_step; }
+  // Returns the layer of a value, clamped to all layers.
+  int layer_of(double value) const {
+    return std::clamp(static_cast<int>((value - lowest_layer) / layer_step), 0, layers - 1);
+  }
+  // Returns the slot of a layer of a texel, or inactive.
+  std::int32_t layer_slot(std::size_t number, int layer) const {
+    const std::int32_t rank = capped[number];
+    if (rank == inactive) return inactive;
+    return static_cast<std::int32_t>(active_texels) + rank * layers + layer;
+  }
+  // Returns the slot of another texel, in the layer of the given slot.
+  std::int32_t beside(std::size_t s, std::size_t number) const {
+    const int in = layer(s);
+    return in < 0 ? slot[number] : layer_slot(number, in);
   }
   std::size_t linear(const Index<D>& texel) const { return linear_number<D>(texel, resolution); }
   Index<D> texel(std::size_t linear) const { return index_of<D>(linear, resolution); }
@@ -89,12 +123,12 @@ std::size_t active_texels(const Field<D>& field, const Index<D>& resolution, dou
 
 // The slots of the active texels around an index position, with linear weights that are
 // renormalized over them. Texels of weight zero are dropped: six of eight on an edge of the grid,
-// if texels are as wide as voxels.
+// if texels are as wide as voxels. On a capped cut, two layers of each texel.
 template <int D>
 struct TexelWeights {
   int count = 0;
-  std::array<std::int32_t, 1 << D> slot;
-  std::array<float, 1 << D> weight;
+  std::array<std::int32_t, 2 << D> slot;
+  std::array<float, 2 << D> weight;
 };
 template <int D>
 TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position);

@@ -72,7 +72,7 @@ Vec3Grid::Ptr shown_grid(const std::string& name, const Field<3>& field,
   int step = 1;
   for (std::size_t texels = from.texels(); texels > most_shown_texels; texels /= 8) step *= 2;
   std::vector<std::pair<openvdb::Coord, std::size_t>> texels;
-  for (std::size_t s = 0; s < lattice.active.size(); ++s) {
+  for (std::size_t s = 0; s < lattice.active_texels; ++s) {
     const Index<3> t = lattice.texel(lattice.active[s]);
     if (t[0] % step != 0 || t[1] % step != 0 || t[2] % step != 0) continue;
     texels.emplace_back(openvdb::Coord(t[0] / step, t[1] / step, t[2] / step), s);

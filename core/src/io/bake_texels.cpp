@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -19,7 +20,14 @@ constexpr std::size_t end_size = sizeof(std::uint64_t) + texels_mark.size();
 constexpr std::size_t block_of_words = 1 << 14;
 
 // The arrays of a volume that not every bake has.
-enum Has : std::uint32_t { back = 1, radiance = 2, radiance_back = 4, unfiltered = 8, maps = 16 };
+enum Has : std::uint32_t {
+  back = 1,
+  radiance = 2,
+  radiance_back = 4,
+  unfiltered = 8,
+  maps = 16,
+  layers = 32
+};
 
 std::runtime_error damaged_texels() { return std::runtime_error("its texels are damaged"); }
 
@@ -37,11 +45,9 @@ void put_blocks(std::ostream& stream, const std::vector<std::string>& blocks) {
   }
 }
 
-void put_lattice(std::ostream& stream, const Index<3>& resolution,
-                 const std::vector<std::uint32_t>& active) {
-  for (const int n : resolution) put(stream, static_cast<std::int32_t>(n));
-  std::vector<std::uint64_t> words(RankedSet::words_for(cell_count<3>(resolution)));
-  for (const std::uint32_t n : active) {
+void put_set(std::ostream& stream, std::size_t bound, const std::vector<std::uint32_t>& numbers) {
+  std::vector<std::uint64_t> words(RankedSet::words_for(bound));
+  for (const std::uint32_t n : numbers) {
     words[n / RankedSet::word_bits] |= std::uint64_t{1} << (n % RankedSet::word_bits);
   }
   std::vector<std::string> blocks(blocks_of(words.size(), block_of_words));
@@ -54,13 +60,24 @@ void put_lattice(std::ostream& stream, const Index<3>& resolution,
   put_blocks(stream, blocks);
 }
 
+void put_lattice(std::ostream& stream, const TexelLattice<3>& lattice) {
+  for (const int n : lattice.resolution) put(stream, static_cast<std::int32_t>(n));
+  put_set(stream, lattice.texels(), lattice.slot.numbers());
+}
+
+void put_layers(std::ostream& stream, const TexelLattice<3>& lattice) {
+  put_set(stream, lattice.texels(), lattice.capped.numbers());
+  put(stream, lattice.lowest_layer);
+  put(stream, lattice.layer_step);
+}
+
 void put_numbers(std::ostream& stream, const PackedNumbers& numbers) {
   put(stream, static_cast<std::int32_t>(numbers.precision().dropped));
   put_blocks(stream, numbers.blocks());
 }
 
 void put_maps(std::ostream& stream, const StoredMaps<3>& maps) {
-  put_lattice(stream, maps.lattice.resolution, maps.lattice.active);
+  put_lattice(stream, maps.lattice);
   put(stream, static_cast<std::uint32_t>(maps.points));
   put(stream, maps.code_range.min);
   put(stream, maps.code_range.max);
@@ -77,17 +94,20 @@ void put_volume(std::ostream& stream, const RadianceGrid<3>& grid) {
   if (grid.has_back()) has |= Has::back;
   if (!grid.derives_radiance(false)) has |= Has::radiance;
   if (grid.has_back() && !grid.derives_radiance(true)) has |= Has::radiance_back;
-  if (!grid.unfiltered.texels.empty()) has |= Has::unfiltered;
+  if (!grid.unfiltered.lattice.active.empty()) has |= Has::unfiltered;
+  if (grid.lattice.has_layers()) has |= Has::layers;
   if (grid.direct) has |= Has::maps;
   put(stream, has);
-  put_lattice(stream, grid.lattice.resolution, grid.lattice.active);
+  put_lattice(stream, grid.lattice);
+  if (has & Has::layers) put_layers(stream, grid.lattice);
   put_light(grid.radiance_indirect);
   if (has & Has::back) put_light(grid.radiance_back_indirect);
   if (has & Has::radiance) put_light(grid.radiance);
   if (has & Has::radiance_back) put_light(grid.radiance_back);
   put_numbers(stream, {grid.radiance_error.data(), grid.radiance_error.size(), 1, error_precision});
   if (has & Has::unfiltered) {
-    put_lattice(stream, grid.unfiltered.resolution, grid.unfiltered.texels);
+    put_lattice(stream, grid.unfiltered.lattice);
+    if (has & Has::layers) put_layers(stream, grid.unfiltered.lattice);
     for (int side = 0; side < (has & Has::back ? 2 : 1); ++side) {
       put_numbers(stream, grid.unfiltered.sides[side]);
     }
@@ -159,11 +179,7 @@ std::vector<std::string> TexelReader::blocks(std::uint64_t count) {
   return blocks;
 }
 
-TexelLattice<3> TexelReader::lattice(const Index<3>& dims) {
-  Index<3> resolution;
-  for (int& n : resolution) n = value<std::int32_t>();
-  check_resolution<3>(resolution);
-  const std::size_t bound = cell_count<3>(resolution);
+RankedSet TexelReader::set(std::size_t bound) {
   std::vector<std::uint64_t> words(RankedSet::words_for(bound));
   const std::vector<std::string> packed = blocks(blocks_of(words.size(), block_of_words));
   tbb::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t b) {
@@ -176,8 +192,24 @@ TexelLattice<3> TexelReader::lattice(const Index<3>& dims) {
   // There are no texels beyond the last.
   const std::size_t last = bound % RankedSet::word_bits;
   if (last > 0 && words.back() >> last != 0) throw damaged_texels();
+  return {bound, std::move(words)};
+}
+
+TexelLattice<3> TexelReader::lattice(const Index<3>& dims, bool layered) {
+  Index<3> resolution;
+  for (int& n : resolution) n = value<std::int32_t>();
+  check_resolution<3>(resolution);
   TexelLattice<3> lattice = inactive_lattice<3>(dims, resolution);
-  lattice.activate(RankedSet(bound, std::move(words)));
+  lattice.activate(set(lattice.texels()));
+  if (layered) {
+    const std::vector<std::uint32_t> capped = set(lattice.texels()).numbers();
+    for (const std::uint32_t number : capped) {
+      if (lattice.slot[number] == RankedSet::absent) throw damaged_texels();
+    }
+    const auto low = value<double>(), step = value<double>();
+    if (!(std::isfinite(low) && step > 0)) throw damaged_texels();
+    lattice.add_layers(capped, low, low + step * TexelLattice<3>::layers);
+  }
   return lattice;
 }
 
@@ -190,7 +222,7 @@ PackedNumbers TexelReader::numbers(std::size_t count, int channels) {
 
 std::shared_ptr<const StoredMaps<3>> TexelReader::maps(const Index<3>& dims) {
   auto maps = std::make_shared<StoredMaps<3>>();
-  maps->lattice = lattice(dims);
+  maps->lattice = lattice(dims, false);
   maps->points = value<std::uint32_t>();
   maps->code_range.min = value<double>();
   maps->code_range.max = value<double>();
@@ -214,7 +246,8 @@ std::vector<std::uint64_t> TexelReader::runs() {
 RadianceGrid<3> TexelReader::grid(const Index<3>& dims) {
   const auto has = value<std::uint32_t>();
   RadianceGrid<3> grid;
-  grid.lattice = lattice(dims);
+  const bool layered = (has & Has::layers) != 0;
+  grid.lattice = lattice(dims, layered);
   const std::size_t count = grid.texels();
   const auto light = [&] { return unpacked_colors(numbers(count, 3)); };
   grid.radiance_indirect = light();
@@ -224,12 +257,11 @@ RadianceGrid<3> TexelReader::grid(const Index<3>& dims) {
   grid.radiance_error.resize(count);
   numbers(count, 1).unpack(grid.radiance_error.data());
   if (has & Has::unfiltered) {
-    TexelLattice<3> own = lattice(dims);
-    grid.unfiltered.resolution = own.resolution;
+    TexelLattice<3>& own = grid.unfiltered.lattice;
+    own = lattice(dims, layered);
     for (int side = 0; side < (has & Has::back ? 2 : 1); ++side) {
       grid.unfiltered.sides[side] = numbers(own.active.size(), 3);
     }
-    grid.unfiltered.texels = std::move(own.active);
   }
   if (has & Has::maps) grid.maps = maps(dims);
   return grid;

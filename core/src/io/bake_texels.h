@@ -41,7 +41,8 @@ class TexelReader {
   Value value();
   std::string bytes(std::uint64_t count);
   std::vector<std::string> blocks(std::uint64_t count);
-  TexelLattice<3> lattice(const Index<3>& dims);
+  RankedSet set(std::size_t bound);
+  TexelLattice<3> lattice(const Index<3>& dims, bool layered);
   PackedNumbers numbers(std::size_t count, int channels);
   std::shared_ptr<const StoredMaps<3>> maps(const Index<3>& dims);
 

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/release.h"
+#include "field/shading_gradient.h"
 #include "surface/cell_polygons.h"
 #include "surface/cell_triangles.h"
 #include "surface/points_inside.h"

@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "field/shading_gradient.h"
 #include "surface/crossed_edges.h"
 
 namespace leaflight {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "field/given_point.h"
+#include "field/shading_gradient.h"
 
 namespace leaflight {
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "field/shading_gradient.h"
 #include "surface/polygon_edges.h"
 #include "surface/project.h"
 

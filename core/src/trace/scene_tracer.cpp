@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/sampling.h"
+#include "field/shading_gradient.h"
 #include "scene/open_isosurfaces.h"
 #include "trace/greatest_value.h"
 

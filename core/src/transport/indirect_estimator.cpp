@@ -245,14 +245,6 @@ class GatherEstimator final : public IndirectEstimator<D> {
 }  // namespace
 
 template <int D>
-Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position) {
-  if (volume.albedo.stops.size() == 1) return volume.albedo.at(0);
-  const CellPoint<D> at = locate(volume.field, index_position);
-  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
-  return volume.albedo.at(std::isnan(h) ? 0 : volume.common_isovalue(h));
-}
-
-template <int D>
 std::unique_ptr<IndirectEstimator<D>> make_path_estimator(const SceneTracer<D>& tracer,
                                                           const LightSampler<D>& lights,
                                                           const CausticPhotons<D>* photons) {
@@ -278,8 +270,6 @@ Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
   return brdf * isosurface.photons->caustic(slot, point.isosurface().back);
 }
 
-template Rgb albedo_near<2>(const Volume<2>&, const Vec<2>&);
-template Rgb albedo_near<3>(const Volume<3>&, const Vec<3>&);
 template std::unique_ptr<IndirectEstimator<2>> make_path_estimator(const SceneTracer<2>&,
                                                                    const LightSampler<2>&,
                                                                    const CausticPhotons<2>*);

@@ -49,11 +49,6 @@ std::unique_ptr<IndirectEstimator<D>> make_path_estimator(
     const SceneTracer<D>& tracer, const LightSampler<D>& lights,
     const CausticPhotons<D>* photons = nullptr);
 
-// Returns the albedo of the isosurface through an index position, or of any isosurface if there is
-// none. Ignores the texture.
-template <int D>
-Rgb albedo_near(const Volume<D>& volume, const Vec<D>& index_position);
-
 // Makes an estimator with one final-gather ray, which looks up stored light at its hit. A ray of
 // isosurface c hits only points y with h(y) = c. So the baked texture is its own radiance cache.
 template <int D>

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/sampling.h"
+#include "field/shading_gradient.h"
 
 namespace leaflight {
 namespace {

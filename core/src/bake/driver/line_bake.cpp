@@ -183,8 +183,7 @@ WallRadiance<D> LineBake<D>::walls() {
         all = light_.direct_at(lattice, side != 0);
       }
       parallel_each(indirect_sides_[side].size(), [&](std::size_t s) {
-        all[s] +=
-            indirect_sides_[side][s] * albedo_near(volume(), lattice.center(lattice.active[s]));
+        all[s] += indirect_sides_[side][s] * texel_albedo(volume(), lattice, s);
       });
       for (std::size_t s = 0; s < texture_.size(); ++s) all[s] *= texture_[s];
     }

@@ -99,7 +99,9 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estim
   std::vector<TexelLattice<D>> lattices;  // one per volume, for photons
   lattices.reserve(texels.size());
   for (const BakeTexels<D>& one : texels) {
-    if (scene_.plan.caustics) lattices.push_back(one.indirect.lattice);
+    if (!scene_.plan.caustics) continue;
+    lattices.push_back(one.indirect.lattice);
+    lattices.back().drop_layers();
   }
   for (; estimates_ < estimates; ++estimates_) {
     const std::uint64_t seed =

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "field/cap_layers.h"
+
 namespace leaflight {
 namespace {
 
@@ -129,10 +131,14 @@ BakeTexels<D> pass_texels(const LineVolume<D>& volume, const BakeSettings<D>& se
   const PassResolutions<D> chosen =
       pass_resolutions(volume.volume().field, volume.isovalue_range(), settings, kind);
   BakeTexels<D> texels;
-  texels.shown = IndexedLattice<D>(lattice_of(volume, chosen.shown));
-  texels.indirect = chosen.indirect == chosen.shown
-                        ? texels.shown
-                        : IndexedLattice<D>(lattice_of(volume, chosen.indirect));
+  const auto layered = [&](const Index<D>& resolution) {
+    TexelLattice<D> lattice = lattice_of(volume, resolution);
+    const IsovalueRange isovalue_range = volume.isovalue_range();
+    add_cap_layers(volume.volume().field, isovalue_range.min, isovalue_range.max, lattice);
+    return IndexedLattice<D>(std::move(lattice));
+  };
+  texels.shown = layered(chosen.shown);
+  texels.indirect = chosen.indirect == chosen.shown ? texels.shown : layered(chosen.indirect);
   texels.spacing = chosen.spacing;
   texels.photons = lattice_of(volume, chosen.photons);
   texels.photon_count = photons;

@@ -7,17 +7,17 @@
 #include "bake/texels/area_points.h"
 #include "bake/texels/pooled_variance.h"
 #include "base/parallel.h"
+#include "field/cap_layers.h"
 #include "transport/indirect_estimator.h"
 
 namespace leaflight {
 namespace {
 
 template <int D>
-Rgb emission_near(const Volume<D>& volume, const IsovalueRange& isovalue_range,
-                  const Vec<D>& index_position) {
+Rgb texel_emission(const Volume<D>& volume, const IsovalueRange& isovalue_range,
+                   const TexelLattice<D>& lattice, std::size_t slot) {
   if (!(volume.emission.largest() > 0)) return Rgb(0);
-  const CellPoint<D> at = locate(volume.field, index_position);
-  const double h = interpolate(load_corners(volume.field, at.cell), at.local);
+  const double h = slot_value(volume.field, lattice, slot);
   const double c = std::isnan(h) ? isovalue_range.min : volume.common_isovalue(h);
   return volume.emission.at(std::clamp(c, isovalue_range.min, isovalue_range.max));
 }
@@ -104,8 +104,7 @@ std::array<NoisyLight, 2> TexelLight<D>::filtered_light(UnfilteredLight<D>& unfi
   std::array<NoisyLight, 2> light;
   if (!indirect_) return light;
   const IndexedLattice<D>& texels = indirect_->texels();
-  unfiltered.resolution = texels.lattice.resolution;
-  unfiltered.texels = texels.lattice.active;
+  unfiltered.lattice = texels.lattice;
   for (std::size_t side = 0; side < (scene_.plan.back ? 2 : 1); ++side) {
     light[side] = {indirect_->averages(side != 0), indirect_->halves(side != 0)};
     if (previous_) previous_->blend(light[side], indirect_->blocks(), side != 0);
@@ -135,14 +134,14 @@ std::vector<Rgb> TexelLight<D>::direct_at(const TexelLattice<D>& lattice, bool b
 template <int D>
 Average TexelLight<D>::finished(const std::vector<Average>& white, std::size_t slot) const {
   const Volume<D>& volume = volume_.volume();
-  const Vec<D> center = texels_.lattice.center(texels_.lattice.active[slot]);
-  const Rgb albedo = albedo_near(volume, center);
+  const Rgb albedo = texel_albedo(volume, texels_.lattice, slot);
   Average found;
   if (indirect_) found = interpolated(lattice(), white, texels_.lattice, slot);
   found.mean *= albedo;
   const auto scale = static_cast<float>(average(albedo));
   found.variance *= scale * scale;
-  found.mean += emission_near(volume, volume_.tracer.scene().isovalue_range, center);
+  found.mean +=
+      texel_emission(volume, volume_.tracer.scene().isovalue_range, texels_.lattice, slot);
   return found;
 }
 
@@ -151,7 +150,8 @@ void TexelLight<D>::measure_noise(const std::vector<Average>& white) {
   const double exposure2 = scene_.settings.exposure * scene_.settings.exposure;
   errors_ = IsovalueErrors(volume_.tracer.scene().isovalue_range);
   for (const AreaPoint<D>& point : area_points(volume_, texels_.lattice, scene_.settings.seed)) {
-    const TexelWeights<D> near = linear_weights(texels_.lattice, point.position);
+    const TexelWeights<D> near =
+        surface_weights(volume_.volume().field, texels_.lattice, point.position);
     double color = 0, deviation = 0;
     for (int i = 0; i < near.count; ++i) {
       const double w = near.weight[i];

@@ -5,17 +5,28 @@
 
 #include "base/discrete_distribution.h"
 #include "base/sampling.h"
+#include "field/cap_layers.h"
 
 namespace leaflight {
 namespace {
 
-// Chooses light points to represent all, each with its factor for the mean over the chosen ones.
-// Returns all points if they are few. Otherwise the choice is by their light at the center.
+// A light point that represents others, and its factor for the mean over all of a choice.
+struct StandIn {
+  std::size_t point;
+  double times;
+};
+
+// Returns choices of at most `most` light points each. A single choice has all points if they are
+// few. Otherwise they are by their light at the center, and evenly different, so that the mean over
+// all choices is that over all points.
 template <int D>
-std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& direct, int most) {
-  std::vector<std::pair<std::size_t, double>> chosen;
+std::vector<std::vector<StandIn>> stand_ins(const DirectLight<D>& direct, int most, int choices) {
   const std::size_t count = direct.points();
-  if (count == 0) return chosen;
+  std::vector<std::vector<StandIn>> found(1);
+  if (count <= static_cast<std::size_t>(most)) {
+    for (std::size_t i = 0; i < count; ++i) found[0].push_back({i, static_cast<double>(count)});
+    return found;
+  }
   std::vector<double> light(count);
   for (std::size_t i = 0; i < count; ++i) {
     const LightSource<D>& source = direct.point(i).source;
@@ -27,16 +38,14 @@ std::vector<std::pair<std::size_t, double>> stand_ins(const DirectLight<D>& dire
         average(source.amount) * (source.strength(direction, std::max(distance, 0.1)) + 0.05);
   }
   const DiscreteDistribution by_light(std::move(light));
-  const int wanted = static_cast<int>(std::min<std::size_t>(count, most));
-  for (int k = 0; k < wanted; ++k) {
-    if (wanted == static_cast<int>(count)) {
-      chosen.emplace_back(k, count);
-    } else {
-      const auto picked = by_light.pick((k + 0.5) / wanted);
-      chosen.emplace_back(picked.index, 1 / picked.probability);
+  found.resize(choices);
+  for (int n = 0; n < choices; ++n) {
+    for (int k = 0; k < most; ++k) {
+      const auto picked = by_light.pick((k + (n + 0.5) / choices) / most);
+      found[n].push_back({picked.index, 1 / picked.probability});
     }
   }
-  return chosen;
+  return found;
 }
 
 }  // namespace
@@ -48,22 +57,26 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
   const Field<D>& field = volume.volume().field;
   const Affine<D>& to_frame = volume.tracer.index_to_frame(volume.number);
   const Affine<D> to_index = inverse(to_frame);
-  const auto chosen = stand_ins(direct, most_sources);
-  for (const auto& [number, times] : chosen) {
-    amounts_.push_back(direct.point(number).source.amount * static_cast<Real>(times));
-    reflected_.emplace_back(lattice.active.size(), 0u);
+  const auto choices = stand_ins(direct, most_sources, most_choices);
+  choices_ = choices.size();
+  for (const std::vector<StandIn>& chosen : choices) {
+    for (const auto& [number, times] : chosen) {
+      amounts_.push_back(direct.point(number).source.amount * static_cast<Real>(times));
+    }
   }
+  reflected_.assign(choices[0].size(), std::vector<std::uint32_t>(lattice.active.size(), 0u));
   parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> position = lattice.center(lattice.active[s]);
+      const Vec<D> position = slot_position(field, lattice, s);
       const Vec<D> gradient =
-          to_index.pull_back_gradient(shading_gradient(field, locate(field, position)));
+          to_index.pull_back_gradient(slot_gradient(field, lattice, s, position));
       const double steep = gradient.length();
       if (!(steep > 0)) continue;
       const Vec<D> normal = gradient / -steep, place = to_frame.point(position);
       const TexelWeights<D> near = linear_weights(direct.lattice(), position);
+      const std::vector<StandIn>& chosen = choices[choice(s)];
       for (std::size_t k = 0; k < chosen.size(); ++k) {
-        const LightSource<D>& source = direct.point(chosen[k].first).source;
+        const LightSource<D>& source = direct.point(chosen[k].point).source;
         Vec<D> direction = source.direction;
         double distance = 1;
         if (!source.infinite) {
@@ -75,7 +88,7 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
         if (!(cosine > 0)) continue;
         const auto share = static_cast<float>(source.strength(direction, distance) * cosine /
                                               projected_hemisphere<D>);
-        const float greatest = direct.greatest(chosen[k].first, near, false);
+        const float greatest = direct.greatest(chosen[k].point, near, false);
         std::uint32_t& packed = reflected_[k][s];
         std::memcpy(&packed, &share, sizeof share);
         packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);

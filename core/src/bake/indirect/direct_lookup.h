@@ -6,6 +6,7 @@
 
 #include "bake/direct/direct_light.h"
 #include "bake/texels/line_volume.h"
+#include "base/random.h"
 
 namespace leaflight {
 
@@ -23,7 +24,7 @@ class DirectLookup {
   DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>& lattice,
                const DirectLight<D>& direct, Progress& progress);
 
-  std::size_t sources() const { return amounts_.size(); }
+  std::size_t sources() const { return reflected_.size(); }
 
   void prefetch(std::size_t source, std::int32_t slot) const {
     if (source < reflected_.size()) __builtin_prefetch(&reflected_[source][slot]);
@@ -36,12 +37,19 @@ class DirectLookup {
     const std::uint32_t bits = packed & ~0xffu;
     float share;
     std::memcpy(&share, &bits, sizeof share);
-    return amounts_[source] * static_cast<Real>(share);
+    return amounts_[choice(slot) * sources() + source] * static_cast<Real>(share);
   }
 
  private:
+  // Neighbors differ in their choice of light points, so that no region lacks the light of any.
+  static constexpr int most_choices = 64;
+  std::size_t choice(std::size_t slot) const {
+    return choices_ == 1 ? 0 : Random::mix(slot) % choices_;
+  }
+
   VisibilityCode code_;
-  std::vector<Rgb> amounts_;  // one per source
+  std::size_t choices_ = 1;
+  std::vector<Rgb> amounts_;  // by choice of light points, one per source
   // Unshadowed share of the source's amount, by source and slot. It is a float whose last 8 bits
   // hold the greatest value on the way.
   std::vector<std::vector<std::uint32_t>> reflected_;

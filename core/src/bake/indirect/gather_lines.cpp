@@ -4,8 +4,8 @@
 #include <bitset>
 #include <cmath>
 #include <limits>
-#include <optional>
 
+#include "bake/indirect/cap_crossings.h"
 #include "base/random.h"
 
 namespace leaflight {
@@ -23,83 +23,6 @@ Vec<D> offset_within_texel(std::uint64_t bits) {
   return offset;
 }
 
-// Planes of a line whose values decrease, or increase, from bottom to top. A ray back along the
-// line may first hit an isosurface at these planes.
-struct Stack {
-  struct Entry {
-    float h;
-    int plane;
-  };
-  std::vector<Entry> entries;
-  int top = 0;
-
-  // `bottom` is beyond all values and stays in the stack.
-  Stack(std::size_t planes, float bottom) : entries(planes + 1) { entries[0] = {bottom, -1}; }
-  void clear() { top = 0; }
-  void push(float h, int plane) { entries[++top] = {h, plane}; }
-};
-
-// The point of a line at z where a ray back hits the isosurface of value h.
-struct Hit {
-  float h;
-  double z;
-  bool on_back;
-};
-
-// A sample whose ray hits the isosurface of value h.
-struct HitSample {
-  std::int32_t receiver;  // slot of the texel that gathers
-  float weight, h;
-  bool front, on_back;  // side of the receiver, and of the hit
-  // The two texels near the hit that may send their light, their slots, and the chosen slot.
-  std::array<std::uint32_t, 2> texels;
-  std::array<std::int32_t, 2> slots;
-  std::int32_t sender;
-};
-
-// The hits of a walk, at most one for each plane.
-struct HitSamples {
-  std::vector<HitSample> samples;
-  std::size_t count = 0;
-
-  explicit HitSamples(std::size_t planes) : samples(planes) {}
-  void clear() { count = 0; }
-  void push(const HitSample& sample) { samples[count++] = sample; }
-  HitSample* begin() { return samples.data(); }
-  HitSample* end() { return begin() + count; }
-};
-
-// Working memory for the lines of a bundle at the planes that they cross.
-template <int D>
-struct GatherLines {
-  // Slots of the points, or inactive.
-  std::vector<std::array<std::int32_t, LineBundle<D>::width>> slots;
-  std::size_t source = 0;  // number of a source of direct light
-  // Working memory for one line at a time.
-  std::vector<float> h;
-  Stack higher, lower;
-  HitSamples hits;
-
-  explicit GatherLines(std::size_t planes)
-      : slots(planes),
-        h(planes),
-        higher(planes, infinity),
-        lower(planes, -infinity),
-        hits(planes) {}
-};
-
-// A walk along a line from one end to the other. Rays from its points lead back to its start.
-template <int D>
-struct Walk {
-  int lane, step, begin, end;  // planes
-  double length;               // length of the line between two planes
-  Vec<D> to_origin;
-  Rgb sky;
-  int stretch;  // plane after the last masked one
-  std::optional<MeshHit> wall;
-  double wall_z, next_wall_z;  // z of the nearest mesh behind, and of the next one ahead
-};
-
 template <int D>
 struct Gathering {
   const LineVolume<D>& volume;
@@ -112,6 +35,8 @@ struct Gathering {
   const IsovalueRange isovalue_range = volume.isovalue_range();
   const bool back = !moments[1].empty(),
              emissive = from.emission && scene_volume.emission.largest() > 0;
+  const bool layered = texels.lattice.has_layers();
+  const CapCrossings<D> caps{volume, texels.lattice, key, !moments[1].empty()};
   const bool one_albedo = scene_volume.albedo.stops.size() == 1;
   const Affine<D> to_frame = texels_to_frame(volume, texels.lattice);
   const bool meshes = !tracer.meshes().empty();
@@ -125,6 +50,8 @@ struct Gathering {
   void find_wall(const LineBundle<D>& lines, double z, Walk<D>& walk) const;
   int beyond_masked(const GatherLines<D>& scratch, const Walk<D>& walk, float h, bool front) const;
   Rgb wall_radiance(const MeshHit& hit, const Vec<D>& direction, float h, std::int32_t slot) const;
+  void gather(const LineBundle<D>& lines, const LineSample& sample, Walk<D>& walk,
+              GatherLines<D>& scratch) const;
   std::array<std::uint32_t, 2> texels_near(const LineBundle<D>& lines, const Walk<D>& walk,
                                            double z, std::int32_t receiver) const;
   void add_hits(const Walk<D>& walk, GatherLines<D>& scratch) const;
@@ -146,7 +73,7 @@ typename Gathering<D>::Lanes Gathering<D>::find_slots(const LineBundle<D>& lines
     for (int lane = 0; lane < lines.lanes(); ++lane) {
       std::int32_t& slot = scratch.slots[k][lane];
       slot = TexelLattice<D>::inactive;
-      if (!isovalue_range.contains(lines.value(k, lane))) continue;
+      if (!layered && !isovalue_range.contains(lines.value(k, lane))) continue;
       const std::int64_t texel = lines.texel(k, lane);
       if (texel < 0) continue;
       slot = texels.slots[texel];
@@ -192,6 +119,10 @@ void Gathering<D>::walk(const LineBundle<D>& line, Walk<D> walk, GatherLines<D>&
       walk.stretch = k + walk.step;
       continue;
     }
+    if (layered && k != walk.begin && !std::isnan(scratch.h[k - walk.step])) {
+      caps.for_each(line, walk, k, scratch,
+                    [&](const LineSample& sample) { gather(line, sample, walk, scratch); });
+    }
     while (higher.entries[higher.top].h < h) --higher.top;
     if (back) {
       while (lower.entries[lower.top].h >= h) --lower.top;
@@ -218,36 +149,54 @@ void Gathering<D>::find_wall(const LineBundle<D>& line, double z, Walk<D>& walk)
   walk.next_wall_z = z + walk.step * (next ? next->t / walk.length : endless);
 }
 
-// Adds the radiance that reaches the isosurface at plane k from behind, or a hit.
+// Adds a sample of the isosurface at plane k.
 template <int D>
 void Gathering<D>::add_sample(const LineBundle<D>& line, int k, Walk<D>& walk,
                               GatherLines<D>& scratch) const {
   const float h = scratch.h[k];
+  if (layered &&
+      (!isovalue_range.contains(h) || caps.holds(line.position(walk.lane, line.z(k)), h)))
+    return;
   // If the value rises along the walk, the ray back leaves from the front.
   const float climb = line.slope(k, walk.lane) * static_cast<float>(walk.step / walk.length);
   const bool front = climb > 0;
   if (!front && !(back && climb < 0)) return;
-  if (within && (line.z(k) - walk.next_wall_z) * walk.step >= 0) find_wall(line, line.z(k), walk);
-  const Stack& stack = front ? scratch.higher : scratch.lower;
+  gather(line, {line.z(k), h, std::abs(climb), front, scratch.slots[k][walk.lane]}, walk, scratch);
+}
+
+// Adds the radiance that reaches a sample from behind, or a hit.
+template <int D>
+void Gathering<D>::gather(const LineBundle<D>& line, const LineSample& sample, Walk<D>& walk,
+                          GatherLines<D>& scratch) const {
+  const float h = sample.h;
+  if (within && (sample.z - walk.next_wall_z) * walk.step >= 0) find_wall(line, sample.z, walk);
+  Stack& stack = sample.front ? scratch.higher : scratch.lower;
+  if (sample.front) {
+    while (stack.entries[stack.top].h < h) --stack.top;
+  } else {
+    while (stack.entries[stack.top].h >= h) --stack.top;
+  }
   int crossing = stack.entries[stack.top].plane;
-  if (crossing < 0 && walk.stretch != walk.begin) crossing = beyond_masked(scratch, walk, h, front);
-  Hit hit{h, 0, false};
+  if (crossing < 0 && walk.stretch != walk.begin) {
+    crossing = beyond_masked(scratch, walk, h, sample.front);
+  }
+  LineHit hit{h, 0, false};
   if (crossing >= 0) {
     const float hit_value = scratch.h[crossing], here = scratch.h[crossing + walk.step];
     const float t = hit_value != here ? (hit_value - h) / (hit_value - here) : 0;
     hit.z = line.z(crossing) + (line.z(crossing + walk.step) - line.z(crossing)) * t;
     hit.on_back = hit_value < h;
   }
-  const std::int32_t slot = scratch.slots[k][walk.lane];
   Rgb radiance = walk.sky;
   if (crossing >= 0 && (!walk.wall || (hit.z - walk.wall_z) * walk.step > 0)) {
-    const auto near = texels_near(line, walk, hit.z, slot);
-    scratch.hits.push({slot, std::abs(climb), hit.h, front, hit.on_back, near, {}, {}});
+    const auto near = texels_near(line, walk, hit.z, sample.slot);
+    const bool on_cap = layered && caps.holds(line.position(walk.lane, hit.z), hit.h);
+    scratch.hits.push_back(
+        {sample.slot, sample.weight, hit.h, sample.front, hit.on_back, on_cap, near, {}, {}});
     return;
-  } else if (walk.wall) {
-    radiance = wall_radiance(*walk.wall, walk.to_origin, h, slot);
   }
-  moments[!front].sums[slot].add(Imath::V3f(radiance), std::abs(climb));
+  if (walk.wall) radiance = wall_radiance(*walk.wall, walk.to_origin, h, sample.slot);
+  moments[!sample.front].sums[sample.slot].add(Imath::V3f(radiance), sample.weight);
 }
 
 // Returns the radiance of a wall towards the isosurface of value h at the texel of `slot`.
@@ -303,7 +252,9 @@ template <int D>
 void Gathering<D>::add_hits(const Walk<D>& walk, GatherLines<D>& scratch) const {
   for (HitSample& sample : scratch.hits) {
     for (int i = 0; i < 2; ++i) {
-      sample.slots[i] = texels.slots[sample.texels[i]];
+      sample.slots[i] = sample.on_cap ? texels.lattice.layer_slot(sample.texels[i],
+                                                                  texels.lattice.layer_of(sample.h))
+                                      : texels.slots[sample.texels[i]];
       if (sample.slots[i] != TexelLattice<D>::inactive)
         __builtin_prefetch(&from.surfaces[sample.slots[i]]);
     }
@@ -332,6 +283,8 @@ std::int32_t Gathering<D>::sender_of(const HitSample& sample, const Vec<D>& to_o
   float nearest = infinity;
   for (const std::int32_t slot : sample.slots) {
     if (slot == TexelLattice<D>::inactive) continue;
+    // A layer has no other face. At an edge of a cut its normal is between those of both faces.
+    if (sample.on_cap && !sample.on_back) return slot;
     const TexelSurface<D>& surface = from.surfaces[slot];
     const double away = Vec<D>(surface.normal).dot(to_origin);
     if (!(sample.on_back ? away > 0 : away < 0)) continue;

@@ -6,6 +6,7 @@
 
 #include "base/low_discrepancy.h"
 #include "base/sampling.h"
+#include "field/cap_layers.h"
 
 namespace leaflight {
 namespace {
@@ -129,10 +130,13 @@ std::vector<HalfDifference> IndirectLight<D>::halves(bool back) const {
 template <int D>
 Average interpolated(const TexelLattice<D>& from, const std::vector<Average>& averages,
                      const TexelLattice<D>& to, std::size_t slot) {
-  if (from.resolution == to.resolution) return averages[slot];
+  // Photons have no layers.
+  if (from.resolution == to.resolution && slot < averages.size()) return averages[slot];
   Average result;
   float error = 0;
-  const TexelWeights<D> near = linear_weights(from, to.center(to.active[slot]));
+  TexelWeights<D> near = linear_weights(from, to.center(to.active[slot]));
+  const int layer = to.layer(slot);
+  if (layer >= 0) near = layer_weights(from, near, to.layer_value(layer));
   for (int i = 0; i < near.count; ++i) {
     const Average& texel = averages[near.slot[i]];
     result.mean += texel.mean * near.weight[i];

@@ -12,8 +12,8 @@ template <int D>
 PreviousLight<D>::PreviousLight(const RadianceGrid<D>& grid, int passes, int blocks)
     : resolution_(grid.lattice.resolution),
       active_(grid.lattice.active),
-      indirect_resolution_(grid.unfiltered.resolution),
-      indirect_texels_(grid.unfiltered.texels),
+      indirect_resolution_(grid.unfiltered.lattice.resolution),
+      indirect_texels_(grid.unfiltered.lattice.active),
       passes_(passes),
       blocks_(blocks) {
   try {

@@ -11,6 +11,9 @@
 #include <limits>
 #include <optional>
 
+#include "field/cap_layers.h"
+#include "field/shading_gradient.h"
+
 namespace leaflight {
 
 namespace {
@@ -198,7 +201,7 @@ RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& bef
         found_indirect[s] = of_indirect.at(normal);
         return;
       }
-      const TexelWeights<3> near = linear_weights(baked.lattice, to_before.point(center));
+      const TexelWeights<3> near = surface_weights(before, baked.lattice, to_before.point(center));
       found_all[s] = mean(near, all);
       found_indirect[s] = mean(near, indirect);
     });

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "field/cap_layers.h"
+#include "field/shading_gradient.h"
 
 namespace leaflight {
 
@@ -88,7 +90,7 @@ class PointLookup {
       maps_ = linear_weights(direct_->lattice(), index_position);
       look_ahead(lattice, field, back);
     }
-    around_ = linear_weights(lattice, index_position);
+    around_ = surface_weights(field, lattice, index_position);
   }
   void fetch(const Colors& values, bool back) const {
     prefetch(around_, values);

@@ -18,8 +18,7 @@ constexpr ShortFloat light_precision{0}, error_precision{0}, unfiltered_precisio
 // continue from it. NaN where no line has passed.
 template <int D>
 struct UnfilteredLight {
-  Index<D> resolution{};
-  std::vector<std::uint32_t> texels;  // numbers of the active texels, ascending
+  TexelLattice<D> lattice;
   std::array<PackedNumbers, 2> sides;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "field/shading_gradient.h"
 
 namespace leaflight {
 
@@ -13,9 +14,9 @@ std::vector<AreaPoint<D>> area_points(const LineVolume<D>& volume, const TexelLa
   constexpr std::size_t most = 1 << 16;
   const Volume<D>& scene_volume = volume.volume();
   const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
-  const std::size_t step = 1 + lattice.active.size() / most;
+  const std::size_t step = 1 + lattice.active_texels / most;
   std::vector<AreaPoint<D>> points;
-  for (std::size_t s = 0; s < lattice.active.size(); s += step) {
+  for (std::size_t s = 0; s < lattice.active_texels; s += step) {
     Random random = random_for(seed, Purpose::noise, s);
     Vec<D> position = lattice.center(lattice.active[s]);
     for (int a = 0; a < D; ++a) {

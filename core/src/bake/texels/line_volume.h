@@ -35,7 +35,7 @@ struct IndexedLattice {
   IndexedLattice() = default;
   explicit IndexedLattice(TexelLattice<D> from)
       : lattice(std::move(from)), slots(lattice.texels(), TexelLattice<D>::inactive) {
-    for (std::size_t s = 0; s < lattice.active.size(); ++s) {
+    for (std::size_t s = 0; s < lattice.active_texels; ++s) {
       slots[lattice.active[s]] = static_cast<std::int32_t>(s);
     }
   }

@@ -8,7 +8,7 @@
 namespace leaflight {
 namespace {
 
-// Calls visit(slot) for the texel and its active neighbors.
+// Calls visit(slot) for the texel and its active neighbors, in the same layer.
 template <int D, class Visit>
 void for_each_near(const TexelLattice<D>& lattice, std::size_t slot, Visit visit) {
   const Index<D> texel = lattice.texel(lattice.active[slot]);
@@ -18,7 +18,7 @@ void for_each_near(const TexelLattice<D>& lattice, std::size_t slot, Visit visit
     high[a] = std::min(texel[a] + 2, lattice.resolution[a]);
   }
   for_each_index<D>(low, high, [&](const Index<D>& near) {
-    const std::int32_t s = lattice.slot[lattice.linear(near)];
+    const std::int32_t s = lattice.beside(slot, lattice.linear(near));
     if (s != TexelLattice<D>::inactive) visit(static_cast<std::size_t>(s));
   });
 }
@@ -39,18 +39,24 @@ Average pooled(const TexelLattice<D>& lattice, const std::vector<Average>& avera
   return result;
 }
 
-// Returns the mean of the neighbors, for a texel without samples.
+// Returns the mean of the neighbors, for a texel without samples. If they have none either, that of
+// its layers.
 template <int D>
 Average filled(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
                std::size_t slot) {
   Imath::V3d sum(0);
   double weight = 0, square = 0;
-  for_each_near<D>(lattice, slot, [&](std::size_t s) {
+  const auto add = [&](std::size_t s) {
     const double m = average(averages[s].mean);
     sum += Imath::V3d(averages[s].mean) * averages[s].samples;
     square += m * m * averages[s].samples;
     weight += averages[s].samples;
-  });
+  };
+  for_each_near<D>(lattice, slot, add);
+  if (!(weight > 0) && lattice.has_layers()) {
+    const std::int32_t first = lattice.layer_slot(lattice.active[slot], 0);
+    for (int i = 0; i < lattice.layers && first != TexelLattice<D>::inactive; ++i) add(first + i);
+  }
   if (!(weight > 0)) return {};
   const Imath::V3d mean = sum / weight;
   const double m = (mean.x + mean.y + mean.z) / 3;

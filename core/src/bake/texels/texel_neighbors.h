@@ -61,12 +61,14 @@ class TexelNeighbors {
   struct Place {
     const TexelNeighbors& neighbors;
     std::uint32_t number;
+    int layer;  // of the slot; neighbors are in the same one
     Index<D> texel;
     bool is_within = true;  // true if no neighbor is outside the lattice
 
     Place(const TexelNeighbors& all, std::size_t slot) : neighbors(all) {
       const TexelLattice<D>& lattice = all.texels_.lattice;
       number = lattice.active[slot];
+      layer = lattice.layer(slot);
       texel = lattice.texel(number);
       for (int a = 0; a < D; ++a) {
         is_within =
@@ -75,6 +77,7 @@ class TexelNeighbors {
     }
     std::int32_t slot(const Neighbor& one) const {
       if (!is_within && is_outside(one.step)) return TexelLattice<D>::inactive;
+      if (layer >= 0) return neighbors.texels_.lattice.layer_slot(number + one.offset, layer);
       return neighbors.texels_.slots[number + one.offset];
     }
     bool is_outside(const Index<D>& step) const {

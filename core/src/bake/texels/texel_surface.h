@@ -16,4 +16,8 @@ template <int D>
 std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
                                             const TexelLattice<D>& lattice, Progress& progress);
 
+// Returns the albedo of that isosurface.
+template <int D>
+Rgb texel_albedo(const Volume<D>& volume, const TexelLattice<D>& lattice, std::size_t slot);
+
 }  // namespace leaflight

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import pydicom
-from pydicom.filereader import read_partial
+from pydicom.dataset import FileDataset
+from pydicom.filereader import read_dataset, read_partial, read_preamble
 
 from ...._core import LeaflightError
 from ..checks import DEFLATE_MOST, check_size
@@ -18,6 +19,7 @@ _ELEMENTS = {
     0x7FE00009: "DoubleFloatPixelData",
     0x7FE00010: "PixelData",
 }
+_RECORDS = 0x00041220  # the records of a DICOMDIR
 _DEFLATED = "1.2.840.10008.1.2.1.99"
 _BIG_ENDIAN = "1.2.840.10008.1.2.2"
 _IMPLICIT = "1.2.840.10008.1.2"
@@ -68,6 +70,10 @@ class Pixels:
         return self.element != "PixelData"
 
 
+class _IsDirectory(Exception):
+    pass
+
+
 @dataclass(frozen=True)
 class Header:
     """The tags before the pixels, and the pixels' element, value type, start and length."""
@@ -85,18 +91,36 @@ def read_header(file: Path) -> Header:
             _check_deflated(file, stream)
 
             def at_pixels(tag: Any, kind: str | None, length: int) -> bool:
+                if int(tag) == _RECORDS:
+                    raise _IsDirectory
                 element = _ELEMENTS.get(int(tag))
                 if element is not None:
                     found.append((element, kind or "OW", stream.tell(), length))
                 return element is not None
 
-            tags = read_partial(stream, stop_when=at_pixels, force=True)
+            try:
+                tags: pydicom.Dataset = read_partial(stream, stop_when=at_pixels, force=True)
+            except _IsDirectory:
+                tags = _read_directory(stream)
         return Header(file, tags, found[-1] if found else None)
     except (LeaflightError, OSError):
         raise
     except Exception as error:
         # On damaged files pydicom raises many types of exceptions.
         raise damaged_header(file) from error
+
+
+def _read_directory(stream: BinaryIO) -> pydicom.Dataset:
+    """Reads a DICOMDIR without the tree of its records.
+
+    pydicom makes that tree before version 3.0. It does not end if the records form a circle.
+    """
+    stream.seek(0)
+    preamble = read_preamble(stream, True)
+    meta = read_dataset(stream, False, True, stop_when=lambda tag, *_: tag.group != 2)
+    implicit = str(meta.get("TransferSyntaxUID", "")) == _IMPLICIT
+    tags = read_dataset(stream, implicit, True)
+    return FileDataset(stream, tags, preamble, meta, implicit, True)
 
 
 def damaged_header(file: Path) -> LeaflightError:
