@@ -16,12 +16,23 @@
 namespace leaflight::python {
 namespace {
 
+// Returns an array of the texels, or of one of their layers on caps (cap_layers.h).
 template <int D, class Value>
 py::array_t<float> spread(const TexelLattice<D>& lattice, const std::vector<Value>& values,
-                          std::vector<py::ssize_t> shape) {
+                          int layer, std::vector<py::ssize_t> shape) {
   std::vector<Value> dense(lattice.texels(), Value(0));
-  for (std::size_t s = 0; s < lattice.active_texels; ++s) dense[lattice.active[s]] = values[s];
+  for (std::size_t s = 0; s < lattice.active.size(); ++s) {
+    if (lattice.layer(s) == layer) dense[lattice.active[s]] = values[s];
+  }
   return adopt<float>(std::move(dense), std::move(shape));
+}
+
+// Returns the number of layers, the value in the middle of the first, and their step; or None.
+template <int D>
+py::object cap_layers(const GridObject<D>& grid) {
+  const TexelLattice<D>& lattice = grid.baked->lattice;
+  if (!lattice.has_layers()) return py::none();
+  return py::make_tuple(lattice.layers, lattice.layer_value(0), lattice.layer_step);
 }
 
 template <int D>
@@ -105,18 +116,18 @@ py::tuple some_texels(const GridObject<D>& grid, std::size_t most) {
 }
 
 template <int D>
-py::array_t<float> dense(const GridObject<D>& grid, const std::string& name) {
+py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int layer) {
   const RadianceGrid<D>& from = *grid.baked;
   std::vector<py::ssize_t> shape = array_shape(from.lattice.resolution);
   if (name == "radiance_error") {
-    return spread(from.lattice, errors_at(grid, spread_slots(from, from.texels())), shape);
+    return spread(from.lattice, errors_at(grid, spread_slots(from, from.texels())), layer, shape);
   }
   shape.push_back(3);
   for (const bool back : {false, true}) {
     for (const bool indirect : {false, true}) {
       const std::string side_name = std::string("radiance") + (back ? "_back" : "");
       if (name != side_name + (indirect ? "_indirect" : "")) continue;
-      return spread(from.lattice, texels_of(grid, back, indirect), shape);
+      return spread(from.lattice, texels_of(grid, back, indirect), layer, shape);
     }
   }
   throw Error("A bake has no grid '" + name +
@@ -135,7 +146,7 @@ Vec<3, float> indirect_at(const ShownGrid<D>& shown, const Field<D>& field,
                           const Vec<D>& index_position, bool back) {
   const RadianceGrid<D>& grid = shown.grid;
   const auto& texels = back ? grid.radiance_back_indirect : grid.radiance_indirect;
-  const Vec<3, float> light = lookup(grid.lattice, texels, index_position);
+  const Vec<3, float> light = lookup(field, grid.lattice, texels, index_position);
   return shown.textured(shown.scaled(light, field, index_position), index_position);
 }
 
@@ -193,7 +204,7 @@ py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& fi
   std::vector<float> error;
   for (const Vec<D>& point : points) {
     const Vec<D> position = field.world_to_index.point(point);
-    error.push_back(lookup_error(from.lattice, from.radiance_error, position) *
+    error.push_back(lookup_error(field, from.lattice, from.radiance_error, position) *
                     average(Rgb(grid.indirect)));
   }
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
@@ -288,11 +299,15 @@ void bind_grid(py::module_& module, const std::string& suffix) {
       .def_property_readonly(
           "has_back", [](const Grid& g) { return g.baked->has_back(); },
           "True if the back was baked.")
-      .def("dense", &dense<D>, py::arg("name"),
+      .def_property_readonly("cap_layers", &cap_layers<D>,
+                             "(number, value in the middle of the first, step) of the layers of "
+                             "isovalues that texels\n"
+                             "on the cap of a cut have; None without such texels.")
+      .def("dense", &dense<D>, py::arg("name"), py::arg("layer") = -1,
            "Returns the grid of this name. radiance, radiance_indirect (without the lights'\n"
            "direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].\n"
            "radiance_error, the standard error of the mean over the channels: float32 [z, y, x].\n"
-           "Inactive texels are zero.")
+           "Inactive texels are zero. layer: one of cap_layers, which only texels on a cap have.")
       .def("some_texels", &some_texels<D>, py::arg("most"),
            "Returns the front's (radiance float32 (n, 3), radiance_error (n,)) of at most `most`\n"
            "active texels, evenly spread over all.")

@@ -538,12 +538,12 @@ class RadianceGrid:
         Returns (pixels float32 [row, column, RGBA] bottom row first, columns, rows). Slice
         k is the tile in column k % columns and row k // columns, without padding.
         """
-    def dense(self, name: str) -> numpy.typing.NDArray[numpy.float32]:
+    def dense(self, name: str, layer: typing.SupportsInt | typing.SupportsIndex = -1) -> numpy.typing.NDArray[numpy.float32]:
         """
         Returns the grid of this name. radiance, radiance_indirect (without the lights'
         direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].
         radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
-        Inactive texels are zero.
+        Inactive texels are zero. layer: one of cap_layers, which only texels on a cap have.
         """
     def estimated(self, before: Field, now: Field, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], isovalues: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]) -> RadianceGrid:
         """
@@ -608,6 +608,12 @@ class RadianceGrid:
         True if the direct light of all sides is exact.
         """
     @property
+    def cap_layers(self) -> typing.Any:
+        """
+        (number, value in the middle of the first, step) of the layers of isovalues that texels
+        on the cap of a cut have; None without such texels.
+        """
+    @property
     def direct(self) -> DirectLight:
         """
         DirectLight that lookups add; None: texels contain all light. A bake in passes has
@@ -636,12 +642,12 @@ class RadianceGrid2:
     """
     The radiance [W/(m^2 sr)] of every isosurface of one volume within an isovalue range.
     """
-    def dense(self, name: str) -> numpy.typing.NDArray[numpy.float32]:
+    def dense(self, name: str, layer: typing.SupportsInt | typing.SupportsIndex = -1) -> numpy.typing.NDArray[numpy.float32]:
         """
         Returns the grid of this name. radiance, radiance_indirect (without the lights'
         direct light), radiance_back and radiance_back_indirect: float32 [z, y, x, 3].
         radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
-        Inactive texels are zero.
+        Inactive texels are zero. layer: one of cap_layers, which only texels on a cap have.
         """
     def lookup(self, field: Field2, points: typing.Any, back: bool = False, indirect: bool = False) -> numpy.typing.NDArray[numpy.float32]:
         """
@@ -672,6 +678,12 @@ class RadianceGrid2:
     def can_be_relit(self) -> bool:
         """
         True if the direct light of all sides is exact.
+        """
+    @property
+    def cap_layers(self) -> typing.Any:
+        """
+        (number, value in the middle of the first, step) of the layers of isovalues that texels
+        on the cap of a cut have; None without such texels.
         """
     @property
     def has_back(self) -> bool:

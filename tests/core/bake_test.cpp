@@ -33,8 +33,8 @@ TEST(Bake, OtherResolutionsThanTheField) {
     const RadianceGrid<3> grid = test::baked(scene, settings).grids[0];
     EXPECT_EQ(grid.lattice.resolution, resolution);
     // Look up the top of the ball, in index coordinates. The lamp is above it.
-    EXPECT_GT(lookup(grid.lattice, all_light(grid, test::field_of(scene), false),
-                     {12, 12, 12 + 24 * 0.28})
+    EXPECT_GT(lookup(test::field_of(scene), grid.lattice,
+                     all_light(grid, test::field_of(scene), false), {12, 12, 12 + 24 * 0.28})
                   .y,
               0.3);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "bake/driver/bake.h"
 #include "base/platform.h"
@@ -30,7 +31,8 @@ class Files : public testing::Test {
   void SetUp() override {
     folder_ =
         fs::path(testing::TempDir()) /
-        ("leaflight_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        ("leaflight_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+         "_" + std::to_string(std::random_device()()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

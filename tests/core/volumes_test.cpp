@@ -40,7 +40,7 @@ test::Agreement side_agreement(const Scene<3>& scene, const Baked<3>& baked, int
   const auto reference = reference_radiance(scene, points, settings, ignored);
   const RadianceGrid<3>& grid = baked.grids[volume];
   return test::compare(points.size(), reference, [&](std::size_t i) {
-    return lookup(grid.lattice, back ? grid.radiance_back : grid.radiance,
+    return lookup(field, grid.lattice, back ? grid.radiance_back : grid.radiance,
                   field.world_to_index.point(points[i]));
   });
 }

@@ -18,6 +18,7 @@ namespace {
 
 template <class Array>
 bool same_bits(const Array& a, const Array& b) {
+  if (a.empty() || b.empty()) return a.size() == b.size();
   return a.size() == b.size() &&
          std::memcmp(static_cast<const void*>(a.data()), static_cast<const void*>(b.data()),
                      a.size() * sizeof(a[0])) == 0;

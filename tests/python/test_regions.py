@@ -269,7 +269,7 @@ def test_a_bake_keeps_its_regions(tmp_path):
 
 @pytest.mark.parametrize("resolution", [N, 32])
 def test_a_cap_has_the_light_of_its_own_isosurface(resolution):
-    """A corner is cut out of a box. Isosurfaces above 300 have no wall, which would light the floor."""
+    """Cuts a corner out of a box, whose wall lights the floor. Isosurfaces above 300 lack it."""
     axis = np.linspace(-1, 1, N)
     z, y, x = np.meshgrid(axis, axis, axis, indexing="ij")
     values = np.where(x < 0, 300, 1000).astype(np.float32)

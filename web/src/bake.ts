@@ -18,7 +18,9 @@ export interface BrickData {
   textureBricks: Vector;
 }
 
+// Layers of texels on the cap of a cut are stacked along z, above the texels themselves.
 export interface LightData extends BrickData {
+  layers: [number, number, number]; // number; code in the middle of the first, and their step
   front: number; // blocks: radiance times the exposure
   back: number | null;
 }

@@ -22,7 +22,8 @@ export function textureSize(data: BrickData, layers = 1): Vector {
 
 export async function bricksOf(bake: Bake, data: BrickData): Promise<Bricks> {
   const places = await bake.block(data.table, 1);
-  const numbers = ranks(await bake.block(data.active, 1), data.texels);
+  const active = await bake.block(data.active, 1);
+  const before = counts(active);
   const [nx, ny, nz] = data.texels;
   const [bx, by, bz] = data.brick;
   const [sx, sy, sz] = textureSize(data);
@@ -41,8 +42,10 @@ export async function bricksOf(bake: Bake, data: BrickData): Promise<Bricks> {
             const row = ((low[2] + z) * ny + low[1] + y) * nx + low[0];
             const place = ((first[2] + z) * sy + first[1] + y) * sx + first[0];
             for (let x = 0; x < Math.min(bx, nx - low[0]); ++x) {
-              if (numbers[row + x] === 0) continue;
-              from[count] = numbers[row + x] - 1;
+              const byte = active[(row + x) >> 3];
+              const bit = (row + x) & 7;
+              if (((byte >> bit) & 1) === 0) continue;
+              from[count] = before[(row + x) >> 3] + ones(byte & ((1 << bit) - 1));
               to[count++] = place + x;
             }
           }
@@ -57,12 +60,16 @@ export async function bricksOf(bake: Bake, data: BrickData): Promise<Bricks> {
   };
 }
 
-// Returns the number of active texels up to each active texel, and 0 for the others.
-function ranks(active: Uint8Array, [nx, ny, nz]: Vector): Uint32Array {
-  const numbers = new Uint32Array(nx * ny * nz);
+// Returns the number of active texels before each byte.
+function counts(active: Uint8Array): Uint32Array {
+  const before = new Uint32Array(active.length);
+  for (let i = 1; i < active.length; ++i) before[i] = before[i - 1] + ones(active[i - 1]);
+  return before;
+}
+
+// Returns the number of ones in a byte.
+function ones(byte: number): number {
   let count = 0;
-  for (let i = 0; i < numbers.length; ++i) {
-    if ((active[i >> 3] >> (i & 7)) & 1) numbers[i] = ++count;
-  }
-  return numbers;
+  for (let rest = byte; rest !== 0; rest &= rest - 1) ++count;
+  return count;
 }

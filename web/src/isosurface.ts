@@ -191,7 +191,10 @@ function uniformsOf(
   indexToWorld: three.Matrix4,
   worldToIndex: three.Matrix4,
 ): Record<string, three.IUniform> {
-  const texelScale = data.light.texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
+  const [layers, firstLayer, layerStep] = data.light.layers;
+  const [nx, ny, stacked] = data.light.texels;
+  const texels = [nx, ny, stacked / (layers + 1)];
+  const texelScale = texels.map((n, a) => (n - 1) / (data.dims[a] - 1));
   const isovalueRange = header.isovalueRange.map((c) => {
     const [low, high] = data.isovalues;
     return (low + c * (high - low) - data.offset) / data.scale;
@@ -204,6 +207,9 @@ function uniformsOf(
     brick: data.light.brick,
     bricks: data.light.bricks,
     texelScale: new three.Vector3(...texelScale),
+    layers,
+    layerCodes: new three.Vector2(firstLayer, layerStep),
+    layerHeight: texels[2],
     textureScale: new three.Vector3(...textureSize(data.light).map((n) => 1 / n)),
     ...(data.direct && mapUniforms(data.direct)),
     ...(data.texture && {

@@ -192,10 +192,25 @@ def coded(values: Array) -> tuple[Array, float, float]:
 
 
 def _light_data(data: "PageData", shown: ShownVolume) -> dict[str, Any]:
+    """Returns the part of the header about the light of texels.
+
+    The layers of texels on the cap of a flat cut follow above the others, along z.
+    """
     exposure = np.float32(shown.bake.scene.exposure)
-    sides = [packed(_light(shown, back, data.progress) * exposure) for back in shown.sides]
+    offset, scale = coded(np.asarray(shown.volume.values))[1:]
+    caps = shown.bake.grids[shown.number].cap_layers
+    if cuts_data(shown.volume, offset, scale) is None or not shown.has_maps(False):
+        caps = None
+    count, first, step = caps or (0, 0.0, 1.0)
+    sides = []
+    for back in shown.sides:
+        parts = [_light(shown, back, data.progress)]
+        parts += [_layer(shown, back, layer) for layer in range(count)]
+        sides.append(packed(np.concatenate(parts) * exposure))
     lit = np.logical_or.reduce([side != 0 for side in sides])
-    return _texture(data, lit, 1, [data.add_colors(side[lit]) for side in sides])
+    found = _texture(data, lit, 1, [data.add_colors(side[lit]) for side in sides])
+    found["layers"] = [count, (first - offset) / scale, step / scale]
+    return found
 
 
 def _direct_data(
@@ -263,6 +278,29 @@ def _light(shown: ShownVolume, back: bool, progress: _core.Progress) -> Array:
     light = np.stack(planes).reshape(*shown.texels[::-1], 3)
     # Fill dark texels, because a coarser isosurface lies slightly beside the lit one.
     return spread(light)
+
+
+def _layer(shown: ShownVolume, back: bool, layer: int) -> Array:
+    """Returns the light of a layer of the texels on caps, as _light()."""
+    name = "radiance_back" if back else "radiance"
+    grid = shown.bake.grids[shown.number].with_texture(None)
+    light = grid.dense(f"{name}_indirect" if shown.has_maps(back) else name, layer)
+    if not shown.is_coarser:
+        return light
+    lit = light.any(axis=-1, keepdims=True).astype(np.float32)
+    for axis, count in enumerate(shown.texels[::-1]):
+        light, lit = _resampled(light, axis, count), _resampled(lit, axis, count)
+    return spread(light / np.maximum(lit, 1e-6))
+
+
+def _resampled(array: Array, axis: int, count: int) -> Array:
+    """Interpolates an array at `count` places along an axis, from its first to its last."""
+    places = np.linspace(0.0, array.shape[axis] - 1.0, count)
+    below = np.minimum(places.astype(int), array.shape[axis] - 2)
+    shape = [-1 if a == axis else 1 for a in range(array.ndim)]
+    share = (places - below).astype(np.float32).reshape(shape)
+    found: Array = array.take(below, axis) * (1 - share) + array.take(below + 1, axis) * share
+    return found
 
 
 def texel_places(volume: Volume, texels: Sequence[int], z: int) -> Array:

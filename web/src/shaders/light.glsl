@@ -6,6 +6,9 @@ uniform sampler3D front, back;  // bricks of radiance times the exposure of the 
 uniform usampler3D table;        // position of each brick
 uniform ivec3 brick, bricks;     // texels of a brick, including shared layers; numbers of bricks
 uniform vec3 texelScale, textureScale;  // index coordinates to texels; inverse size of textures
+uniform int layers;              // of texels on the cap of a cut, above the others along z
+uniform float layerHeight;       // texels along z
+uniform vec2 layerCodes;         // middle of the first layer, and their step
 uniform int backIs;         // 0: baked, 1: dark, 2: lit from the camera
 uniform float unbaked;  // brightness of a white one (2) that faces the viewer
 uniform bool isLocal;
@@ -31,10 +34,11 @@ vec3 pigmentAt(vec3 place) {
   return vec3(1.0);
 }
 
-// Returns the radiance of the texels around a position.
-vec3 ofTexels(vec3 place, bool isBack) {
+// Returns the radiance of the texels around a position, or that of one of their layers.
+vec3 ofLayer(vec3 place, bool isBack, int layer) {
   fetches += 2;
   vec3 texel = max(place * texelScale, 0.0);
+  texel.z += float(layer) * layerHeight;
   ivec3 within = min(ivec3(texel) / (brick - 1), bricks - 1);
   uvec4 entry = texelFetch(table, within, 0);
   if (entry.w == 0u) return vec3(0.0);
@@ -42,6 +46,20 @@ vec3 ofTexels(vec3 place, bool isBack) {
   vec3 at = (first + texel - vec3(within * (brick - 1)) + 0.5) * textureScale;
   return isBack ? texture(back, at).rgb : texture(front, at).rgb;
 }
+
+vec3 ofTexels(vec3 place, bool isBack) {
+  return ofLayer(place, isBack, 0);
+}
+
+#ifdef CUTS
+// Returns the radiance of the isosurface on a cap, between two layers.
+vec3 ofCap(vec3 place, float isovalue, bool isBack) {
+  float layer = clamp((isovalue - layerCodes.x) / layerCodes.y, 0.0, float(layers - 1));
+  int below = min(int(layer), layers - 2);
+  vec3 low = ofLayer(place, isBack, below + 1), high = ofLayer(place, isBack, below + 2);
+  return mix(low, high, layer - float(below));
+}
+#endif
 
 #ifdef DIRECT
 bool isLit(vec3 place) {
@@ -53,7 +71,10 @@ bool isLit(vec3 place) {
 // Returns indirect light, as core/src/bake/output/radiance_grid.cpp. It is extrapolated from texels
 // in front, if isosurfaces there are parallel to the one at the point. Otherwise it is that of
 // texels around the point.
-vec3 indirectLight(vec3 place, vec3 gradient, bool isBack) {
+vec3 indirectLight(vec3 place, vec3 gradient, float isovalue, bool isBack) {
+#ifdef CUTS
+  if (layers > 0 && gradientOnCut(place, isovalue).w == 1.0) return ofCap(place, isovalue, isBack);
+#endif
   float size = length(gradient * texelScale);
   if (size == 0.0) return ofTexels(place, isBack);
   vec3 ahead = gradient * ((isBack ? 0.5 : -0.5) / size);
@@ -77,7 +98,7 @@ vec3 light(vec3 place, Hit hit, float isovalue, int number) {
     vec3 gradient = gradientAt(place, isovalue);
     DirectLight direct = directLight(place, gradient, isovalue, hit.fromInside, coats[number]);
     vec3 own = exposure * emission[number];
-    vec3 others = indirectLight(place, gradient, hit.fromInside) - own;
+    vec3 others = indirectLight(place, gradient, isovalue, hit.fromInside) - own;
     vec3 radiance = max(own + others * indirectFactor, 0.0);
     radiance += exposure / PI * albedo[number] * direct.irradiance;
     return color * radiance + exposure * direct.reflected;

@@ -55,9 +55,9 @@ Vec<3, float> mean(const TexelWeights<D>& near, const Colors& values) {
 }  // namespace
 
 template <int D>
-Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
-                     const Vec<D>& index_position) {
-  return mean(linear_weights(lattice, index_position), values);
+Vec<3, float> lookup(const Field<D>& field, const TexelLattice<D>& lattice,
+                     const std::vector<Vec<3, float>>& values, const Vec<D>& index_position) {
+  return mean(surface_weights(field, lattice, index_position), values);
 }
 
 namespace {
@@ -202,9 +202,9 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
 }
 
 template <int D>
-float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& errors,
-                   const Vec<D>& index_position) {
-  const TexelWeights<D> weights = linear_weights(lattice, index_position);
+float lookup_error(const Field<D>& field, const TexelLattice<D>& lattice,
+                   const std::vector<float>& errors, const Vec<D>& index_position) {
+  const TexelWeights<D> weights = surface_weights(field, lattice, index_position);
   float variance = 0;
   for (int i = 0; i < weights.count; ++i) {
     const float error = errors[weights.slot[i]] * weights.weight[i];
@@ -219,10 +219,10 @@ template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&
                                          bool);
 template std::vector<Vec<3, float>> all_light(const RadianceGrid<2>&, const Field<2>&, bool);
 template std::vector<Vec<3, float>> all_light(const RadianceGrid<3>&, const Field<3>&, bool);
-template Vec<3, float> lookup<2>(const TexelLattice<2>&, const std::vector<Vec<3, float>>&,
-                                 const Vec<2>&);
-template Vec<3, float> lookup<3>(const TexelLattice<3>&, const std::vector<Vec<3, float>>&,
-                                 const Vec<3>&);
+template Vec<3, float> lookup<2>(const Field<2>&, const TexelLattice<2>&,
+                                 const std::vector<Vec<3, float>>&, const Vec<2>&);
+template Vec<3, float> lookup<3>(const Field<3>&, const TexelLattice<3>&,
+                                 const std::vector<Vec<3, float>>&, const Vec<3>&);
 template struct ShownGrid<2>;
 template struct ShownGrid<3>;
 template Vec<3, float> radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const Vec<2>&, bool);
@@ -231,7 +231,9 @@ template void radiance_at<2>(const ShownGrid<2>&, const Field<2>&, const std::ve
                              Vec<3, float>*);
 template void radiance_at<3>(const ShownGrid<3>&, const Field<3>&, const std::vector<Vec<3>>&, bool,
                              Vec<3, float>*);
-template float lookup_error<2>(const TexelLattice<2>&, const std::vector<float>&, const Vec<2>&);
-template float lookup_error<3>(const TexelLattice<3>&, const std::vector<float>&, const Vec<3>&);
+template float lookup_error<2>(const Field<2>&, const TexelLattice<2>&, const std::vector<float>&,
+                               const Vec<2>&);
+template float lookup_error<3>(const Field<3>&, const TexelLattice<3>&, const std::vector<float>&,
+                               const Vec<3>&);
 
 }  // namespace leaflight

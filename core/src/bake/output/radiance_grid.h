@@ -100,11 +100,11 @@ Vec<3, float> radiance_at(const RadianceGrid<D>& grid, const Field<D>& field,
   return radiance_at(ShownGrid<D>(grid), field, index_position, back);
 }
 
-// Interpolates an array of texels linearly along each axis, over the active texels only. Returns
-// zero if there are none.
+// Interpolates an array of texels linearly along each axis, over the active texels only; on a cap,
+// over its layers. Returns zero if there are none.
 template <int D>
-Vec<3, float> lookup(const TexelLattice<D>& lattice, const std::vector<Vec<3, float>>& values,
-                     const Vec<D>& index_position);
+Vec<3, float> lookup(const Field<D>& field, const TexelLattice<D>& lattice,
+                     const std::vector<Vec<3, float>>& values, const Vec<D>& index_position);
 
 // Looks up many positions, into an array of the same size at `found`. Prefetches, because the
 // texels are far apart in memory.
@@ -114,7 +114,7 @@ void radiance_at(const ShownGrid<D>& shown, const Field<D>& field,
 
 // Returns the standard error of such a radiance, for independent errors of the texels.
 template <int D>
-float lookup_error(const TexelLattice<D>& lattice, const std::vector<float>& errors,
-                   const Vec<D>& index_position);
+float lookup_error(const Field<D>& field, const TexelLattice<D>& lattice,
+                   const std::vector<float>& errors, const Vec<D>& index_position);
 
 }  // namespace leaflight
