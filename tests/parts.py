@@ -22,7 +22,8 @@ PYTEST = "/usr/bin/python3 -m pytest"
 # Most of the Python tests keep one processor busy; the tests of a file share their bakes.
 PARALLEL = "--numprocesses 2 --dist loadfile"
 OPERATORS = "tests/blender/test_window_operators.py"
-BUILD_CORE = "cmake --preset tests && cmake --build --preset tests"
+# The benchmarks, too, since nothing else of the short suite compiles them.
+BUILD_CORE = "cmake --preset tests && cmake --build --preset tests && cmake --build --preset bench"
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,7 @@ SHORT_PARTS = (
 )
 
 LONG_PARTS = (
-    Part(
-        "core-slow",
-        f"{BUILD_CORE} && cmake --build --preset bench && ctest --preset slow {{select}}",
-    ),
+    Part("core-slow", f"{BUILD_CORE} && ctest --preset slow {{select}}"),
     Part(
         "core-sanitized",
         "cmake --preset debug && cmake --build --preset debug && ctest --preset debug {select}",
@@ -76,7 +74,7 @@ LONG_PARTS = (
     ),
     Part(
         "python-slow",
-        f"{BUILD_CORE} && cmake --build --preset bench && {PYTEST} tests/python {PARALLEL}"
+        f"{BUILD_CORE} && {PYTEST} tests/python {PARALLEL}"
         " --ignore tests/python/test_precision.py {select}",
         SLOW,
     ),

@@ -19,7 +19,8 @@ void lookup(benchmark::State& state) {
   const std::vector<Vec3> positions = bench::random_positions(field, 1 << 16);
   std::size_t i = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(leaflight::lookup<3>(grid.lattice, grid.radiance, positions[i]));
+    benchmark::DoNotOptimize(
+        leaflight::lookup<3>(field, grid.lattice, grid.radiance, positions[i]));
     if (++i == positions.size()) i = 0;
   }
   state.SetItemsProcessed(state.iterations());
