@@ -193,8 +193,10 @@ Baked<D> light(const Scene<D>& scene, const FixedSettings<D>& settings, const Pl
     progress.begin("Lighting walls");
     const auto direct_of_walls =
         std::make_shared<const MeshDirectLight<D>>(tracer, walls, progress);
-    baked.walls = light_walls(tracer, bake.sampler(), estimator.get(), walls, direct_of_walls,
-                              walls_share * settings.samples, settings.seed, progress);
+    const PointSampler<D> sampler = bake.sampler();
+    WallParts<D> parts(
+        {tracer, walls, sampler, estimator.get(), walls_share * settings.samples, settings.seed});
+    baked.walls = parts.radiance(direct_of_walls, progress);
   }
   for (std::size_t v = 0; v < baked.grids.size(); ++v) {
     baked.grids[v].lattice = std::move(bake.lattices[v]);

@@ -103,10 +103,10 @@ void bind_baking(py::module_& module, const std::string& suffix) {
             for (const auto& grid : grids) light.emplace_back(*grid->baked, passes, blocks);
             hooks.previous = &light;
           }
-          BlockWorkers block_workers;
+          Workers calls;
           if (!workers.is_none()) {
-            block_workers = workers_of(workers);
-            hooks.workers = &block_workers;
+            calls = workers_of(workers);
+            hooks.workers = &calls;
           }
           Checkpoints checkpoints;
           hooks.checkpoints = &checkpoints;
@@ -142,10 +142,10 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       "passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake\n"
       "saves its state and the text to this file at this interval. `resumed`: such a file,\n"
       "of the same scene and settings, from which the bake continues. `workers`: an object\n"
-      "whose BlockTracers trace blocks of light. begin(first, count, state) announces the\n"
-      "blocks [first, first + count), with the light that their lines look up as bytes.\n"
-      "take(number) returns a block, or b\"\" to make the bake trace it. Raises\n"
-      "LeaflightError, Cancelled.");
+      "whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts\n"
+      "announced later look up. announce(parts) begins parts, bytes each, and returns the\n"
+      "number of the first. take(number) returns the result of a part, or b\"\" to make the bake\n"
+      "compute it. Raises LeaflightError, Cancelled.");
 }
 
 }  // namespace

@@ -66,10 +66,11 @@ void bind_direct_light(py::module_& module) {
              const std::vector<LightPoint<3>> points = split_light(tracer).points;
              progress.expect_more((back ? 2 : 1) * static_cast<double>(points.size()) *
                                   static_cast<double>(cell_count<3>(resolution)) *
-                                  Direct::work_of_texel);
+                                  MapSweeps<3>::work_of_texel);
              if (earlier && back && !earlier->has_back()) earlier = nullptr;
-             return std::make_shared<Direct>(tracer, volume, points, resolution, back, progress,
-                                             spacing, earlier);
+             return std::make_shared<Direct>(tracer, volume, points,
+                                             MapSettings<3>{resolution, back, spacing}, progress,
+                                             earlier);
            }),
            py::arg("scene"), py::arg("volume"), py::arg("resolution"), py::arg("back"),
            py::arg("progress"), py::arg("spacing") = 1.0, py::arg("earlier") = nullptr,

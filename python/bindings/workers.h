@@ -3,12 +3,12 @@
 
 #include <pybind11/pybind11.h>
 
-#include "bake/indirect/block_workers.h"
+#include "bake/plan/shared_parts.h"
 
 namespace leaflight::python {
 
 // Returns workers that call the methods of a Python object, from a thread without the interpreter's
 // lock.
-BlockWorkers workers_of(const pybind11::object& workers);
+Workers workers_of(const pybind11::object& workers);
 
 }  // namespace leaflight::python

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'BlockTracer', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PointLight', 'PointLight2', 'PolygonEdges', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'block_tracer_memory', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PartTracer', 'PointLight', 'PointLight2', 'PolygonEdges', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'part_tracer_memory', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -1073,23 +1073,23 @@ class Baked2:
         """
         WallRadiance, or None if it was not baked.
         """
-class BlockTracer:
+class PartTracer:
     """
-    Traces single blocks of indirect light for a bake in passes in another process, as a
-    worker of bake(). Scene and settings must be equal.
+    Computes parts of a bake in passes in another process, as a worker of bake(). Scene and
+    settings must be equal.
     """
     def __init__(self, scene: Scene, settings: BakeSettings, progress: Progress) -> None:
         """
         progress.cancel() makes every call raise Cancelled. Raises LeaflightError if such a
         bake has no passes.
         """
-    def look_up(self, state: str) -> None:
+    def read(self, kind: typing.SupportsInt | typing.SupportsIndex, data: bytes) -> None:
         """
-        Reads the bytes that workers.begin() received, which blocks need.
+        Reads what workers.send() received and parts look up.
         """
-    def trace(self, number: typing.SupportsInt | typing.SupportsIndex) -> bytes:
+    def traced(self, part: bytes) -> bytes:
         """
-        Traces the block of this number; returns bytes for workers.take().
+        Computes a part that workers.announce() received; returns bytes for workers.take().
         """
 class PolygonEdges:
     """
@@ -1138,10 +1138,10 @@ def bake(scene: Scene, settings: BakeSettings, progress: Progress, on_pass: typi
     passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake
     saves its state and the text to this file at this interval. `resumed`: such a file,
     of the same scene and settings, from which the bake continues. `workers`: an object
-    whose BlockTracers trace blocks of light. begin(first, count, state) announces the
-    blocks [first, first + count), with the light that their lines look up as bytes.
-    take(number) returns a block, or b"" to make the bake trace it. Raises
-    LeaflightError, Cancelled.
+    whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts
+    announced later look up. announce(parts) begins parts, bytes each, and returns the
+    number of the first. take(number) returns the result of a part, or b"" to make the bake
+    compute it. Raises LeaflightError, Cancelled.
     """
 def bake2(scene: Scene2, settings: BakeSettings2, progress: Progress, on_pass: typing.Any = None, previous: tuple[collections.abc.Sequence[RadianceGrid2], typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None, checkpoint: tuple[os.PathLike | str | bytes, str, typing.SupportsFloat | typing.SupportsIndex] | None = None, resumed: os.PathLike | str | bytes | None = None, workers: typing.Any = None) -> Baked2:
     """
@@ -1150,15 +1150,10 @@ def bake2(scene: Scene2, settings: BakeSettings2, progress: Progress, on_pass: t
     passes, blocks) of a bake to continue. `checkpoint`: (file, text, seconds); the bake
     saves its state and the text to this file at this interval. `resumed`: such a file,
     of the same scene and settings, from which the bake continues. `workers`: an object
-    whose BlockTracers trace blocks of light. begin(first, count, state) announces the
-    blocks [first, first + count), with the light that their lines look up as bytes.
-    take(number) returns a block, or b"" to make the bake trace it. Raises
-    LeaflightError, Cancelled.
-    """
-def block_tracer_memory(scene: Scene, settings: BakeSettings) -> int:
-    """
-    Estimates the maximum memory of a BlockTracer in bytes, including the volume's
-    values.
+    whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts
+    announced later look up. announce(parts) begins parts, bytes each, and returns the
+    number of the first. take(number) returns the result of a part, or b"" to make the bake
+    compute it. Raises LeaflightError, Cancelled.
     """
 def bump_box(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
@@ -1263,6 +1258,10 @@ def normals(field: Field, points: typing.Annotated[numpy.typing.ArrayLike, numpy
     """
     Returns outward unit shading normals float32 (n, 3) of the isosurfaces through world
     points (n, 3) of the domain; zero if there is none.
+    """
+def part_tracer_memory(scene: Scene, settings: BakeSettings) -> int:
+    """
+    Estimates the maximum memory of a PartTracer in bytes, including the volume's values.
     """
 def photon_balance(scene: Scene, count: typing.SupportsInt | typing.SupportsIndex, seed: typing.SupportsInt | typing.SupportsIndex = 0) -> dict:
     """

@@ -49,7 +49,8 @@ template <int D>
 test::Agreement against_rays(const Scene<D>& scene, bool back) {
   const SceneTracer<D> tracer(scene);
   const SplitLight<D> split = split_light(tracer);
-  const DirectLight<D> direct(tracer, 0, split.points, scene.volumes[0].field.dims, back, ignored);
+  const DirectLight<D> direct(tracer, 0, split.points, {scene.volumes[0].field.dims, back},
+                              ignored);
   const Field<D>& field = scene.volumes[0].field;
   Random random(7, 1, D);
   double difference = 0, square = 0, found_sum = 0, true_sum = 0;
@@ -185,7 +186,7 @@ template <int D>
 DirectLight<D> maps_of(const Scene<D>& scene, int width, const DirectLight<D>* earlier = nullptr) {
   const SceneTracer<D> tracer(scene);
   const Index<D> resolution = coarser_resolution<D>(scene.volumes[0].field.dims, width);
-  return DirectLight<D>(tracer, 0, split_light(tracer).points, resolution, true, ignored, 1,
+  return DirectLight<D>(tracer, 0, split_light(tracer).points, {resolution, true}, ignored,
                         earlier);
 }
 
@@ -254,8 +255,8 @@ TEST(DirectLightOfIsosurfaces, TakesItFromFinerMaps) {
 TEST(DirectLightOfIsosurfaces, IsNothingWithoutLights) {
   const Scene<3> scene = test::scene_of(bumps<3>(17), Rgb(0.5f), {0.2, 0.9});
   const SceneTracer<3> tracer(scene);
-  const DirectLight<3> direct(tracer, 0, split_light(tracer).points, scene.volumes[0].field.dims,
-                              true, ignored);
+  const DirectLight<3> direct(tracer, 0, split_light(tracer).points,
+                              {scene.volumes[0].field.dims, true}, ignored);
   EXPECT_EQ(direct.points(), 0u);
   EXPECT_EQ(direct.radiance(scene.volumes[0].field, {8, 8, 8}, true), Rgb(0));
 }

@@ -30,7 +30,7 @@ RadianceGrid<D> grid_of(const Scene<D>& scene, Light light) {
       make_lattice(field, field.dims, scene.isovalue_range.min, scene.isovalue_range.max);
   const SceneTracer<D> tracer(scene);
   grid.direct = std::make_shared<const DirectLight<D>>(tracer, 0, std::vector<LightPoint<D>>(),
-                                                       field.dims, true, ignored);
+                                                       MapSettings<D>{field.dims, true}, ignored);
   for (const std::uint32_t texel : grid.lattice.active) {
     const Vec<3, float> found(static_cast<float>(light(grid.lattice.center(texel))));
     for (auto* values : {&grid.radiance, &grid.radiance_back, &grid.radiance_indirect,

@@ -158,7 +158,7 @@ TEST(RayBake, ShadowsOfOtherVolumesAreThoseOfRays) {
   int dark = 0, agree = 0, all = 0;
   for (const int volume : {0, 1}) {
     const Field<3>& field = scene.volumes[volume].field;
-    const DirectLight<3> direct(tracer, volume, split.points, field.dims, false, progress);
+    const DirectLight<3> direct(tracer, volume, split.points, {field.dims, false}, progress);
     const double c = 0.7;
     for (const Vec3& x : test::isosurface_points(field, c, 10)) {
       const Vec3 index = field.world_to_index.point(x);

@@ -31,7 +31,7 @@ Scene<3> room(const Rgb& first, const Rgb& second, const Rgb& glow) {
 
 DirectLight<3> direct_light(const Scene<3>& scene) {
   const SceneTracer<3> tracer(scene);
-  return {tracer, 0, split_light(tracer).points, test::field_of(scene).dims, true, ignored};
+  return {tracer, 0, split_light(tracer).points, {test::field_of(scene).dims, true}, ignored};
 }
 
 template <class F>

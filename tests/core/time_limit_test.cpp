@@ -38,7 +38,7 @@ struct Limited {
   BakeSettings<3> settings = test::in_passes(1e-3);  // is not reached
   Progress progress;
   Checkpoints checkpoints;
-  const BlockWorkers* workers = nullptr;
+  const Workers* workers = nullptr;
   double lost = 0;  // seconds lost to other programs
 
   explicit Limited(double limit) {
@@ -125,21 +125,23 @@ TEST(TimeLimit, IsKeptWhereABakeBecomesSlow) {
   EXPECT_TRUE(baked.statistics.stopped);
 }
 
-TEST(TimeLimit, LeavesWorkersOutWhereTexelsAreWider) {
+TEST(TimeLimit, SharesNoLinesWhereTexelsAreWider) {
   const double pass = work_of_a_pass();
   for (const auto& [passes, along] : {std::pair(0.3, wider), {1.1, voxels}}) {
     Limited limited(passes * pass);
-    int asked = 0;
-    BlockWorkers workers;
-    workers.begin = [](int, int, const std::function<void(std::ostream&)>&) {};
-    workers.take = [&](int) {
-      ++asked;
-      return std::string();  // the bake then traces the block itself
+    bool shares_lines = false;
+    Workers workers;
+    workers.send = [](PartData, const Workers::Write&) {};
+    workers.announce = [&](const std::vector<BakePart>& parts) {
+      for (const BakePart& part : parts) shares_lines |= part.kind == PartKind::block;
+      return 0;
     };
+    // The bake then computes the parts itself.
+    workers.take = [](int) { return std::string(); };
     limited.workers = &workers;
     limited.checkpoints.save = limited.time_is_left_once_texels_are_chosen();
     EXPECT_EQ(texels_along(limited.bake()), along);
-    EXPECT_EQ(asked > 0, along == voxels);
+    EXPECT_EQ(shares_lines, along == voxels);
   }
 }
 

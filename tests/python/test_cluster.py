@@ -16,7 +16,7 @@ pytest.importorskip("distributed")
 
 from cone import cone  # noqa: E402
 from distributed import LocalCluster  # noqa: E402
-from leaflight.cluster import block_tracer  # noqa: E402
+from leaflight.cluster import part_tracer  # noqa: E402
 from leaflight.cluster.workers import Workers  # noqa: E402
 from leaflight.volume.regions import HalfSpace, changed  # noqa: E402
 from outcomes import refused
@@ -110,13 +110,15 @@ def test_going_on_with_a_bake(volume, workers):
 
 
 def never_done():
-    """Makes this worker trace each block again and again."""
+    """Makes this worker compute each part again and again."""
 
-    def trace(self, number):
+    traced = part_tracer._Tracer.traced
+
+    def traced_forever(self, sent, part):
         while True:
-            self._core.trace(number)
+            traced(self, sent, part)
 
-    block_tracer._Tracer.trace = trace
+    part_tracer._Tracer.traced = traced_forever
 
 
 @pytest.mark.slow
@@ -132,7 +134,7 @@ def test_cancel_goes_through(volume, workers):
             outcome.append(error)
 
     def is_traced():
-        return any(workers.client.run(lambda: block_tracer._tracer is not None).values())
+        return any(workers.client.run(lambda: part_tracer._tracer is not None).values())
 
     bake = threading.Thread(target=work)
     bake.start()
@@ -145,7 +147,7 @@ def test_cancel_goes_through(volume, workers):
 
 
 def test_workers_of_another_leaflight(volume, workers, monkeypatch):
-    monkeypatch.setattr(block_tracer.Recipe, "__init__", _of_another(block_tracer.Recipe.__init__))
+    monkeypatch.setattr(part_tracer.Recipe, "__init__", _of_another(part_tracer.Recipe.__init__))
     refused("install the same", leaflight.bake, volume, workers=workers, **SETTINGS)
 
 

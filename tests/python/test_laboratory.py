@@ -28,7 +28,7 @@ RUNS = [
     ("bench stage --quick", "| bump box, 24^3 | bake, last pass |"),
     ("check_cycles texture --points 30 --spp 8", "| texture | far wall |"),
     ("edits_against_cycles cuts bump --points 30 --spp 8", "| bump box | 100 |"),
-    ("workers --dims 12", "| 4 |"),
+    ("workers --dims 12 --workers 2", "| 2 |"),
     (f"unwritten_memory {GOOD_FILE}", "1 files, 1 read, 0 with memory that was not written"),
 ]
 NEEDS_BLENDER = ("bench bake", "bench scrub", "bench stage", "check_cycles", "edits_against_cycles")

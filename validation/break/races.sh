@@ -27,7 +27,7 @@ cmake --build --preset tsan
 
 # Tests with threads and without statistics: passes, fixed samples, contours, photons, files.
 tests=Passes.*Same*:Passes.GoOn*:Passes.*Cancelled*:FixedSamples.AreTheSame*:FixedSamples.AreCancelled*:Passes.ExpectTheir*
-tests+=:BlockTracer.*:ContourTopology.*Threads*:ContourTopology.Noise*:PhotonMap.IsTheSame*:Files.*
+tests+=:PartTracer.*:ContourTopology.*Threads*:ContourTopology.Noise*:PhotonMap.IsTheSame*:Files.*
 library=$(dirname "$(find "$tbb/build" -name libtbb.so.12)")
 export LD_LIBRARY_PATH=$library
 export TSAN_OPTIONS="suppressions=$PWD/tests/core/tsan.supp history_size=4 ${TSAN_OPTIONS:-}"

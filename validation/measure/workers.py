@@ -1,59 +1,69 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures how a bake scales with workers: time and traffic of 1, 2 and 4, for docs/validation.md.
+"""Counts processor seconds of a bake and of its workers, for docs/validation.md.
 
-    validation/run workers [--dims 100]
+    validation/run workers [--volume FILE | --dims 100] [--workers 2 16] [--walls]
 
-Each worker has one thread.
+Each worker has one thread. Processor seconds of the bake's process show what stays in it, whatever
+the number of processors here.
 """
 
 import argparse
 import os
-import statistics
 import sys
 import time
 from contextlib import nullcontext
 from pathlib import Path
 
-COUNTS = (1, 2, 4)
-REPETITIONS = 3
-
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--volume", help="file of a volume, instead of a bump box")
     parser.add_argument("--dims", type=int, default=100, help="nodes of the bump box's sides (100)")
+    parser.add_argument("--workers", type=int, nargs="+", default=[2, 16])
+    parser.add_argument("--walls", action="store_true", help="also light the walls")
     options = parser.parse_args()
     import leaflight
     from leaflight.cluster.workers import Workers
 
-    volume = leaflight.bump_box(options.dims)
-    seconds = {count: [] for count in (0, *COUNTS)}
-    moved, ids, peak = {}, set(), {}
-    for _ in range(REPETITIONS):
-        for count in seconds:
-            with Workers(count) if count else nullcontext() as workers:
-                before = traffic()
-                start = time.perf_counter()
-                bake = leaflight.bake(volume, threads=1, workers=workers)
-                seconds[count].append(time.perf_counter() - start)
-                print(f"{count} workers: {seconds[count][-1]:.1f} s", file=sys.stderr, flush=True)
-                ids.add(bake.id)
-                if count:
-                    moved[count] = traffic() - before
-                    peak[count] = max(workers.client.run(peak_bytes).values())
-                    assert not workers.lost
-    assert len(ids) == 1, "the bakes differ"
-    alone = statistics.median(seconds[0])
-    print(f"{os.cpu_count()} cores, bump box of {options.dims}^3, one thread each")
-    print("| workers | s | against one process | efficiency | MB moved | MB a worker |")
-    print("|---|---|---|---|---|---|")
-    print(f"| none | {alone:.2f} | 1 | | | |")
-    for count in COUNTS:
-        s = statistics.median(seconds[count])
-        cores = min(count, os.cpu_count() or 1)
+    if options.volume:
+        volume = leaflight.read_volume(options.volume)
+    else:
+        volume = leaflight.bump_box(options.dims)
+    name = options.volume and Path(options.volume).name or f"bump box of {options.dims}^3"
+    print(f"{name}, {os.cpu_count()} cores, one thread a worker")
+    print("| workers | s | processor s of the bake | share | of all workers | MB moved | MB each |")
+    print("|---|---|---|---|---|---|---|")
+    ids, alone = set(), None
+    for count in (0, *options.workers):
+        with Workers(count) if count else nullcontext() as workers:
+            before, moved, used = seconds(), traffic(), workers and sum_of(workers, seconds)
+            start = time.perf_counter()
+            bake = leaflight.bake(volume, walls=options.walls, workers=workers)
+            wall, own = time.perf_counter() - start, seconds() - before
+            alone = alone or own
+            ids.add(bake.id)
+            others = peak = moved_megabytes = 0
+            if count:
+                assert not workers.lost, f"{workers.lost} parts were lost"
+                others = sum_of(workers, seconds) - used
+                moved_megabytes = (traffic() - moved) / 1e6
+                peak = max(workers.client.run(peak_bytes).values()) / 1e6
         print(
-            f"| {count} | {s:.2f} | {alone / s:.2f} | {100 * alone / s / cores:.0f} % of {cores} "
-            f"cores | {moved[count] / 1e6:.0f} | {peak[count] / 1e6:.0f} |"
+            f"| {count or 'none'} | {wall:.1f} | {own:.1f} | {100 * own / alone:.0f} % "
+            f"| {others:.1f} | {moved_megabytes:.0f} | {peak:.0f} |",
+            flush=True,
         )
+    if len(ids) != 1:
+        sys.exit("workers: the bakes differ.")
+
+
+def seconds():
+    """Returns the processor seconds of this process. That of the bake also runs the scheduler."""
+    return time.process_time()
+
+
+def sum_of(workers, measure):
+    return sum(workers.client.run(measure).values())
 
 
 def peak_bytes():

@@ -266,7 +266,7 @@ Rgb caustic_radiance(const std::vector<IsosurfaceRadiance<D>>& isosurfaces,
   const IsosurfaceRadiance<D>& isosurface = isosurfaces[point.isosurface().volume];
   const std::int32_t slot =
       isosurface.lattice->nearest_slot(point.isosurface().cell_point.index_position());
-  if (slot == TexelLattice<D>::inactive) return Rgb(0);
+  if (slot == TexelLattice<D>::inactive || !isosurface.photons) return Rgb(0);
   return brdf * isosurface.photons->caustic(slot, point.isosurface().back);
 }
 

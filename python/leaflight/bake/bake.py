@@ -213,7 +213,7 @@ def worker_memory(task: Task) -> int:
 
     Raises LeaflightError.
     """
-    return _core.block_tracer_memory(task.core_scene(), task.settings)
+    return _core.part_tracer_memory(task.core_scene(), task.settings)
 
 
 def lit(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Workers of a Dask cluster that trace blocks of light for a bake, with the bits of one machine."""
+"""Workers of a Dask cluster that compute parts of a bake, with the bits of one machine."""
 
 import asyncio
 import os
@@ -16,28 +16,28 @@ from .._core import BakeSettings, Cancelled, LeaflightError, Progress
 from ..arrays import Array
 from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
-from . import block_tracer
-from .block_tracer import LookedUp, Recipe
+from . import part_tracer
+from .part_tracer import Passed, Recipe, Sent, passed, received
 
-# Seconds between two checks for a cancel while a bake waits for a block.
+# Seconds between two checks for a cancel while a bake waits for a part.
 POLL_SECONDS = 0.1
-# Number of times that a block is traced again after its worker died.
+# Number of times that a part is computed again after its worker died.
 RETRIES = 3
 # Errors of Dask if the scheduler or the workers are gone.
 _GONE = (OSError, RuntimeError, ValueError, asyncio.TimeoutError)
-# Settings of the core that a block depends on; each worker chooses its threads.
-SETTINGS = ("resolution", "seed", "exposure", "both_sides", "walls")
+# Settings of the core that parts depend on; each worker chooses its threads.
+SETTINGS = ("resolution", "seed", "exposure", "error", "both_sides", "walls")
 
 
 class Workers:
-    """Processes that trace blocks for bakes: bake(volume, workers=Workers(4)).
+    """Processes that compute parts of bakes: bake(volume, workers=Workers(4)).
 
     count: Number of processes on this machine, which share its processors.
     scheduler: Address of a Dask scheduler instead, such as "tcp://10.0.0.1:8786". Its workers need
         the same Leaflight.
-    Use it as a context manager, or call close(). `traced` is the number of blocks that workers
-    traced, `lost` the number that bakes had to trace themselves. Raises LeaflightError without Dask
-    or without workers.
+    Use it as a context manager, or call close(). `traced` is the number of parts that workers
+    computed, `lost` the number that bakes had to compute themselves. Raises LeaflightError without
+    Dask or without workers.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Workers:
                 n_workers=count,
                 threads_per_worker=1,
                 processes=True,
-                # Disable the memory limit, which would kill workers. Blocks cannot be smaller.
+                # Disable the memory limit, which would kill workers. Parts cannot be smaller.
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",
                 local_directory=self._folder.name,
@@ -114,6 +114,10 @@ class Workers:
         """Returns the Tracing of a bake, which lit() gives to the core."""
         return Tracing(self, volumes, scene, isovalues, settings, progress)
 
+    def folder(self) -> str | None:
+        """Returns the folder through which results pass; None if workers may be elsewhere."""
+        return None if self._cluster is None else self._folder.name
+
     def shared(self, values: Array) -> Array | str:
         """Returns the entry of Recipe.arrays for a volume's values."""
         if self._cluster is None:
@@ -130,7 +134,7 @@ class Workers:
 
 
 class Tracing:
-    """A context manager for the blocks of one bake, with the methods that _core.bake() calls."""
+    """A context manager for the parts of one bake, with the methods that _core.bake() calls."""
 
     def __init__(
         self,
@@ -152,10 +156,15 @@ class Tracing:
             scene=scene,
             isovalues=isovalues,
             settings={**given, "threads": settings.threads or workers.threads},
+            folder=workers.folder(),
         )
-        self._sent: Any = None  # the recipe, at the workers
+        self._described: Any = None  # the recipe, at the workers
+        self._sent: dict[int, Any] = {}  # what parts look up, at the workers, by its kind
+        self._files: dict[int, Passed] = {}  # the same, on this machine
         self._futures: dict[int, Any] = {}
-        self._fetching = ThreadPoolExecutor(1, "leaflight blocks")
+        self._announced = 0
+        self._is_over = False
+        self._fetching = ThreadPoolExecutor(1, "leaflight parts")
 
     def __enter__(self) -> "Tracing":
         return self
@@ -167,37 +176,71 @@ class Tracing:
             if self._is_connected():
                 if futures:
                     self._client.cancel(list(futures.values()), force=True)
-                    self._client.run(block_tracer.cancel, self._recipe.key, on_error="ignore")
-                self._client.run(block_tracer.forget, self._recipe.key, on_error="ignore")
+                    self._client.run(part_tracer.cancel, self._recipe.key, on_error="ignore")
+                self._client.run(part_tracer.forget, self._recipe.key, on_error="ignore")
         except _GONE:
             pass  # A worker that is gone has nothing to end.
         self._fetching.shutdown(wait=False)
+        for kind in list(self._files):
+            self._drop(kind)
         for array in self._recipe.arrays:
             if isinstance(array, str):
                 Path(array).unlink(missing_ok=True)
 
-    def begin(self, first: int, count: int, state: bytes) -> None:
-        """Starts tracing blocks. state: The data that their lines look up."""
-        if not self._is_connected():
+    def send(self, kind: int, data: bytes) -> None:
+        """Gives data to all workers, for the parts that are announced later."""
+        if self._is_over or not self._is_connected():
             return
+        self._drop(kind)
         try:
-            if self._sent is None or self._sent.status != "finished":
-                self._sent = self._client.scatter(self._recipe, broadcast=True, hash=False)
-            looked_up = LookedUp(uuid.uuid4().hex, state)
-            looked_up = self._client.scatter(looked_up, broadcast=True, hash=False)
-            for number in range(first, first + count):
+            self._files[kind] = passed(data, self._recipe.folder)
+            sent = Sent(uuid.uuid4().hex, kind, self._files[kind])
+            self._sent[kind] = self._scattered(sent)
+        except _GONE:
+            self._end()
+
+    def announce(self, parts: Sequence[bytes]) -> int:
+        """Starts computing parts; returns the number of the first."""
+        first, self._announced = self._announced, self._announced + len(parts)
+        if self._is_over or not self._is_connected():
+            return first
+        try:
+            if self._described is None or self._described.status != "finished":
+                self._described = self._scattered(self._recipe)
+            for number, part in enumerate(parts, first):
+                # The bake waits first for what it has announced last.
                 self._futures[number] = self._client.submit(
-                    block_tracer.trace, self._sent, looked_up, number, pure=False, retries=RETRIES
+                    part_tracer.trace,
+                    self._described,
+                    list(self._sent.values()),
+                    part,
+                    pure=False,
+                    retries=RETRIES,
+                    priority=first,
                 )
         except _GONE:
-            # All workers are gone; the bake continues in this process.
-            self._sent = None
+            self._end()
+        return first
+
+    def _end(self) -> None:
+        """Stops sharing: all workers are gone, or the disk is full. The bake goes on alone."""
+        self._is_over = True
+
+    def _drop(self, kind: int) -> None:
+        """Frees earlier data of a kind."""
+        self._sent.pop(kind, None)
+        file = self._files.pop(kind, None)
+        if isinstance(file, str):
+            Path(file).unlink(missing_ok=True)
+
+    def _scattered(self, data: Any) -> Any:
+        return self._client.scatter(data, broadcast=True, hash=False)
 
     def _is_connected(self) -> bool:
         return bool(self._client.status == "running")
 
     def take(self, number: int) -> bytes:
-        """Returns a block, or b"" if the workers are gone or keep dying.
+        """Returns the result of a part, or b"" if the workers are gone or keep dying.
 
         Raises Cancelled, and LeaflightError for workers of another version.
         """
@@ -210,13 +253,13 @@ class Tracing:
                     self._futures[number] = future
                     self._progress.check()
             try:
-                block: bytes = fetched.result()
+                found = received(fetched.result(), last=True)
                 self._workers.traced += 1
-                return block
+                return found
             except (Cancelled, LeaflightError):
                 raise
             except Exception:
-                # The block has the same bits when this process traces it.
-                self._sent = None
+                # The part has the same bits when this process computes it.
+                self._described = None
         self._workers.lost += 1
         return b""

@@ -12,8 +12,6 @@
 namespace leaflight {
 namespace {
 
-// Number of points whose maps are computed at once.
-constexpr std::size_t points_at_once = 8;
 // Limits for the maps of one side. The last two hold for maps that are finer than voxels.
 constexpr std::size_t most_bytes = std::size_t{512} << 20, most_finer_bytes = 24 << 20,
                       most_fine_texels = 8'000'000;
@@ -31,38 +29,6 @@ Vec<D> surface_gradient(const CellCorners<D>& corners, const Vec<D>& local, cons
     gradient[a] = shading[a] + (gradient[a] - shading[a]) * weight;
   }
   return gradient;
-}
-
-// Computes the difference between values at neighboring texels, averaged over the isosurfaces.
-template <int D>
-double difference_of_texels(const Field<D>& field, const TexelLattice<D>& lattice) {
-  constexpr std::size_t most_texels = 1 << 16;
-  double sum = 0, area = 0;
-  const std::size_t step = 1 + lattice.active.size() / most_texels;
-  for (std::size_t s = 0; s < lattice.active.size(); s += step) {
-    const Vec<D> center = lattice.center(lattice.active[s]);
-    const Vec<D> gradient = shading_gradient(field, locate(field, center));
-    const double difference = (gradient * lattice.voxels_per_texel).length();
-    sum += difference * difference;
-    area += difference;
-  }
-  return area > 0 ? sum / area : 0;
-}
-
-// Returns the common isovalues that codes can distinguish. Codes are interpolated before they are
-// compared, so a margin of two texels extends the isovalue range.
-template <int D>
-IsovalueRange range_of_codes(const Scene<D>& scene, const Volume<D>& volume,
-                             const TexelLattice<D>& lattice) {
-  constexpr double texels = 2;
-  const double margin = texels * difference_of_texels(volume.field, lattice) / volume.scale;
-  IsovalueRange data = scene.isovalue_range;
-  for (const Volume<D>& each : scene.volumes) {
-    data.min = std::min(data.min, each.common_isovalue(each.field.min));
-    data.max = std::max(data.max, each.common_isovalue(each.field.max));
-  }
-  return {std::max(scene.isovalue_range.min - margin, data.min),
-          std::min(scene.isovalue_range.max + margin, data.max)};
 }
 
 }  // namespace
@@ -117,57 +83,55 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
 
 template <int D>
 DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
-                            const std::vector<LightPoint<D>>& points, const Index<D>& resolution,
-                            bool back, Progress& progress, double spacing,
+                            const std::vector<LightPoint<D>>& points,
+                            const MapSettings<D>& settings, Progress& progress,
                             const DirectLight* earlier)
     : DirectLight(tracer, volume, points) {
   auto maps = std::make_shared<Maps>();
-  const Scene<D>& scene = tracer.scene();
-  const Volume<D>& lit_volume = scene.volumes[volume];
-  maps->lattice =
-      make_lattice(lit_volume.field, resolution, isovalue_range_.min, isovalue_range_.max);
-  const IsovalueRange common =
-      range_of_codes(scene, lit_volume, earlier ? earlier->lattice() : maps->lattice);
-  code_range_ = lit_volume.isovalues(common);
+  maps->lattice = map_lattice(tracer.scene(), volume, settings.resolution);
+  MapSweeps<D> sweeps(tracer, volume, points_, maps->lattice,
+                      earlier ? earlier->lattice() : maps->lattice, settings.spacing);
+  code_range_ = sweeps.code_range();
   std::vector<int> known(points_.size(), -1);
   if (earlier) known = same_points(points_, earlier->points_);
-  std::vector<std::size_t> unknown;
+  std::vector<std::vector<std::size_t>> groups;  // points whose maps are unknown
   for (std::size_t i = 0; i < known.size(); ++i) {
-    if (known[i] < 0) unknown.push_back(i);
+    if (known[i] >= 0) continue;
+    if (groups.empty() || groups.back().size() == MapSweeps<D>::points_at_once) {
+      groups.emplace_back();
+    }
+    groups.back().push_back(i);
   }
-  const AllShadows<D> shadows(tracer, volume, maps->lattice, common, spacing);
-  for (int side = 0; side < (back ? 2 : 1); ++side) {
-    find(shadows, unknown, side != 0, *maps, progress);
-    if (unknown.size() < known.size()) take(*earlier, known, side != 0, *maps, progress);
-    summarize(side != 0, *maps, progress);
+  for (int side = 0; side < (settings.back ? 2 : 1); ++side) {
+    const bool back = side != 0;
+    open(back, *maps);
+    for (const std::vector<std::size_t>& group : groups) {
+      put(sweeps.codes(group, back, progress), group, back, *maps, progress);
+    }
+    if (earlier) take(*earlier, known, back, *maps, progress);
+    summarize(back, *maps, progress);
   }
   maps_ = std::move(maps);
 }
 
 template <int D>
-void DirectLight<D>::find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers,
-                          bool back, Maps& maps, Progress& progress) const {
-  const std::size_t count = points_.size(), active = maps.lattice.active.size();
-  std::vector<std::uint8_t>& codes = maps.codes[back];
-  codes.resize(active * count + block);  // radiance() reads whole blocks
-  const VisibilityCode code{code_range_, back};
-  for (std::size_t first = 0; first < numbers.size(); first += points_at_once) {
-    const std::size_t some = std::min(points_at_once, numbers.size() - first);
-    std::vector<std::vector<std::uint8_t>> found(some);
-    parallel_range(some, 1, work_of_texel * static_cast<double>(maps.lattice.texels()), progress,
-                   [&](std::size_t begin, std::size_t end) {
-                     for (std::size_t i = begin; i < end; ++i) {
-                       shadows.run(points_[numbers[first + i]].source, code, found[i], progress);
+void DirectLight<D>::open(bool back, Maps& maps) const {
+  // radiance() reads whole blocks.
+  maps.codes[back].resize(maps.lattice.active.size() * points_.size() + block);
+}
+
+template <int D>
+void DirectLight<D>::put(const PointCodes& codes, const std::vector<std::size_t>& numbers,
+                         bool back, Maps& maps, Progress& progress) const {
+  const std::size_t count = points_.size(), some = numbers.size();
+  parallel_range(maps.lattice.active.size(), 4096, 0, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t s = begin; s < end; ++s) {
+                     for (std::size_t i = 0; i < some; ++i) {
+                       maps.codes[back][s * count + numbers[i]] = codes[s * some + i];
                      }
-                   });
-    parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) {
-        for (std::size_t i = 0; i < some; ++i) {
-          codes[s * count + numbers[first + i]] = found[i][maps.lattice.active[s]];
-        }
-      }
-    });
-  }
+                   }
+                 });
 }
 
 template <int D>

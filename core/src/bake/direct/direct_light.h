@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "bake/direct/all_shadows.h"
+#include "bake/direct/map_sweeps.h"
 #include "bake/direct/stored_maps.h"
 #include "base/box.h"
 #include "transport/light_points.h"
@@ -30,16 +30,12 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 template <int D>
 class DirectLight {
  public:
-  // Work per texel of a map, in the unit of the progress: points of lines.
-  static constexpr double work_of_texel = 0.2;
-
-  // Computes the maps of one volume in a `resolution`. With `back`, it includes the backs, which
-  // requires that the scene has only this volume. For `spacing`, see VisibilitySweep. An `earlier`
-  // light is that of the same scene under other lights. Its maps are reused for points that have
-  // not moved. The result does not depend on the number of threads. It does not depend on
-  // `earlier`, if the texels of that have the same width. Throws Cancelled.
+  // Computes the maps of one volume. An `earlier` light is that of the same scene under other
+  // lights. Its maps are reused for points that have not moved. The result does not depend on the
+  // number of threads. It does not depend on `earlier`, if the texels of that have the same width.
+  // Throws Cancelled.
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points,
-              const Index<D>& resolution, bool back, Progress& progress, double spacing = 1,
+              const MapSettings<D>& settings, Progress& progress,
               const DirectLight* earlier = nullptr);
 
   // Restores the light of stored() maps, of the same scene. Throws std::runtime_error if they are
@@ -130,9 +126,11 @@ class DirectLight {
   };
   struct Maps;
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points);
-  // Computes the codes of the points with these numbers.
-  void find(const AllShadows<D>& shadows, const std::vector<std::size_t>& numbers, bool back,
-            Maps& maps, Progress& progress) const;
+  // Makes room for the codes of a side.
+  void open(bool back, Maps& maps) const;
+  // Stores the codes of the points with these numbers.
+  void put(const PointCodes& codes, const std::vector<std::size_t>& numbers, bool back, Maps& maps,
+           Progress& progress) const;
   // Copies codes from an earlier DirectLight. `numbers`: each point's number there, or -1.
   void take(const DirectLight& earlier, const std::vector<int>& numbers, bool back, Maps& maps,
             Progress& progress) const;

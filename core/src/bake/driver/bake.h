@@ -3,9 +3,9 @@
 
 #include <functional>
 
-#include "bake/indirect/block_workers.h"
 #include "bake/indirect/previous_light.h"
 #include "bake/output/baked.h"
+#include "bake/plan/workers.h"
 #include "bake/texels/checkpoint.h"
 #include "base/progress.h"
 
@@ -20,7 +20,7 @@ struct BakeHooks {
   // must be equal, except for the target error and the time.
   const std::vector<PreviousLight<D>>* previous = nullptr;
   const Checkpoints* checkpoints = nullptr;
-  const BlockWorkers* workers = nullptr;
+  const Workers* workers = nullptr;
   // The clock of settings.seconds; see TimeLimit.
   std::function<double()> clock = nullptr;
 };

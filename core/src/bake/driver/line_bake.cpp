@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/line_bake.h"
 
+#include <sstream>
+
 #include "bake/indirect/later_bounces.h"
 #include "bake/indirect/sharpened_light.h"
 #include "bake/texels/pooled_variance.h"
-#include "bake/walls/light_walls.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/release.h"
@@ -23,15 +24,16 @@ constexpr int bounces = bounce_directions.size();
 
 template <int D>
 LineBake<D>::LineBake(LitScene<D>& scene, BakeTexels<D> texels, const PreviousLight<D>* previous,
-                      const BlockWorkers* workers)
+                      const Workers* workers)
     : scene_(scene),
       light_(scene, 0, texels, previous, previous ? bounces + previous->blocks() : 0),
       indirect_(light_.indirect()),
-      workers_(workers) {
+      workers_(workers),
+      photons_(std::move(texels.photons), texels.wall_samples) {
   if (scene.split.wide) sky_.emplace(*scene.split.wide);
   if (!indirect_) return;
   if (volume().texture) compute_texture();
-  if (texels.photon_count > 0) trace_photons(texels);
+  if (texels.photon_count > 0) find_photons(texels.photon_count);
 }
 
 template <int D>
@@ -50,7 +52,6 @@ template <int D>
 void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
   if (!indirect_) return;
   scene_.progress.begin("Indirect light");
-  compute_direct_lookup();
   const auto ended = [&] { return go_on && !go_on(); };
   bool stopped = false;
   // After an interrupted add(), these are already computed.
@@ -62,31 +63,54 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
       stopped = ended();
     }
   }
+  SharedParts shared;
   if (workers_ && blocks > 0 && !stopped) {
-    workers_->begin(indirect_->next_block(), blocks, [this](std::ostream& stream) {
-      Archive archive(stream);
-      serialize_lookups(archive);
-    });
+    std::vector<BakePart> parts(blocks, {PartKind::block});
+    for (int i = 0; i < blocks; ++i) parts[i].number = indirect_->next_block() + i;
+    send(PartData::lines, [this](Archive archive) { serialize_lines(archive, false); });
+    shared = SharedParts(*workers_, std::move(parts));
   }
   for (int i = 0; i < blocks && !stopped; ++i) {
-    const std::string bytes = workers_ ? workers_->take(indirect_->next_block()) : std::string();
+    const std::string bytes =
+        workers_ ? shared.take(i, indirect_->cost(), scene_.progress) : std::string();
     if (bytes.empty()) {
       indirect_->add_block(gathered(), scene_.progress);
     } else {
-      indirect_->add_block_of_others(bytes, scene_.progress);
+      indirect_->add_traced(bytes, scene_.progress);
     }
     stopped = ended();
   }
   release();
 }
 
+template <int D>
+void LineBake<D>::send(PartData kind, const std::function<void(Archive)>& write) const {
+  workers_->send(kind, [&](std::ostream& stream) { write(Archive(stream)); });
+}
+
+template <int D>
+void LineBake<D>::gather_bounces() {
+  if (!workers_) return gather_bounces_here();
+  send(PartData::lines, [this](Archive archive) { serialize_lines(archive, true); });
+  const SharedParts shared(*workers_, {{PartKind::bounces}});
+  const std::string bytes = shared.take(0, indirect_->cost(), scene_.progress);
+  if (bytes.empty()) return gather_bounces_here();
+  std::size_t at = 0;
+  for (int side = 0; side < scene_.sides(); ++side) {
+    std::vector<Rgb>& light = indirect_sides_[side];
+    copy_items(bytes, at, light.data(), light.size());
+    at += light.size() * sizeof(Rgb);
+  }
+  indirect_->go_to_block(bounces);
+}
+
 // Computes the first bounces, each from the one before. Sides for which lines do not gather keep
 // their photon light.
 template <int D>
-void LineBake<D>::gather_bounces() {
+void LineBake<D>::gather_bounces_here() {
   static const DirectLookup<D> no_direct;
   static const std::vector<char> no_meshes;
-  const int sides = scene_.plan.back ? 2 : 1;
+  const int sides = scene_.sides();
   std::array<std::vector<Rgb>, 2> bounce, before;
   for (int i = 0; i < bounces; ++i) {
     const GatheredRadiance<D> reflected{light_.surfaces(),
@@ -134,29 +158,62 @@ void LineBake<D>::serialize_indirect(Archive& archive) {
   archive(back_direct_, texels);
 }
 
+// Transfers the light that lines and walls look up to a worker, which computes that of photons and
+// the light before the first bounce itself.
 template <int D>
-void LineBake<D>::serialize_lookups(Archive& archive) {
-  serialize_indirect(archive);
-  bool walls = photons_.walls != nullptr;
-  archive(walls);
+void LineBake<D>::serialize_lines(Archive& archive, bool is_dark) {
+  const std::size_t texels = light_.lattice().active.size();
+  archive(is_dark);
+  archive(scene_.wall_detail.samples);
   if (archive.restores()) {
-    compute_direct_lookup();
-    if (walls && !photons_.walls) {
-      photons_.walls = std::make_unique<SurfaceCache<D>>(scene_.tracer, false, 1.0, 0, true);
-    }
+    wall_parts_.reset();
+    indirect_sides_ = {};
+    compute_indirect_sides();
   }
-  if (walls) {
-    std::vector<Rgb>& radiance = photons_.walls->finished();
-    archive(radiance, radiance.size());
+  for (int side = 0; side < scene_.sides() && !is_dark; ++side) {
+    archive(indirect_sides_[side], texels);
+  }
+  archive(back_direct_, texels);
+}
+
+template <int D>
+void LineBake<D>::read(PartData kind, std::istream& stream) {
+  Archive archive(stream);
+  if (kind == PartData::photons) {
+    photons_.serialize(archive, scene_.tracer);
+  } else if (indirect_) {
+    serialize_lines(archive, false);
   }
 }
 
 template <int D>
-std::string LineBake<D>::traced_block(int number) {
-  if (!indirect_ || indirect_sides_[0].empty()) {
-    throw Error("A block of indirect light needs what its lines look up.");
+std::string LineBake<D>::traced(const BakePart& part) {
+  if (part.kind == PartKind::photons) {
+    trace_photons(part.number, part.end);
+    std::ostringstream stream;
+    photons_.serialize(Archive(stream), scene_.tracer);
+    return std::move(stream).str();
   }
-  return indirect_->traced_block(number, gathered(), scene_.progress);
+  if (part.kind == PartKind::walls) {
+    make_wall_parts();
+    compute_radiance();
+    return wall_parts_->traced(part, scene_.progress);
+  }
+  if (!indirect_ || indirect_sides_[0].empty()) {
+    throw Error("A part of indirect light needs what its lines look up.");
+  }
+  if (part.kind == PartKind::block) {
+    return indirect_->traced_block(part.number, gathered(), scene_.progress);
+  }
+  // Keep what was sent, because the part may be traced again.
+  const std::array<std::vector<Rgb>, 2> sent = indirect_sides_;
+  indirect_->go_to_block(0);
+  gather_bounces_here();
+  indirect_->release();
+  std::string bytes = bytes_of(indirect_sides_[0]);
+  if (scene_.plan.back) bytes += bytes_of(indirect_sides_[1]);
+  indirect_sides_ = sent;
+  return bytes;
 }
 
 template <int D>
@@ -169,59 +226,92 @@ std::vector<RadianceGrid<D>> LineBake<D>::grids() {
 template <int D>
 WallRadiance<D> LineBake<D>::walls() {
   scene_.progress.begin("Lighting walls");
-  std::vector<IsosurfaceRadiance<D>> isosurfaces(1);
-  std::unique_ptr<IndirectEstimator<D>> estimator;
-  if (indirect_) {
-    const TexelLattice<D>& lattice = light_.lattice();
-    compute_indirect_sides();
-    isosurfaces[0].lattice = &lattice;
-    isosurfaces[0].photons = photons_.isosurfaces[0].get();
-    for (int side = 0; side < 2; ++side) {
-      std::vector<Rgb>& all = isosurfaces[0].radiance[side];
-      all.assign(lattice.active.size(), Rgb(0));
-      if (side == 0 || scene_.plan.back) {
-        all = light_.direct_at(lattice, side != 0);
-      }
-      parallel_each(indirect_sides_[side].size(), [&](std::size_t s) {
-        all[s] += indirect_sides_[side][s] * texel_albedo(volume(), lattice, s);
-      });
-      for (std::size_t s = 0; s < texture_.size(); ++s) all[s] *= texture_[s];
-    }
-    estimator = make_gather_estimator(scene_.tracer, scene_.lights, isosurfaces, *photons_.walls);
+  make_wall_parts();
+  if (indirect_) compute_indirect_sides();
+  WallsOfOthers others;
+  if (workers_) {
+    send(PartData::lines, [this](Archive archive) { serialize_lines(archive, false); });
+    others = [this](const std::vector<BakePart>& parts) { return walls_of_workers(parts); };
+  } else {
+    compute_radiance();
   }
-  const PointSampler<D> sampler{scene_.lights, isosurfaces, photons_.walls.get(), false};
-  return light_walls(scene_.tracer, sampler, estimator.get(), scene_.subdivided(),
-                     scene_.direct_of_walls, scene_.wall_detail.samples, scene_.settings.seed,
-                     scene_.progress);
+  WallRadiance<D> walls = wall_parts_->radiance(scene_.direct_of_walls, scene_.progress, others);
+  wall_parts_.reset();
+  isosurfaces_.clear();
+  return walls;
 }
 
 template <int D>
-void LineBake<D>::trace_photons(const BakeTexels<D>& texels) {
-  PhotonSettings settings;
-  // A continued bake traces new photons, because the noise of the walls' cache is in all of its
-  // lines.
-  settings.seed = random_for(scene_.settings.seed, Purpose::photon, light_.blocks()).bits();
-  settings.photons = texels.photon_count;
-  settings.wall_samples = texels.wall_samples;
-  settings.smooth_walls = true;
-  lattices_ = {texels.photons};
-  photons_ = trace_into_caches(scene_.tracer, scene_.lights, lattices_, settings, scene_.plan,
-                               scene_.progress);
+std::vector<std::string> LineBake<D>::walls_of_workers(const std::vector<BakePart>& parts) {
+  const SharedParts shared(*workers_, parts);
+  std::vector<std::string> found;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    found.push_back(shared.take(i, wall_parts_->work(parts[i]), scene_.progress));
+    if (!found.back().empty()) continue;
+    compute_radiance();
+    found.back() = wall_parts_->traced(parts[i], scene_.progress);
+  }
+  return found;
+}
+
+// Prepares paths from walls, but not the light that they look up.
+template <int D>
+void LineBake<D>::make_wall_parts() {
+  if (wall_parts_) return;
+  isosurfaces_ = std::vector<IsosurfaceRadiance<D>>(1);
+  if (indirect_) {
+    isosurfaces_[0].lattice = &light_.lattice();
+    gather_ = make_gather_estimator(scene_.tracer, scene_.lights, isosurfaces_, *photons_.walls());
+  }
+  const PointSampler<D> sampler{scene_.lights, isosurfaces_, photons_.walls(), false};
+  wall_parts_ = std::make_unique<WallParts<D>>(
+      WallSources<D>{scene_.tracer, scene_.subdivided(), sampler, gather_.get(),
+                     scene_.wall_detail.samples, scene_.settings.seed});
+}
+
+// Computes the light of the isosurfaces that paths from walls look up, once.
+template <int D>
+void LineBake<D>::compute_radiance() {
+  if (!indirect_ || !isosurfaces_[0].radiance[0].empty()) return;
+  const TexelLattice<D>& lattice = light_.lattice();
+  for (int side = 0; side < 2; ++side) {
+    std::vector<Rgb>& all = isosurfaces_[0].radiance[side];
+    all.assign(lattice.active.size(), Rgb(0));
+    if (side < scene_.sides()) all = light_.direct_at(lattice, side != 0);
+    parallel_each(indirect_sides_[side].size(), [&](std::size_t s) {
+      all[s] += indirect_sides_[side][s] * texel_albedo(volume(), lattice, s);
+    });
+    for (std::size_t s = 0; s < texture_.size(); ++s) all[s] *= texture_[s];
+  }
 }
 
 template <int D>
-std::vector<Rgb> LineBake<D>::indirect_of_photons(bool back) const {
-  const TexelLattice<D>& texels = lattices_[0];
-  const auto brdf = static_cast<Real>(1 / projected_hemisphere<D>);
-  std::vector<Average> known(texels.active.size());
-  parallel_each(known.size(), [&](std::size_t s) {
-    known[s].mean = photons_.isosurfaces[0]->irradiance(static_cast<std::int32_t>(s), back) * brdf;
-  });
-  std::vector<Rgb> indirect(light_.lattice().active.size());
-  parallel_each(indirect.size(), [&](std::size_t s) {
-    indirect[s] = interpolated(texels, known, light_.lattice(), s).mean;
-  });
-  return indirect;
+void LineBake<D>::find_photons(std::uint64_t count) {
+  BakePart all{PartKind::photons};
+  all.number = light_.blocks();
+  all.end = count;
+  std::string bytes;
+  if (workers_) {
+    scene_.progress.begin("Tracing photons");
+    const double work = scene_.plan.photons ? rays_per_photon * static_cast<double>(count) : 0;
+    bytes = SharedParts(*workers_, {all}).take(0, work, scene_.progress);
+  }
+  if (bytes.empty()) {
+    trace_photons(all.number, count);
+  } else {
+    std::istringstream stream(bytes);
+    stream.exceptions(std::ios::failbit | std::ios::badbit);
+    photons_.serialize(Archive(stream), scene_.tracer);
+  }
+  if (!workers_) return;
+  send(PartData::photons, [this](Archive archive) { photons_.serialize(archive, scene_.tracer); });
+}
+
+template <int D>
+void LineBake<D>::trace_photons(int number, std::uint64_t count) {
+  // A continued bake traces new photons, because the noise of the walls' light is in all lines.
+  const std::uint64_t seed = random_for(scene_.settings.seed, Purpose::photon, number).bits();
+  photons_.trace(scene_.tracer, scene_.lights, scene_.plan, count, seed, scene_.progress);
 }
 
 template <int D>
@@ -235,14 +325,15 @@ void LineBake<D>::compute_direct_lookup() {
 // Computes the indirect light that lines look up. Photons light the back if no lines gather for it.
 template <int D>
 void LineBake<D>::compute_indirect_sides() {
-  for (int side = 0; side < 2; ++side) {
-    const bool gathers = side == 0 || scene_.plan.back;
-    if (!gathers || !light_.has_blocks()) {
-      if (gathers) indirect_sides_[side].assign(light_.lattice().active.size(), Rgb(0));
-      if (indirect_sides_[side].empty()) indirect_sides_[side] = indirect_of_photons(side != 0);
-      continue;
+  for (const bool back : {false, true}) {
+    std::vector<Rgb>& light = indirect_sides_[back];
+    if (gathers(back) && light_.has_blocks()) {
+      light = looked_up(light_.averages(back));
+    } else if (gathers(back)) {
+      light.assign(light_.lattice().active.size(), Rgb(0));
+    } else if (light.empty()) {
+      light = photons_.backs(light_.lattice());
     }
-    indirect_sides_[side] = looked_up(light_.averages(side != 0));
   }
 }
 
@@ -262,12 +353,13 @@ void LineBake<D>::compute_back_direct() {
 
 template <int D>
 GatheredRadiance<D> LineBake<D>::gathered() {
+  compute_direct_lookup();
   return {light_.surfaces(),
           {&indirect_sides_[0], &indirect_sides_[1]},
           scene_.plan.back ? &back_direct_ : nullptr,
           texture_,
           direct_lookup_,
-          photons_.walls.get(),
+          photons_.walls(),
           scene_.split.mesh_is_wide,
           sky_ ? &*sky_ : nullptr,
           true};

@@ -6,7 +6,8 @@
 #include "bake/driver/integrator.h"
 #include "bake/driver/texel_light.h"
 #include "bake/indirect/direct_lookup.h"
-#include "bake/indirect/photon_caches.h"
+#include "bake/indirect/photon_light.h"
+#include "bake/walls/light_walls.h"
 
 namespace leaflight {
 
@@ -16,16 +17,16 @@ template <int D>
 class LineBake final : public Integrator<D> {
  public:
   // `previous`: light at the same texels with equal settings, or null. `workers`: processes that
-  // trace blocks, or null.
+  // compute parts, or null.
   LineBake(LitScene<D>& scene, BakeTexels<D> texels, const PreviousLight<D>* previous = nullptr,
-           const BlockWorkers* workers = nullptr);
+           const Workers* workers = nullptr);
 
   void add(int blocks, const std::function<bool()>& go_on = {}) override;
   void serialize(Archive& archive) override;
-  // Transfers the inputs of the lines from a bake to a BlockTracer.
-  void serialize_lookups(Archive& archive);
-  // Traces a block for another bake and returns it as block_bytes() does.
-  std::string traced_block(int number);
+  // Reads data of a bake in a worker.
+  void read(PartData kind, std::istream& stream);
+  // Computes a part for another process: photons, bounces, a block or walls.
+  std::string traced(const BakePart& part);
   int blocks() const override { return light_.blocks(); }
   // Returns the work of a block, in the unit of the progress: points of lines.
   double cost() const override { return indirect_ ? indirect_->cost() : 0; }
@@ -38,11 +39,21 @@ class LineBake final : public Integrator<D> {
  private:
   const Volume<D>& volume() const { return light_.volume().volume(); }
   void compute_texture();
-  void trace_photons(const BakeTexels<D>& texels);
-  void serialize_indirect(Archive& archive);
-  std::vector<Rgb> indirect_of_photons(bool back) const;
+  // True if lines gather light for a side.
+  bool gathers(bool back) const { return !back || scene_.plan.back; }
+  // Traces photons, or lets a worker do it.
+  void find_photons(std::uint64_t count);
+  void trace_photons(int number, std::uint64_t count);
   void compute_indirect_sides();
+  // Computes the first bounces, or lets a worker do it.
   void gather_bounces();
+  void gather_bounces_here();
+  void send(PartData kind, const std::function<void(Archive)>& write) const;
+  void serialize_indirect(Archive& archive);
+  void serialize_lines(Archive& archive, bool is_dark);
+  void make_wall_parts();
+  void compute_radiance();
+  std::vector<std::string> walls_of_workers(const std::vector<BakePart>& parts);
   void compute_back_direct();
   void compute_direct_lookup();
   GatheredRadiance<D> gathered();
@@ -54,15 +65,18 @@ class LineBake final : public Integrator<D> {
   TexelLight<D> light_;
   IndirectLight<D>* indirect_;                // that of light_; null: nothing reflects
   std::optional<EnvironmentSampler<D>> sky_;  // without the light points
-  const BlockWorkers* workers_;               // may be null
+  const Workers* workers_;                    // may be null
   DirectLookup<D> direct_lookup_;             // empty if no lines need it
-  std::vector<TexelLattice<D>> lattices_;     // texels that collect photons
-  PhotonCaches<D> photons_;
+  PhotonLight<D> photons_;
   // Light of both sides of white isosurfaces at the texels of indirect light; empty when no lines
   // need it.
   std::array<std::vector<Rgb>, 2> indirect_sides_;
   std::vector<Rgb> back_direct_;  // at the same texels
   std::vector<Rgb> texture_;      // texture of the volume at the same texels; empty: none
+  // The light of the isosurfaces for paths from walls, and those paths; empty before they start.
+  std::vector<IsosurfaceRadiance<D>> isosurfaces_;
+  std::unique_ptr<IndirectEstimator<D>> gather_;
+  std::unique_ptr<WallParts<D>> wall_parts_;
 };
 
 }  // namespace leaflight

@@ -40,15 +40,55 @@ void LitScene<D>::compute_visibility_maps(const std::vector<Index<D>>& texels, d
     if (!stores_light_of(v)) continue;
     const Index<D> resolution = map_resolution(
         volumes[v].volume().field, volumes[v].isovalue_range(), texels[v], split.points.size());
-    direct[v] = std::make_shared<const DirectLight<D>>(tracer, static_cast<int>(v), split.points,
-                                                       resolution, back, progress, spacing);
+    const MapSettings<D> of_volume{resolution, back, spacing};
+    const bool is_shared = workers && spacing == 1 && volumes.size() == 1;
+    direct[v] = is_shared ? shared_maps(of_volume)
+                          : std::make_shared<const DirectLight<D>>(
+                                tracer, static_cast<int>(v), split.points, of_volume, progress);
   }
+}
+
+template <int D>
+std::shared_ptr<const DirectLight<D>> LitScene<D>::shared_maps(
+    const MapSettings<D>& of_volume) const {
+  MapParts<D> maps(tracer, split.points, of_volume);
+  const auto send = [&](std::vector<std::string>& packed) {
+    workers->send(PartData::maps,
+                  [&](std::ostream& stream) { MapParts<D>::write(stream, of_volume, packed); });
+  };
+  std::vector<std::string> packed;
+  send(packed);
+  const SharedParts shared(*workers, maps.parts());
+  const double texels = static_cast<double>(cell_count<D>(of_volume.resolution));
+  for (std::size_t i = 0; i < shared.parts().size(); ++i) {
+    const BakePart& part = shared.parts()[i];
+    const auto points = static_cast<double>(part.end - part.begin);
+    std::string bytes = shared.take(i, MapSweeps<D>::work_of_texel * points * texels, progress);
+    packed.push_back(bytes.empty() ? maps.traced(part, progress) : std::move(bytes));
+  }
+  send(packed);
+  return maps.light(packed);
+}
+
+template <int D>
+void LitScene<D>::share_shadow_rays() {
+  if (!workers || !plan.walls || computed_share_ == 1 || shadow_rays_) return;
+  shadow_rays_.emplace(tracer, subdivided());
+  shared_ = SharedParts(*workers, shadow_rays_->parts());
 }
 
 template <int D>
 void LitScene<D>::compute_wall_direct_light() {
   if (computed_share_ == wall_detail.share) return;
   progress.begin("Shadows on walls");
+  if (shadow_rays_ && wall_detail.share == 1) {
+    direct_of_walls =
+        std::make_shared<const MeshDirectLight<D>>(shadow_rays_->light(shared_, progress));
+    shadow_rays_.reset();
+    shared_ = {};
+    computed_share_ = 1;
+    return;
+  }
   direct_of_walls =
       std::make_shared<const MeshDirectLight<D>>(tracer, subdivided(), progress, wall_detail.share);
   computed_share_ = wall_detail.share;

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
-#include "bake/direct/direct_light.h"
+#include "bake/direct/map_parts.h"
 #include "bake/plan/plan.h"
 #include "bake/texels/line_volume.h"
-#include "bake/walls/mesh_direct_light.h"
+#include "bake/walls/shadow_ray_parts.h"
 #include "transport/light_sampler.h"
 
 namespace leaflight {
@@ -32,6 +33,7 @@ struct LitScene {
   // Direct light of each volume, once it is computed; null if no texel of the volume stores light.
   std::vector<std::shared_ptr<const DirectLight<D>>> direct;
   WallDetail wall_detail;
+  const Workers* workers = nullptr;  // processes that compute parts; may be null
   std::shared_ptr<const MeshDirectLight<D>> direct_of_walls;  // null before its computation
 
   // Throws Error if walls enclose all lights.
@@ -51,13 +53,19 @@ struct LitScene {
   void compute_visibility_maps(const std::vector<Index<D>>& texels, double spacing);
   // Computes the direct light of the walls once for each detail.
   void compute_wall_direct_light();
+  // Lets workers trace the shadow rays of fine walls.
+  void share_shadow_rays();
   // Returns the remaining work for the walls in the unit of the progress. Paths light walls in
   // their blocks.
   double cost_of_walls();
 
  private:
+  std::shared_ptr<const DirectLight<D>> shared_maps(const MapSettings<D>& settings) const;
+
   std::vector<EmptySpace<D>> empty_;  // below the isovalue range; one per volume
   std::vector<SubdividedMesh<D>> subdivided_;
+  std::optional<ShadowRayParts<D>> shadow_rays_;  // those that workers trace
+  SharedParts shared_;
   std::size_t computed_share_ = 0;  // share of the walls' direct light; 0: none yet
 };
 

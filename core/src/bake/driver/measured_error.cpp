@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/driver/measured_error.h"
 
-#include "bake/driver/path_light.h"
+#include <cmath>
+#include <limits>
 
 namespace leaflight {
 namespace {
 
 constexpr int points_a_volume = 2048;
+constexpr std::size_t points_a_part = 512;
 
 // Returns the paths of an estimate. Small errors need more paths, or noise hides them.
 int paths_to_measure(double error) {
@@ -71,6 +73,12 @@ MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<Bake
   }
 }
 
+template <int D>
+MeasuredError<D>::MeasuredError(const LitScene<D>& scene, const std::vector<AreaPoint<D>>& points)
+    : scene_(scene), points_(1) {
+  for (const AreaPoint<D>& point : points) points_[0].push_back({point, {}});
+}
+
 // Chooses points by systematic sampling along their order.
 template <int D>
 void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) {
@@ -95,7 +103,6 @@ void MeasuredError<D>::place(std::size_t volume, const TexelLattice<D>& texels) 
 template <int D>
 void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estimates) {
   scene_.progress.begin("Measuring the error");
-  const int paths = paths_to_measure(scene_.settings.error);
   std::vector<TexelLattice<D>> lattices;  // one per volume, for photons
   lattices.reserve(texels.size());
   for (const BakeTexels<D>& one : texels) {
@@ -104,35 +111,101 @@ void MeasuredError<D>::trace(const std::vector<BakeTexels<D>>& texels, int estim
     lattices.back().drop_layers();
   }
   for (; estimates_ < estimates; ++estimates_) {
-    const std::uint64_t seed =
-        random_for(scene_.settings.seed, Purpose::measured_error, estimates_).bits();
     // Prepare independent light, with new photons, for each estimate.
+    const std::uint64_t seed = seed_of(estimates_);
     const PathLight<D> light(scene_, lattices, texels[0].photon_count, seed);
-    const PointSampler<D> from = light.sampler(scene_.lights);
     for (std::size_t v = 0; v < points_.size(); ++v) {
-      parallel_range(
-          points_[v].size(), 1, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
-            std::uint64_t rays = 0;
-            for (std::size_t p = begin; p < end; ++p) {
-              AreaPoint<D>& at = points_[v][p].at;
-              const SurfacePoint<D> point =
-                  scene_.tracer.isosurface_point(static_cast<int>(v), at.at, at.c, false);
-              // The area is zero if no isosurface passes there.
-              if (point.kind() == HitKind::none) at.area = 0;
-              if (!(at.area > 0)) continue;
-              // Average the paths of one estimate at the point.
-              const SampleKeys keys =
-                  sample_keys(seed, Purpose::measured_error, v, static_cast<std::uint32_t>(p));
-              Imath::V3d sum(0);
-              for (int i = 0; i < paths; ++i) {
-                sum += Imath::V3d(from.direct(point, keys, i, rays) +
-                                  from.indirect(point, &light.estimator(), keys, i, rays));
-              }
-              points_[v][p].radiance.push_back(Rgb(sum / paths));
-            }
-          });
+      add(v, 0, this->estimates(light, seed, v, 0, points_[v].size()));
     }
   }
+}
+
+template <int D>
+std::uint64_t MeasuredError<D>::seed_of(int estimate) const {
+  return random_for(scene_.settings.seed, Purpose::measured_error, estimate).bits();
+}
+
+template <int D>
+std::vector<Rgb> MeasuredError<D>::estimates(const PathLight<D>& light, std::uint64_t seed,
+                                             std::size_t volume, std::size_t begin,
+                                             std::size_t end) const {
+  const int paths = paths_to_measure(scene_.settings.error);
+  const PointSampler<D> from = light.sampler(scene_.lights);
+  std::vector<Rgb> found(end - begin, Rgb(std::numeric_limits<Real>::quiet_NaN()));
+  parallel_range(found.size(), 1, 0, scene_.progress, [&](std::size_t first, std::size_t last) {
+    std::uint64_t rays = 0;
+    for (std::size_t p = begin + first; p < begin + last; ++p) {
+      const AreaPoint<D>& at = points_[volume][p].at;
+      const SurfacePoint<D> point =
+          scene_.tracer.isosurface_point(static_cast<int>(volume), at.at, at.c, false);
+      if (point.kind() == HitKind::none || !(at.area > 0)) continue;
+      // Average the paths of one estimate at the point.
+      const SampleKeys keys =
+          sample_keys(seed, Purpose::measured_error, volume, static_cast<std::uint32_t>(p));
+      Imath::V3d sum(0);
+      for (int i = 0; i < paths; ++i) {
+        sum += Imath::V3d(from.direct(point, keys, i, rays) +
+                          from.indirect(point, &light.estimator(), keys, i, rays));
+      }
+      found[p - begin] = Rgb(sum / paths);
+    }
+  });
+  return found;
+}
+
+template <int D>
+void MeasuredError<D>::add(std::size_t volume, std::size_t first,
+                           const std::vector<Rgb>& radiances) {
+  for (std::size_t i = 0; i < radiances.size(); ++i) {
+    Point& point = points_[volume][first + i];
+    if (std::isnan(radiances[i].x)) {
+      point.at.area = 0;
+    } else {
+      point.radiance.push_back(radiances[i]);
+    }
+  }
+}
+
+template <int D>
+void MeasuredError<D>::share(const Workers& workers) {
+  if (estimates_ == most_estimates || !shared_.empty()) return;
+  const std::size_t count = points_[0].size();
+  workers.send(PartData::points, [&](std::ostream& stream) {
+    std::vector<AreaPoint<D>> points;
+    for (const Point& point : points_[0]) points.push_back(point.at);
+    Archive archive(stream);
+    archive(points, count);
+  });
+  std::vector<BakePart> parts;
+  for (int estimate = estimates_; estimate < most_estimates; ++estimate) {
+    BakePart of_estimate{PartKind::paths};
+    of_estimate.number = estimate;
+    add_parts(parts, of_estimate, count, points_a_part);
+  }
+  shared_ = SharedParts(workers, std::move(parts));
+}
+
+template <int D>
+void MeasuredError<D>::take_shared() {
+  if (shared_.empty()) return;
+  scene_.progress.begin("Measuring the error");
+  for (std::size_t i = 0; i < shared_.parts().size(); ++i) {
+    const BakePart& part = shared_.parts()[i];
+    std::string bytes = shared_.take(i, 0, scene_.progress);
+    if (bytes.empty()) bytes = traced(part);
+    std::vector<Rgb> radiances(part.end - part.begin);
+    copy_items(bytes, radiances.data(), radiances.size());
+    add(0, part.begin, radiances);
+  }
+  estimates_ = most_estimates;
+  shared_ = {};
+}
+
+template <int D>
+std::string MeasuredError<D>::traced(const BakePart& part) const {
+  const std::uint64_t seed = seed_of(part.number);
+  const PathLight<D> light(scene_, {}, 0, seed);
+  return bytes_of(estimates(light, seed, 0, part.begin, part.end));
 }
 
 template <int D>

@@ -31,7 +31,9 @@ class Passes {
         hooks_(hooks),
         scene_(scene, settings, plan, progress),
         progress_(progress),
-        errors_(scene.isovalue_range) {}
+        errors_(scene.isovalue_range) {
+    scene_.workers = hooks.workers;
+  }
 
   Baked<D> run() {
     progress_.check();
@@ -81,7 +83,7 @@ class Passes {
   }
 
   std::unique_ptr<Integrator<D>> integrator(std::vector<BakeTexels<D>> texels,
-                                            const Previous* previous, const BlockWorkers* workers) {
+                                            const Previous* previous, const Workers* workers) {
     if (!scene_.plan.lines) {
       return std::make_unique<RayBake<D>>(scene_, std::move(texels), previous);
     }
@@ -157,7 +159,14 @@ class Passes {
     chosen_ = chosen;
     bake_.reset();
     const bool is_preview = chosen == Texels::preview, is_usual = chosen == Texels::usual;
-    measured_->trace(texels_, is_preview ? preview_estimates : MeasuredError<D>::most_estimates);
+    if (is_preview) {
+      measured_->trace(texels_, preview_estimates);
+    } else if (hooks_.workers) {
+      measured_->share(*hooks_.workers);
+      scene_.share_shadow_rays();
+    } else {
+      measured_->trace(texels_, MeasuredError<D>::most_estimates);
+    }
     if (is_preview) {
       if (!preview_) make_preview();
       schedule_.texels = preview_texels_;
@@ -187,7 +196,7 @@ class Passes {
     double work = 0;
     for (const BakeTexels<D>& one : texels_) {
       const auto all = static_cast<double>(one.shown.lattice.texels());
-      work += scene_.sides() * all * points * DirectLight<D>::work_of_texel +
+      work += scene_.sides() * all * points * MapSweeps<D>::work_of_texel +
               first_blocks(schedule_.texels) *
                   IndirectLight<D>::cost(one.indirect.lattice, one.spacing);
     }
@@ -320,6 +329,7 @@ class Passes {
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
     errors_ = bake.errors();
+    measured_->take_shared();
     measured_->add_to(errors_, baked.grids);
     const IsovalueError error = errors_.all();
     baked.statistics.noise_percent = 100 * std::sqrt(error.noise);

@@ -15,12 +15,12 @@ namespace leaflight {
 // The texels of one volume at which a bake stores light.
 template <int D>
 struct BakeTexels {
-  IndexedLattice<D> shown;         // texels of the result
-  IndexedLattice<D> indirect;      // texels of indirect light
-  int spacing = 1;                 // of the lines, in texels of indirect light
-  TexelLattice<D> photons;         // texels that collect photons
-  std::uint64_t photon_count = 0;  // 0: serialize_lookups() reads their light
-  int wall_samples = 0;            // shadow rays per patch of the walls
+  IndexedLattice<D> shown;     // texels of the result
+  IndexedLattice<D> indirect;  // texels of indirect light
+  int spacing = 1;             // of the lines, in texels of indirect light
+  TexelLattice<D> photons;     // texels that collect photons
+  std::uint64_t photon_count = 0;
+  int wall_samples = 0;  // shadow rays per patch of the walls
 };
 
 // The light of one volume at its texels: exact direct light, and the average of any number of

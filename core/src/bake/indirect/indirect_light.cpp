@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/plan/shared_parts.h"
 #include "base/low_discrepancy.h"
 #include "base/sampling.h"
 #include "field/cap_layers.h"
@@ -59,19 +60,27 @@ void IndirectLight<D>::add_block_by(const std::function<void(SideMoments&)>& fil
 }
 
 template <int D>
-void IndirectLight<D>::add_block_of_others(const std::string& bytes, Progress& progress) {
-  add_block_by([&](SideMoments& moments) { progress.count_rays(take_block(bytes, moments)); },
-               progress);
-  progress.advance(cost());
+std::string IndirectLight<D>::traced_block(int number, const GatheredRadiance<D>& from,
+                                           Progress& progress) {
+  progress.count_rays(trace(number, from, progress, directions_per_block));
+  std::string bytes = bytes_of(moments_[0].sums);
+  if (sides_ == 2) bytes += bytes_of(moments_[1].sums);
+  release();
+  return bytes;
 }
 
 template <int D>
-std::string IndirectLight<D>::traced_block(int number, const GatheredRadiance<D>& from,
-                                           Progress& progress) {
-  const std::uint64_t lines = trace(number, from, progress, directions_per_block);
-  std::string bytes = block_bytes(moments_, lines);
-  release();
-  return bytes;
+void IndirectLight<D>::add_traced(const std::string& bytes, Progress& progress) {
+  add_block_by(
+      [&](SideMoments& moments) {
+        std::size_t at = 0;
+        for (TexelMoments& side : moments) {
+          copy_items(bytes, at, side.sums.data(), side.sums.size());
+          at += side.sums.size() * sizeof(TexelSum);
+        }
+        if (at != bytes.size()) throw SharedParts::other_bake();
+      },
+      progress);
 }
 
 template <int D>

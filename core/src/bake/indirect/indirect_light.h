@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "bake/indirect/block_workers.h"
+#include <functional>
+
 #include "bake/indirect/gather_lines.h"
+#include "bake/texels/texel_moments.h"
 
 namespace leaflight {
 
@@ -27,11 +29,11 @@ class IndirectLight {
                  int directions = directions_per_block);
   // Adds a block whose sums `fill` computes.
   void add_block_by(const std::function<void(SideMoments&)>& fill, Progress& progress);
-  // Adds the block of number next_block(), which a BlockTracer has returned as block_bytes().
-  void add_block_of_others(const std::string& bytes, Progress& progress);
-  int next_block() const { return drawn_; }
-  // Traces a block for another bake.
+  // Traces a block for another process, and adds one from there, which is block next_block().
   std::string traced_block(int number, const GatheredRadiance<D>& from, Progress& progress);
+  void add_traced(const std::string& bytes, Progress& progress);
+  int next_block() const { return drawn_; }
+  void go_to_block(int number) { drawn_ = number; }
   // Frees the data that only blocks need, until the next block.
   void release();
   // Serializes the state between two blocks.

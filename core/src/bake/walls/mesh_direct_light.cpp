@@ -85,11 +85,15 @@ BlockingIsovalues blocking(const ShadowRay<D>& ray, const LightSource<D>& source
 }  // namespace
 
 template <int D>
+MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer)
+    : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {}
+
+template <int D>
 MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
                                     const std::vector<SubdividedMesh<D>>& meshes,
                                     Progress& progress, std::size_t share,
                                     const MeshDirectLight* earlier)
-    : sets_(interleaved_points(tracer)), scales_(tracer.lights().size() + 1, Rgb(1)) {
+    : MeshDirectLight(tracer) {
   auto traced = std::make_shared<std::vector<MeshRays>>(meshes.size());
   Known known = earlier ? known_of(*earlier) : Known{};
   for (std::size_t m = 0; m < meshes.size(); ++m) {
@@ -98,6 +102,31 @@ MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer,
     (*traced)[m] = trace_mesh(tracer, meshes[m].fine, progress, share, known);
   }
   meshes_ = std::move(traced);
+}
+
+template <int D>
+MeshDirectLight<D>::MeshDirectLight(const SceneTracer<D>& tracer, std::vector<MeshRays> traced)
+    : MeshDirectLight(tracer) {
+  meshes_ = std::make_shared<const std::vector<MeshRays>>(std::move(traced));
+}
+
+template <int D>
+typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::opened(const SceneTracer<D>& tracer,
+                                                                 const FineMesh<D>& mesh) const {
+  return opened(tracer, mesh, {});
+}
+
+template <int D>
+void MeshDirectLight<D>::trace(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
+                               const BakePart& vertices, Progress& progress,
+                               MeshRays& traced) const {
+  const auto rays = static_cast<double>(sets_[0].size());
+  parallel_range(vertices.end - vertices.begin, rays_per_piece, points_of_lines_per_ray * rays,
+                 progress, [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
+                     trace_vertex(tracer, mesh, vertices.begin + v, 1, {}, traced);
+                   }
+                 });
 }
 
 template <int D>
@@ -131,50 +160,70 @@ MeshDirectLight<D> MeshDirectLight<D>::scaled(const std::vector<Rgb>& lights) co
 }
 
 template <int D>
-typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::trace_mesh(const SceneTracer<D>& tracer,
-                                                                     const FineMesh<D>& mesh,
-                                                                     Progress& progress,
-                                                                     std::size_t share,
-                                                                     const Known& known) const {
-  const std::size_t vertices = mesh.vertices.size(), points = sets_[0].size();
+typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::opened(const SceneTracer<D>& tracer,
+                                                                 const FineMesh<D>& mesh,
+                                                                 const Known& known) const {
+  const std::size_t vertices = mesh.vertices.size();
   MeshRays traced{known.rays ? known.rays->neighbors : MeshNeighbors(vertices, mesh.facets),
                   known.rays ? known.rays->sets : sets_of(traced.neighbors, vertices),
                   {},
                   {},
                   {}};
-  traced.rays.resize(vertices * points);
+  traced.rays.resize(vertices * sets_[0].size());
   if (tracer.has_openings()) traced.least.resize(traced.rays.size());
-  for (auto& side : traced.unshadowed) side.assign(lights() * vertices, Vec<3, float>(0));
-  parallel_range(
-      vertices, rays_per_piece,
-      points_of_lines_per_ray * static_cast<double>(points) / static_cast<double>(share), progress,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
-          if (known.rays) take(known, v, traced);
-          const SurfacePoint<D> from = vertex_point(tracer, mesh, v, true, 0);
-          const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
-          const auto turn = turns(traced.neighbors, traced.sets, v, share);
-          for (std::size_t set = 0; set < sets_.size(); ++set) {
-            for (std::size_t i = 0; i < points; ++i) {
-              const LightSource<D>& source = sets_[set][i].source;
-              const std::size_t light = place_of(sets_[set][i]);
-              if (known.has(light)) continue;
-              const ShadowRay<D> ray(source, from);
-              traced.unshadowed[ray.share < 0][light * vertices + v] +=
-                  Vec<3, float>(source.amount) * brdf *
-                  static_cast<float>(std::abs(ray.share) / light_point_sets);
-              if (set != traced.sets[v]) continue;
-              traced.rays[v * points + i].share = static_cast<float>(ray.share);
-              if (turn[i % share] != v) continue;
-              const BlockingIsovalues isosurfaces = blocking(ray, source, from, tracer);
-              traced.rays[v * points + i].greatest = static_cast<float>(isosurfaces.greatest);
-              if (!traced.least.empty()) {
-                traced.least[v * points + i] = static_cast<float>(isosurfaces.least);
-              }
-            }
-          }
-        }
-      });
+  for (auto& side : traced.unshadowed) side.resize(lights() * vertices);
+  return traced;
+}
+
+template <int D>
+void MeshDirectLight<D>::trace_vertex(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
+                                      std::size_t vertex, std::size_t share, const Known& known,
+                                      MeshRays& traced) const {
+  const std::size_t vertices = traced.sets.size(), points = sets_[0].size();
+  for (auto& side : traced.unshadowed) {
+    for (std::size_t light = 0; light < lights(); ++light) {
+      side[light * vertices + vertex] = Vec<3, float>(0);
+    }
+  }
+  if (known.rays) take(known, vertex, traced);
+  const SurfacePoint<D> from = vertex_point(tracer, mesh, vertex, true, 0);
+  const Vec<3, float> brdf(from.albedo / static_cast<Real>(projected_hemisphere<D>));
+  const auto turn = turns(traced.neighbors, traced.sets, vertex, share);
+  for (std::size_t set = 0; set < sets_.size(); ++set) {
+    for (std::size_t i = 0; i < points; ++i) {
+      const LightSource<D>& source = sets_[set][i].source;
+      const std::size_t light = place_of(sets_[set][i]);
+      if (known.has(light)) continue;
+      const ShadowRay<D> ray(source, from);
+      traced.unshadowed[ray.share < 0][light * vertices + vertex] +=
+          Vec<3, float>(source.amount) * brdf *
+          static_cast<float>(std::abs(ray.share) / light_point_sets);
+      if (set != traced.sets[vertex]) continue;
+      traced.rays[vertex * points + i].share = static_cast<float>(ray.share);
+      if (turn[i % share] != vertex) continue;
+      const BlockingIsovalues isosurfaces = blocking(ray, source, from, tracer);
+      traced.rays[vertex * points + i].greatest = static_cast<float>(isosurfaces.greatest);
+      if (!traced.least.empty()) {
+        traced.least[vertex * points + i] = static_cast<float>(isosurfaces.least);
+      }
+    }
+  }
+}
+
+template <int D>
+typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::trace_mesh(const SceneTracer<D>& tracer,
+                                                                     const FineMesh<D>& mesh,
+                                                                     Progress& progress,
+                                                                     std::size_t share,
+                                                                     const Known& known) const {
+  MeshRays traced = opened(tracer, mesh, known);
+  const double rays = static_cast<double>(sets_[0].size()) / static_cast<double>(share);
+  parallel_range(mesh.vertices.size(), rays_per_piece, points_of_lines_per_ray * rays, progress,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
+                     trace_vertex(tracer, mesh, v, share, known, traced);
+                   }
+                 });
   if (share > 1) take_from_neighbors(traced, share, known);
   return traced;
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "bake/plan/workers.h"
 #include "bake/walls/mesh_neighbors.h"
 #include "bake/walls/subdivided_mesh.h"
 #include "base/progress.h"
@@ -58,6 +59,13 @@ class MeshDirectLight {
     std::array<std::vector<Vec<3, float>>, 2> unshadowed;
   };
   const MeshRays& rays(int mesh) const { return (*meshes_)[mesh]; }
+  // Makes the light in parts (shadow_ray_parts.h): without rays, with the rays of all meshes, and
+  // the rays of a mesh before and after they are traced from some vertices.
+  explicit MeshDirectLight(const SceneTracer<D>& tracer);
+  MeshDirectLight(const SceneTracer<D>& tracer, std::vector<MeshRays> traced);
+  MeshRays opened(const SceneTracer<D>& tracer, const FineMesh<D>& mesh) const;
+  void trace(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, const BakePart& vertices,
+             Progress& progress, MeshRays& traced) const;
   const std::vector<std::vector<LightPoint<D>>>& sets() const { return sets_; }
 
  private:
@@ -77,6 +85,9 @@ class MeshDirectLight {
   std::size_t place_of(const LightPoint<D>& point) const {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
+  MeshRays opened(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, const Known& known) const;
+  void trace_vertex(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, std::size_t vertex,
+                    std::size_t share, const Known& known, MeshRays& traced) const;
   MeshRays trace_mesh(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,
                       std::size_t share, const Known& known) const;
   void take_from_neighbors(MeshRays& traced, std::size_t share, const Known& known) const;

@@ -9,13 +9,13 @@
 namespace leaflight {
 namespace {
 
-constexpr std::size_t samples_per_piece = 64;
+constexpr std::size_t samples_per_piece = 64, entries_a_part = 1 << 13;
 // Passes of smooth(). With few passes, indirect light has visible streaks on walls, although the
 // error hardly changes.
 constexpr int smoothing_passes = 9;
 
 // Stride of the vertices that are tested before a side of the walls is lit.
-constexpr std::size_t probe_stride = 16;
+constexpr int probe_stride = 16;
 // Work of a sample, in the unit of the progress: points of lines.
 constexpr double points_of_lines_per_sample = 7;
 // Returns the work of `samples` samples per entry, which is a vertex at a node.
@@ -95,62 +95,106 @@ double WallLight<D>::work(int samples) const {
   return work_of(samples, entries);
 }
 
-// Returns mean radiances at every `stride`-th vertex of one side, for all nodes.
 template <int D>
-std::vector<Vec<3, float>> WallLight<D>::means(std::size_t mesh, bool back, std::size_t stride,
-                                               const PointSampler<D>& from,
+double WallLight<D>::work_of_entry(int samples) {
+  return work_of(samples, 1);
+}
+
+template <int D>
+std::vector<Vec<3, float>> WallLight<D>::means(const BakePart& part, const PointSampler<D>& from,
                                                const IndirectEstimator<D>* estimator,
                                                const WallSamples& samples,
                                                Progress& progress) const {
   // The ranks split one low-discrepancy sequence among all entries. So the samples of any
   // neighborhood, over which light is smoothed, are as even as those of one vertex (Ahmed and Wonka
   // 2020).
-  const SampleKeys keys = sample_keys(samples.seed, Purpose::walls, 2 * mesh + back,
-                                      static_cast<std::uint32_t>(added_));
-  const FineMesh<D>& fine = meshes_[mesh].coarse;
-  const std::size_t n = (fine.places.size() + stride - 1) / stride;
-  std::vector<Vec<3, float>> means(n * IsovalueNodes::count);
-  parallel_range(means.size(), samples_per_piece, points_of_lines_per_sample * samples.count,
-                 progress, [&](std::size_t begin, std::size_t end) {
-                   std::uint64_t traced = 0;
-                   for (std::size_t e = begin; e < end && !progress.cancelled(); ++e) {
-                     const std::size_t vertex = e % n * stride;
-                     const double c = nodes_.node(static_cast<int>(e / n));
-                     const SurfacePoint<D> point = vertex_point(tracer_, fine, vertex, !back, c);
-                     const int first = samples.count * static_cast<int>(rank_at_node<D>(
-                                                           ranks_[mesh][vertex], e / n));
-                     Imath::V3d sum(0);
-                     for (int i = first; i < first + samples.count; ++i) {
-                       sum += Imath::V3d(from.direct(point, keys, i, traced) +
-                                         from.indirect(point, estimator, keys, i, traced));
-                     }
-                     means[e] = Vec<3, float>(sum / samples.count);
-                   }
-                   progress.count_rays(traced);
-                 });
+  const SampleKeys keys = sample_keys(samples.seed, Purpose::walls,
+                                      2 * static_cast<std::uint64_t>(part.mesh) + part.back,
+                                      static_cast<std::uint32_t>(part.number));
+  const FineMesh<D>& fine = meshes_[part.mesh].coarse;
+  const std::size_t n = vertices(part);
+  std::vector<Vec<3, float>> means(part.end - part.begin);
+  parallel_range(
+      means.size(), samples_per_piece, points_of_lines_per_sample * samples.count, progress,
+      [&](std::size_t begin, std::size_t end) {
+        std::uint64_t traced = 0;
+        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+          const std::size_t entry = part.begin + i, vertex = entry % n * part.stride;
+          const double c = nodes_.node(static_cast<int>(entry / n));
+          const SurfacePoint<D> point = vertex_point(tracer_, fine, vertex, !part.back, c);
+          const auto rank = static_cast<int>(rank_at_node<D>(ranks_[part.mesh][vertex], entry / n));
+          Imath::V3d sum(0);
+          for (int k = samples.count * rank; k < samples.count * (rank + 1); ++k) {
+            sum += Imath::V3d(from.direct(point, keys, k, traced) +
+                              from.indirect(point, estimator, keys, k, traced));
+          }
+          means[i] = Vec<3, float>(sum / samples.count);
+        }
+        progress.count_rays(traced);
+      });
   return means;
+}
+
+template <int D>
+std::size_t WallLight<D>::vertices(const BakePart& part) const {
+  const auto stride = static_cast<std::size_t>(part.stride);
+  return (meshes_[part.mesh].coarse.places.size() + stride - 1) / stride;
+}
+
+template <int D>
+std::vector<BakePart> WallLight<D>::parts(int call, int stride) const {
+  std::vector<BakePart> parts;
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    for (const int back : {0, 1}) {
+      if (sums_[m][back][0].empty()) continue;
+      BakePart of_side{PartKind::walls, back, call, static_cast<int>(m), stride};
+      add_parts(parts, of_side, vertices(of_side) * IsovalueNodes::count, entries_a_part);
+    }
+  }
+  return parts;
+}
+
+template <int D>
+std::vector<BakePart> WallLight<D>::probes() const {
+  return parts(0, probe_stride);
+}
+
+// A side that is dark at all of its probes for all c is assumed to be dark.
+template <int D>
+void WallLight<D>::drop_dark(const std::vector<BakePart>& probes,
+                             const std::vector<std::vector<Vec<3, float>>>& means) {
+  std::vector<std::array<char, 2>> is_lit(meshes_.size(), {0, 0});
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (!is_dark(means[i])) is_lit[probes[i].mesh][probes[i].back] = 1;
+  }
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    for (const int back : {0, 1}) {
+      if (!is_lit[m][back]) sums_[m][back] = {};
+    }
+  }
+}
+
+template <int D>
+void WallLight<D>::add(const BakePart& part, const std::vector<Vec<3, float>>& means) {
+  Vec<3, float>* half = sums_[part.mesh][part.back][part.number % 2].data() + part.begin;
+  for (std::size_t e = 0; e < means.size(); ++e) half[e] += means[e];
 }
 
 template <int D>
 void WallLight<D>::add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
                        const WallSamples& samples, Progress& progress) {
   progress.begin("Lighting walls");
-  for (std::size_t m = 0; m < meshes_.size(); ++m) {
-    for (const bool back : {false, true}) {
-      Halves& sums = sums_[m][back];
-      if (sums[0].empty()) continue;
-      // A side that is dark at these vertices for all c is assumed to be dark.
-      if (added_ == 0 &&
-          is_dark(means(m, back, probe_stride, from, estimator, samples, progress))) {
-        sums = {};
-        continue;
-      }
-      const auto found = means(m, back, 1, from, estimator, samples, progress);
-      std::vector<Vec<3, float>>& half = sums[added_ % 2];
-      for (std::size_t e = 0; e < half.size(); ++e) half[e] += found[e];
-    }
+  const auto means_of = [&](const BakePart& part) {
+    return means(part, from, estimator, samples, progress);
+  };
+  if (added_ == 0) {
+    const std::vector<BakePart> first = probes();
+    std::vector<std::vector<Vec<3, float>>> probed(first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) probed[i] = means_of(first[i]);
+    drop_dark(first, probed);
   }
-  ++added_;
+  for (const BakePart& part : parts(added_)) add(part, means_of(part));
+  end_call();
 }
 
 template <int D>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bake/plan/workers.h"
 #include "bake/texels/checkpoint.h"
 #include "bake/texels/isovalue_error.h"
 #include "bake/texels/point_sampler.h"
@@ -28,8 +29,22 @@ class WallLight {
   // estimator is null if there is no indirect light.
   void add(const PointSampler<D>& from, const IndirectEstimator<D>* estimator,
            const WallSamples& samples, Progress& progress);
+  // The same in parts: first all probes(), which find dark sides, then all parts() of each call.
+  std::vector<BakePart> probes() const;
+  void drop_dark(const std::vector<BakePart>& probes,
+                 const std::vector<std::vector<Vec<3, float>>>& means);
+  // Returns the parts of a call, from 0; their items are entries, node * vertices + vertex.
+  std::vector<BakePart> parts(int call) const { return parts(call, 1); }
+  // Returns the mean radiance of the items of a part.
+  std::vector<Vec<3, float>> means(const BakePart& part, const PointSampler<D>& from,
+                                   const IndirectEstimator<D>* estimator,
+                                   const WallSamples& samples, Progress& progress) const;
+  void add(const BakePart& part, const std::vector<Vec<3, float>>& means);
+  void end_call() { ++added_; }
+
   // Returns the work of add() in points of lines; sides that are known to be dark take none.
   double work(int samples) const;
+  static double work_of_entry(int samples);
   // Returns the number of calls of add().
   int blocks() const { return added_; }
   // Serializes the state.
@@ -41,10 +56,9 @@ class WallLight {
   void add_noise(double exposure, IsovalueErrors& errors, Progress& progress);
 
  private:
-  std::vector<Vec<3, float>> means(std::size_t mesh, bool back, std::size_t stride,
-                                   const PointSampler<D>& from,
-                                   const IndirectEstimator<D>* estimator,
-                                   const WallSamples& samples, Progress& progress) const;
+  std::vector<BakePart> parts(int call, int stride) const;
+  // Returns the number of vertices of a part's mesh, with its stride.
+  std::size_t vertices(const BakePart& part) const;
   Halves smoothed(std::size_t mesh, bool back, Progress& progress) const;
   bool is_diffuse(std::size_t mesh) const {
     return tracer_.scene().meshes[mesh].scattering == Scattering::diffuse;

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The work in the processes of workers: blocks of the latest bake.
+"""The work in the processes of workers: parts of the latest bake.
 
 A worker holds the data of one bake only, which bounds its memory.
 """
 
 import threading
+import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import leaflight._core as _core
@@ -19,6 +21,35 @@ from ..volume.cuts import Cuts
 from ..volume.volume import Volume
 
 
+# Bytes, or the file on this machine with them.
+Passed = bytes | str
+# Fewer bytes are not worth a file.
+_LEAST_FILE_BYTES = 1 << 16
+
+
+def passed(data: bytes, folder: str | None) -> Passed:
+    """Returns bytes as they pass between processes: through a file of the folder, if there is one.
+
+    Connections would encrypt and copy them several times.
+    """
+    if folder is None or len(data) < _LEAST_FILE_BYTES:
+        return data
+    path = Path(folder) / uuid.uuid4().hex
+    path.write_bytes(data)
+    return str(path)
+
+
+def received(data: Passed, last: bool = False) -> bytes:
+    """Returns the bytes that passed() has passed. last: Nobody else reads them."""
+    if isinstance(data, bytes):
+        return data
+    path = Path(data)
+    found = path.read_bytes()
+    if last:
+        path.unlink(missing_ok=True)
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Recipe:
     """The data of a bake that a worker needs.
@@ -27,6 +58,7 @@ class Recipe:
     arrays: Values of each volume, or the file (.npy) on this machine with them.
     smooth_normals, cuts: As in Volume, for each volume.
     settings: Settings of the core, by name.
+    folder: A folder of this machine for passed(), or None.
     matrices, scene, isovalues: As in Volume and Bake.
     """
 
@@ -38,6 +70,7 @@ class Recipe:
     scene: SceneDescription
     isovalues: tuple[float, float]
     settings: dict[str, Any]
+    folder: str | None
     version: str = __version__
 
     def scene_of_core(self) -> _core.Scene:
@@ -51,11 +84,12 @@ class Recipe:
 
 
 @dataclass(frozen=True, eq=False)
-class LookedUp:
-    """The light that lines look up. name: Unique name."""
+class Sent:
+    """Data that parts of a bake look up. name: Unique name. kind: That of the core."""
 
     name: str
-    state: bytes
+    kind: int
+    data: Passed
 
 
 def load(array: Array | str) -> Array:
@@ -81,36 +115,33 @@ class _Tracer:
         settings = _core.BakeSettings()
         for name, value in recipe.settings.items():
             setattr(settings, name, value)
-        self._known: str | None = None
-        self._core = _core.BlockTracer(recipe.scene_of_core(), settings, self.progress)
+        self._known: dict[int, str] = {}  # name of the data that it has read, by kind
+        self._core = _core.PartTracer(recipe.scene_of_core(), settings, self.progress)
 
-    def look_up(self, looked_up: LookedUp) -> None:
-        if looked_up.name != self._known:
-            self._core.look_up(looked_up.state)  # type: ignore[arg-type]
-            self._known = looked_up.name
-
-    def trace(self, number: int) -> bytes:
-        return self._core.trace(number)
+    def traced(self, sent: Sequence[Sent], part: bytes) -> bytes:
+        for one in sent:
+            if self._known.get(one.kind) != one.name:
+                self._core.read(one.kind, received(one.data))
+                self._known[one.kind] = one.name
+        return self._core.traced(part)
 
 
 _lock = threading.Lock()
 _tracer: _Tracer | None = None
 
 
-def trace(recipe: Recipe, looked_up: LookedUp, number: int) -> bytes:
-    """Returns one block of indirect light of a bake, as bytes for _core.bake().
+def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:
+    """Returns the passed() result of one part of a bake, bytes for _core.bake().
 
-    looked_up: A LookedUp.
-    Raises LeaflightError, and Cancelled after cancel().
+    sent: What the part looks up. Raises LeaflightError, and Cancelled after cancel().
     """
     global _tracer
-    # All blocks share one tracer, and each block uses all allowed threads.
+    # All parts share one tracer, and each part uses all allowed threads.
     with _lock:
         if _tracer is None or _tracer.key != recipe.key:
             _tracer = None
             _tracer = _Tracer(recipe)
-        _tracer.look_up(looked_up)
-        return _tracer.trace(number)
+        return passed(_tracer.traced(sent, part), recipe.folder)
 
 
 def cancel(key: str) -> None:
