@@ -195,7 +195,9 @@ class Tracing:
         try:
             self._files[kind] = passed(data, self._recipe.folder)
             sent = Sent(uuid.uuid4().hex, kind, self._files[kind])
-            self._sent[kind] = self._scattered(sent)
+            # The name of a file travels with each part.
+            is_file = isinstance(sent.data, str)
+            self._sent[kind] = sent if is_file else self._scattered(sent)
         except _GONE:
             self._end()
 
