@@ -58,7 +58,7 @@ def main():
 
 
 def seconds():
-    """Returns the processor seconds of this process. That of the bake also runs the scheduler."""
+    """Returns the processor seconds of this process; the bake's process also runs the scheduler."""
     return time.process_time()
 
 

@@ -133,7 +133,7 @@ _tracer: _Tracer | None = None
 def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:
     """Returns the passed() result of one part of a bake, bytes for _core.bake().
 
-    sent: What the part looks up. Raises LeaflightError, and Cancelled after cancel().
+    sent: Data for the part. Raises LeaflightError, and Cancelled after cancel().
     """
     global _tracer
     # All parts share one tracer, and each part uses all allowed threads.

@@ -15,7 +15,7 @@ struct PartTracer::State {
   Plan plan;
   LitScene<3> lit;
   tbb::task_arena arena;
-  // What it needs for each kind of parts; null before the first.
+  // Tracers for each kind of parts; null before the first.
   std::unique_ptr<MapParts<3>> maps;
   std::unique_ptr<MeasuredError<3>> paths;
   std::unique_ptr<ShadowRayParts<3>> shadow_rays;
