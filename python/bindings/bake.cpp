@@ -145,7 +145,7 @@ void bind_baking(py::module_& module, const std::string& suffix) {
       "whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts\n"
       "announced later look up. announce(parts) begins parts, bytes each, and returns the\n"
       "number of the first. take(number) returns the result of a part, or b\"\" to make the bake\n"
-      "compute it. Raises LeaflightError, Cancelled.");
+      "compute it. drop(first, count) forgets parts. Raises LeaflightError, Cancelled.");
 }
 
 }  // namespace

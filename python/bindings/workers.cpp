@@ -30,6 +30,14 @@ Workers workers_of(const py::object& workers) {
     const py::gil_scoped_acquire locked;
     return workers.attr("take")(number).cast<std::string>();
   };
+  calls.drop = [&workers](int first, int count) {
+    const py::gil_scoped_acquire locked;
+    try {
+      workers.attr("drop")(first, count);
+    } catch (py::error_already_set& error) {
+      error.discard_as_unraisable("drop");
+    }
+  };
   return calls;
 }
 

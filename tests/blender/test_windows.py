@@ -176,7 +176,7 @@ def test_the_window_does_not_wait_for_the_light_of_walls(stood):
     """Checks a clip box, the size of a page, pictures of walls, Live and Show Lit Walls. Only
     pictures wait for the light of walls.
     """
-    row = stood["beside walls"]["stood"]
+    row = stood["beside walls"]["found"]
     assert row["waited"] == ["dark picture"] and row["box"] and row["live"]
     assert row["size"][0] == "Estimating its size" and row["size"][1].endswith(" MB")
     first, rendered, last = row["walls"]
@@ -184,22 +184,22 @@ def test_the_window_does_not_wait_for_the_light_of_walls(stood):
 
 
 def test_the_status_bar_shows_how_far_the_light_of_walls_is(stood):
-    first, last = stood["beside walls"]["stood"]["status"]
+    first, last = stood["beside walls"]["found"]["status"]
     assert first[0].endswith(" % Lighting walls") and last == [None]
 
 
 def test_lit_walls_go_with_their_volume_and_come_with_undo(stood):
-    deleted, undone, redone, again = stood["deleted"]["stood"]
+    deleted, undone, redone, again = stood["deleted"]["found"]
     assert deleted == redone == [0, 0, 0]
     assert undone == again and undone[0] == 1 and undone[1] == undone[2] > 0
 
 
 def test_a_bake_without_lit_walls_needs_no_thread(stood):
-    assert not stood["without walls"]["stood"]
+    assert not stood["without walls"]["found"]
 
 
 def test_noise_is_coarse_at_first(stood):
-    assert stood["among noise"]["stood"] <= MOVING_TRIANGLES
+    assert stood["among noise"]["found"] <= MOVING_TRIANGLES
 
 
 # Isovalues in the saved file, and after a drag while the file is read (window/reads.py).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests bakes whose light is traced by several processes, also if some of them die."""
+"""Tests bakes whose parts several processes compute, also if some of them die."""
 
 import os
 import signal

@@ -156,7 +156,7 @@ def bake(
         Ctrl-C ends the bake, unless progress is a Progress.
     checkpoint: A Checkpoint, the file in which a bake in passes saves its state, at most half a
         minute apart. An interrupted bake resumes from it and gives the same bits.
-    workers: A cluster.workers.Workers, which traces the light of a bake in passes, with the same
+    workers: A cluster.workers.Workers, which computes parts of a bake in passes, with the same
         bits. None uses this process alone.
     Returns a Bake. Raises Cancelled, and LeaflightError for input that cannot be baked. Warns
     before the first pass: UnusedSetting for settings without an effect in the scene, ChosenSetting

@@ -24,18 +24,21 @@ from ..volume.volume import Volume
 # Bytes, or the file on this machine with them.
 Passed = bytes | str
 # Fewer bytes are not worth a file.
-_LEAST_FILE_BYTES = 1 << 16
+LEAST_FILE_BYTES = 1 << 16
 
 
 def passed(data: bytes, folder: str | None) -> Passed:
-    """Returns bytes as they pass between processes: through a file of the folder, if there is one.
-
-    Connections would encrypt and copy them several times.
+    """Returns bytes as they pass between processes: through a file of the folder, if there is one
+    with space. Connections would encrypt and copy them several times.
     """
-    if folder is None or len(data) < _LEAST_FILE_BYTES:
+    if folder is None or len(data) < LEAST_FILE_BYTES:
         return data
     path = Path(folder) / uuid.uuid4().hex
-    path.write_bytes(data)
+    try:
+        path.write_bytes(data)
+    except OSError:
+        path.unlink(missing_ok=True)
+        return data
     return str(path)
 
 
@@ -83,6 +86,10 @@ class Recipe:
         return core_scene(self.scene, [volume.field() for volume in volumes], self.isovalues)
 
 
+class OtherVersion(LeaflightError):
+    """A worker has another version of Leaflight."""
+
+
 @dataclass(frozen=True, eq=False)
 class Sent:
     """Data that parts of a bake look up. name: Unique name. kind: That of the core."""
@@ -107,7 +114,7 @@ class _Tracer:
 
     def __init__(self, recipe: Recipe) -> None:
         if recipe.version != __version__:
-            raise LeaflightError(
+            raise OtherVersion(
                 f"A worker has Leaflight {__version__}, but this machine has {recipe.version}: "
                 "install the same version on all machines."
             )
@@ -141,7 +148,12 @@ def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:
         if _tracer is None or _tracer.key != recipe.key:
             _tracer = None
             _tracer = _Tracer(recipe)
-        return passed(_tracer.traced(sent, part), recipe.folder)
+        try:
+            return passed(_tracer.traced(sent, part), recipe.folder)
+        except BaseException:
+            # A part that ended in the middle may have changed the light that others look up.
+            _tracer = None
+            raise
 
 
 def cancel(key: str) -> None:

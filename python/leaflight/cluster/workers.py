@@ -2,7 +2,9 @@
 """Workers of a Dask cluster that compute parts of a bake, with the bits of one machine."""
 
 import asyncio
+import contextlib
 import os
+import shutil
 import tempfile
 import uuid
 from collections.abc import Sequence
@@ -17,7 +19,7 @@ from ..arrays import Array
 from ..scene.scene import SceneDescription
 from ..volume.volume import Volume
 from . import part_tracer
-from .part_tracer import Passed, Recipe, Sent, passed, received
+from .part_tracer import Recipe, Sent, passed, received
 
 # Seconds between two checks for a cancel while a bake waits for a part.
 POLL_SECONDS = 0.1
@@ -114,15 +116,15 @@ class Workers:
         """Returns the Tracing of a bake, which lit() gives to the core."""
         return Tracing(self, volumes, scene, isovalues, settings, progress)
 
-    def folder(self) -> str | None:
-        """Returns the folder through which results pass; None if workers may be elsewhere."""
-        return None if self._cluster is None else self._folder.name
+    def new_folder(self) -> str | None:
+        """Returns a folder for the files of a bake; None if workers may be elsewhere."""
+        return None if self._cluster is None else tempfile.mkdtemp(dir=self._folder.name)
 
-    def shared(self, values: Array) -> Array | str:
+    def shared(self, values: Array, folder: str | None) -> Array | str:
         """Returns the entry of Recipe.arrays for a volume's values."""
-        if self._cluster is None:
+        if folder is None:
             return np.ascontiguousarray(values)
-        path = Path(self._folder.name) / f"{uuid.uuid4().hex}.npy"
+        path = Path(folder) / f"{uuid.uuid4().hex}.npy"
         try:
             np.save(path, np.ascontiguousarray(values))
         except OSError as error:
@@ -131,6 +133,11 @@ class Workers:
                 "free disk space, or bake without workers."
             ) from None
         return str(path)
+
+
+def _is_there(future: Any) -> bool:
+    """True if workers still have what was scattered to them."""
+    return future is not None and bool(future.status == "finished")
 
 
 class Tracing:
@@ -146,21 +153,22 @@ class Tracing:
         progress: Progress,
     ) -> None:
         given = {name: getattr(settings, name) for name in SETTINGS}
+        folder = workers.new_folder()
         self._workers, self._client, self._progress = workers, workers.client, progress
         self._recipe = Recipe(
             key=uuid.uuid4().hex,
-            arrays=[workers.shared(volume.values) for volume in volumes],
+            arrays=[workers.shared(volume.values, folder) for volume in volumes],
             matrices=[np.asarray(volume.index_to_world) for volume in volumes],
             smooth_normals=[volume.smooth_normals for volume in volumes],
             cuts=[volume.cuts for volume in volumes],
             scene=scene,
             isovalues=isovalues,
             settings={**given, "threads": settings.threads or workers.threads},
-            folder=workers.folder(),
+            folder=folder,
         )
         self._described: Any = None  # the recipe, at the workers
-        self._sent: dict[int, Any] = {}  # what parts look up, at the workers, by its kind
-        self._files: dict[int, Passed] = {}  # the same, on this machine
+        self._data: dict[int, Sent] = {}  # what parts look up, by its kind
+        self._sent: dict[int, Any] = {}  # the same, at the workers, unless it is small or in a file
         self._futures: dict[int, Any] = {}
         self._announced = 0
         self._is_over = False
@@ -181,25 +189,15 @@ class Tracing:
         except _GONE:
             pass  # A worker that is gone has nothing to end.
         self._fetching.shutdown(wait=False)
-        for kind in list(self._files):
-            self._drop(kind)
-        for array in self._recipe.arrays:
-            if isinstance(array, str):
-                Path(array).unlink(missing_ok=True)
+        if self._recipe.folder is not None:
+            shutil.rmtree(self._recipe.folder, ignore_errors=True)
 
     def send(self, kind: int, data: bytes) -> None:
         """Gives data to all workers, for the parts that are announced later."""
         if self._is_over or not self._is_connected():
-            return
-        self._drop(kind)
-        try:
-            self._files[kind] = passed(data, self._recipe.folder)
-            sent = Sent(uuid.uuid4().hex, kind, self._files[kind])
-            # The name of a file travels with each part.
-            is_file = isinstance(sent.data, str)
-            self._sent[kind] = sent if is_file else self._scattered(sent)
-        except _GONE:
-            self._end()
+            return self._end()
+        self._forget(kind)
+        self._data[kind] = Sent(uuid.uuid4().hex, kind, passed(data, self._recipe.folder))
 
     def announce(self, parts: Sequence[bytes]) -> int:
         """Starts computing parts; returns the number of the first."""
@@ -207,14 +205,15 @@ class Tracing:
         if self._is_over or not self._is_connected():
             return first
         try:
-            if self._described is None or self._described.status != "finished":
+            if not _is_there(self._described):
                 self._described = self._scattered(self._recipe)
+            sent = [self._at_workers(kind) for kind in self._data]
             for number, part in enumerate(parts, first):
                 # The bake waits first for what it has announced last.
                 self._futures[number] = self._client.submit(
                     part_tracer.trace,
                     self._described,
-                    list(self._sent.values()),
+                    sent,
                     part,
                     pure=False,
                     retries=RETRIES,
@@ -228,12 +227,29 @@ class Tracing:
         """Stops sharing: all workers are gone, or the disk is full. The bake goes on alone."""
         self._is_over = True
 
-    def _drop(self, kind: int) -> None:
+    def _at_workers(self, kind: int) -> Any:
+        """Returns data for a part: a Sent, or the future of one that all workers have."""
+        data = self._data[kind]
+        if len(data.data) < part_tracer.LEAST_FILE_BYTES:
+            return data  # this, and names of files, travel with each part
+        if not _is_there(self._sent.get(kind)):
+            self._sent[kind] = self._scattered(data)
+        return self._sent[kind]
+
+    def _forget(self, kind: int) -> None:
         """Frees earlier data of a kind."""
         self._sent.pop(kind, None)
-        file = self._files.pop(kind, None)
-        if isinstance(file, str):
-            Path(file).unlink(missing_ok=True)
+        data = self._data.pop(kind, None)
+        if data is not None and isinstance(data.data, str):
+            Path(data.data).unlink(missing_ok=True)
+
+    def drop(self, first: int, count: int) -> None:
+        """Ends parts that the bake does not take."""
+        numbers = range(first, first + count)
+        dropped = [self._futures.pop(number) for number in numbers if number in self._futures]
+        if dropped and self._is_connected():
+            with contextlib.suppress(*_GONE):
+                self._client.cancel(dropped, force=True)
 
     def _scattered(self, data: Any) -> Any:
         return self._client.scatter(data, broadcast=True, hash=False)
@@ -258,7 +274,7 @@ class Tracing:
                 found = received(fetched.result(), last=True)
                 self._workers.traced += 1
                 return found
-            except (Cancelled, LeaflightError):
+            except (Cancelled, part_tracer.OtherVersion):
                 raise
             except Exception:
                 # The part has the same bits when this process computes it.

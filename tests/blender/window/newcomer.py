@@ -187,13 +187,19 @@ def stop_and_keep():
 
 
 def undo_and_redo():
+    def bake_id():
+        return hand.volume().leaflight.bake_id
+
     yield from stepwise.wait(1.0)
+    second = bake_id()
     yield from key("Z", ctrl=True)
-    yield from stepwise.wait(2.0)
-    found["undone"] = hand.volume().leaflight.bake_id
+    yield from stepwise.until(lambda: bake_id() != second)
+    found["undone"] = bake_id()
+    yield from stepwise.wait(1.0)
     yield from key("Z", ctrl=True, shift=True)
-    yield from stepwise.wait(2.0)
-    found["redone"] = hand.volume().leaflight.bake_id
+    yield from stepwise.until(lambda: bake_id() != found["undone"])
+    found["redone"] = bake_id()
+    yield from stepwise.wait(1.0)
 
 
 def save_and_load():

@@ -71,12 +71,12 @@ void LineBake<D>::add(int blocks, const std::function<bool()>& go_on) {
     shared = SharedParts(*workers_, std::move(parts));
   }
   for (int i = 0; i < blocks && !stopped; ++i) {
-    const std::string bytes =
-        workers_ ? shared.take(i, indirect_->cost(), scene_.progress) : std::string();
-    if (bytes.empty()) {
-      indirect_->add_block(gathered(), scene_.progress);
+    std::optional<std::string> bytes;
+    if (workers_) bytes = shared.take(i, indirect_->cost(), scene_.progress);
+    if (bytes) {
+      indirect_->add_traced(*bytes, scene_.progress);
     } else {
-      indirect_->add_traced(bytes, scene_.progress);
+      indirect_->add_block(gathered(), scene_.progress);
     }
     stopped = ended();
   }
@@ -93,12 +93,12 @@ void LineBake<D>::gather_bounces() {
   if (!workers_) return gather_bounces_here();
   send(PartData::lines, [this](Archive archive) { serialize_lines(archive, true); });
   const SharedParts shared(*workers_, {{PartKind::bounces}});
-  const std::string bytes = shared.take(0, indirect_->cost(), scene_.progress);
-  if (bytes.empty()) return gather_bounces_here();
+  const std::optional<std::string> bytes = shared.take(0, indirect_->cost(), scene_.progress);
+  if (!bytes) return gather_bounces_here();
   std::size_t at = 0;
   for (int side = 0; side < scene_.sides(); ++side) {
     std::vector<Rgb>& light = indirect_sides_[side];
-    copy_items(bytes, at, light.data(), light.size());
+    copy_items(*bytes, at, light.data(), light.size());
     at += light.size() * sizeof(Rgb);
   }
   indirect_->go_to_block(bounces);
@@ -141,7 +141,7 @@ void LineBake<D>::release() {
   indirect_->release();
   leaflight::release(back_direct_);
   indirect_sides_ = {};
-  direct_lookup_ = {};
+  direct_lookup_.reset();
 }
 
 template <int D>
@@ -162,11 +162,13 @@ void LineBake<D>::serialize_indirect(Archive& archive) {
 // the light before the first bounce itself.
 template <int D>
 void LineBake<D>::serialize_lines(Archive& archive, bool is_dark) {
-  const std::size_t texels = light_.lattice().active.size();
   archive(is_dark);
   archive(scene_.wall_detail.samples);
+  if (archive.restores()) wall_parts_.reset();
+  if (!indirect_) return;
+  const std::size_t texels = light_.lattice().active.size();
   if (archive.restores()) {
-    wall_parts_.reset();
+    has_lines_ = true;
     indirect_sides_ = {};
     compute_indirect_sides();
   }
@@ -181,7 +183,7 @@ void LineBake<D>::read(PartData kind, std::istream& stream) {
   Archive archive(stream);
   if (kind == PartData::photons) {
     photons_.serialize(archive, scene_.tracer);
-  } else if (indirect_) {
+  } else {
     serialize_lines(archive, false);
   }
 }
@@ -199,7 +201,7 @@ std::string LineBake<D>::traced(const BakePart& part) {
     compute_radiance();
     return wall_parts_->traced(part, scene_.progress);
   }
-  if (!indirect_ || indirect_sides_[0].empty()) {
+  if (!indirect_ || !has_lines_) {
     throw Error("A part of indirect light needs what its lines look up.");
   }
   if (part.kind == PartKind::block) {
@@ -238,6 +240,7 @@ WallRadiance<D> LineBake<D>::walls() {
   WallRadiance<D> walls = wall_parts_->radiance(scene_.direct_of_walls, scene_.progress, others);
   wall_parts_.reset();
   isosurfaces_.clear();
+  indirect_sides_ = {};
   return walls;
 }
 
@@ -246,10 +249,12 @@ std::vector<std::string> LineBake<D>::walls_of_workers(const std::vector<BakePar
   const SharedParts shared(*workers_, parts);
   std::vector<std::string> found;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    found.push_back(shared.take(i, wall_parts_->work(parts[i]), scene_.progress));
-    if (!found.back().empty()) continue;
-    compute_radiance();
-    found.back() = wall_parts_->traced(parts[i], scene_.progress);
+    std::optional<std::string> bytes = shared.take(i, wall_parts_->work(parts[i]), scene_.progress);
+    if (!bytes) {
+      compute_radiance();
+      bytes = wall_parts_->traced(parts[i], scene_.progress);
+    }
+    found.push_back(*std::move(bytes));
   }
   return found;
 }
@@ -290,16 +295,16 @@ void LineBake<D>::find_photons(std::uint64_t count) {
   BakePart all{PartKind::photons};
   all.number = light_.blocks();
   all.end = count;
-  std::string bytes;
+  std::optional<std::string> bytes;
   if (workers_) {
     scene_.progress.begin("Tracing photons");
     const double work = scene_.plan.photons ? rays_per_photon * static_cast<double>(count) : 0;
     bytes = SharedParts(*workers_, {all}).take(0, work, scene_.progress);
   }
-  if (bytes.empty()) {
+  if (!bytes) {
     trace_photons(all.number, count);
   } else {
-    std::istringstream stream(bytes);
+    std::istringstream stream(*bytes);
     stream.exceptions(std::ios::failbit | std::ios::badbit);
     photons_.serialize(Archive(stream), scene_.tracer);
   }
@@ -316,10 +321,8 @@ void LineBake<D>::trace_photons(int number, std::uint64_t count) {
 
 template <int D>
 void LineBake<D>::compute_direct_lookup() {
-  if (direct_lookup_.sources() == 0) {
-    direct_lookup_ =
-        DirectLookup<D>(light_.volume(), light_.lattice(), light_.direct(), scene_.progress);
-  }
+  if (direct_lookup_) return;
+  direct_lookup_.emplace(light_.volume(), light_.lattice(), light_.direct(), scene_.progress);
 }
 
 // Computes the indirect light that lines look up. Photons light the back if no lines gather for it.
@@ -358,7 +361,7 @@ GatheredRadiance<D> LineBake<D>::gathered() {
           {&indirect_sides_[0], &indirect_sides_[1]},
           scene_.plan.back ? &back_direct_ : nullptr,
           texture_,
-          direct_lookup_,
+          *direct_lookup_,
           photons_.walls(),
           scene_.split.mesh_is_wide,
           sky_ ? &*sky_ : nullptr,

@@ -63,10 +63,11 @@ class LineBake final : public Integrator<D> {
 
   LitScene<D>& scene_;
   TexelLight<D> light_;
-  IndirectLight<D>* indirect_;                // that of light_; null: nothing reflects
-  std::optional<EnvironmentSampler<D>> sky_;  // without the light points
-  const Workers* workers_;                    // may be null
-  DirectLookup<D> direct_lookup_;             // empty if no lines need it
+  IndirectLight<D>* indirect_;                    // that of light_; null: nothing reflects
+  std::optional<EnvironmentSampler<D>> sky_;      // without the light points
+  const Workers* workers_;                        // may be null
+  bool has_lines_ = false;                        // true if a worker has their lookups
+  std::optional<DirectLookup<D>> direct_lookup_;  // null if no lines need it
   PhotonLight<D> photons_;
   // Light of both sides of white isosurfaces at the texels of indirect light; empty when no lines
   // need it.

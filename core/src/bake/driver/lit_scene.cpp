@@ -63,8 +63,9 @@ std::shared_ptr<const DirectLight<D>> LitScene<D>::shared_maps(
   for (std::size_t i = 0; i < shared.parts().size(); ++i) {
     const BakePart& part = shared.parts()[i];
     const auto points = static_cast<double>(part.end - part.begin);
-    std::string bytes = shared.take(i, MapSweeps<D>::work_of_texel * points * texels, progress);
-    packed.push_back(bytes.empty() ? maps.traced(part, progress) : std::move(bytes));
+    std::optional<std::string> bytes =
+        shared.take(i, MapSweeps<D>::work_of_texel * points * texels, progress);
+    packed.push_back(bytes ? *std::move(bytes) : maps.traced(part, progress));
   }
   send(packed);
   return maps.light(packed);
@@ -72,7 +73,9 @@ std::shared_ptr<const DirectLight<D>> LitScene<D>::shared_maps(
 
 template <int D>
 void LitScene<D>::share_shadow_rays() {
-  if (!workers || !plan.walls || computed_share_ == 1 || shadow_rays_) return;
+  if (!workers || !plan.walls || computed_share_ == 1 || shadow_rays_ || wall_detail.share > 1) {
+    return;
+  }
   shadow_rays_.emplace(tracer, subdivided());
   shared_ = SharedParts(*workers, shadow_rays_->parts());
 }

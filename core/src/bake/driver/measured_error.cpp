@@ -191,10 +191,10 @@ void MeasuredError<D>::take_shared() {
   scene_.progress.begin("Measuring the error");
   for (std::size_t i = 0; i < shared_.parts().size(); ++i) {
     const BakePart& part = shared_.parts()[i];
-    std::string bytes = shared_.take(i, 0, scene_.progress);
-    if (bytes.empty()) bytes = traced(part);
+    std::optional<std::string> bytes = shared_.take(i, 0, scene_.progress);
+    if (!bytes) bytes = traced(part);
     std::vector<Rgb> radiances(part.end - part.begin);
-    copy_items(bytes, radiances.data(), radiances.size());
+    copy_items(*bytes, radiances.data(), radiances.size());
     add(0, part.begin, radiances);
   }
   estimates_ = most_estimates;

@@ -95,6 +95,7 @@ void PartTracer::read(PartData kind, std::istream& stream) {
       case PartData::points:
         return state_->read_points(stream);
       default:
+        state_->shadow_rays.reset();  // the bake has announced them before
         return state_->line_bake().read(kind, stream);
     }
   });

@@ -13,7 +13,7 @@ namespace leaflight {
 // equal; so the bits are those of the bake itself.
 class PartTracer {
  public:
-  // Keeps references to scene and progress. progress.cancel() makes every call throw Cancelled.
+  // Keeps references to scene and progress. progress.cancel() makes traced() throw Cancelled.
   // Throws Error if a bake of these settings has no passes by lines.
   PartTracer(const Scene<3>& scene, const BakeSettings<3>& settings, Progress& progress);
   ~PartTracer();

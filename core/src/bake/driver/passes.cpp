@@ -39,7 +39,7 @@ class Passes {
     progress_.check();
     if (hooks_.workers && !scene_.plan.lines) {
       throw Error(
-          "Workers share the lines through one volume without mirrors or glass; bake without "
+          "Workers help bakes of one volume without mirrors or glass; bake without "
           "them.");
     }
     set_texels(Texels::usual);
@@ -161,7 +161,7 @@ class Passes {
     const bool is_preview = chosen == Texels::preview, is_usual = chosen == Texels::usual;
     if (is_preview) {
       measured_->trace(texels_, preview_estimates);
-    } else if (hooks_.workers) {
+    } else if (hooks_.workers && !schedule_.is_limited()) {
       measured_->share(*hooks_.workers);
       scene_.share_shadow_rays();
     } else {

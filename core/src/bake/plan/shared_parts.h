@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "bake/plan/workers.h"
@@ -10,7 +11,8 @@
 
 namespace leaflight {
 
-// Parts that workers compute for a bake, from their announcement until the bake takes them.
+// Parts that workers compute for a bake, from their announcement until the bake takes or drops
+// them.
 class SharedParts {
  public:
   SharedParts() = default;
@@ -18,14 +20,24 @@ class SharedParts {
       : workers_(&workers),
         parts_(std::move(parts)),
         first_(parts_.empty() ? 0 : workers.announce(parts_)) {}
+  SharedParts(SharedParts&& other) noexcept { *this = std::move(other); }
+  SharedParts& operator=(SharedParts&& other) noexcept {
+    std::swap(workers_, other.workers_);
+    std::swap(parts_, other.parts_);
+    std::swap(first_, other.first_);
+    return *this;
+  }
+  ~SharedParts() {
+    if (!empty() && workers_->drop) workers_->drop(first_, static_cast<int>(parts_.size()));
+  }
 
   bool empty() const { return parts_.empty(); }
   const std::vector<BakePart>& parts() const { return parts_; }
 
-  // Returns the bytes of a part; empty if no worker could compute it. Counts its rays, and `work`.
-  std::string take(std::size_t part, double work, Progress& progress) const {
+  // Returns the bytes of a part; null if no worker could compute it. Counts its rays, and `work`.
+  std::optional<std::string> take(std::size_t part, double work, Progress& progress) const {
     std::string bytes = workers_->take(first_ + static_cast<int>(part));
-    if (bytes.empty()) return bytes;
+    if (bytes.empty()) return {};
     progress.count_rays(take_rays(bytes));
     progress.advance(work);
     return bytes;

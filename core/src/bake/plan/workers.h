@@ -51,6 +51,8 @@ struct Workers {
   std::function<int(const std::vector<BakePart>&)> announce;
   // Waits for the result of a part. An empty string makes the bake compute it itself.
   std::function<std::string(int number)> take;
+  // Forgets parts that nobody takes. Must not throw.
+  std::function<void(int first, int count)> drop;
 };
 
 }  // namespace leaflight

@@ -63,14 +63,14 @@ MeshDirectLight<D> ShadowRayParts<D>::light(const SharedParts& shared, Progress&
       work_of_shadow_rays(tracer_, meshes_) / static_cast<double>(shared.parts().size());
   for (std::size_t i = 0; i < shared.parts().size(); ++i) {
     const BakePart& part = shared.parts()[i];
-    const std::string bytes = shared.take(i, work, progress);
-    if (bytes.empty()) {
+    const std::optional<std::string> bytes = shared.take(i, work, progress);
+    if (!bytes) {
       traced(part, progress);
       continue;
     }
     std::size_t at = 0;
     for_each_array(rays_[part.mesh], part, [&](auto* items, std::size_t count) {
-      copy_items(bytes, at, items, count);
+      copy_items(*bytes, at, items, count);
       at += count * sizeof(*items);
     });
   }
