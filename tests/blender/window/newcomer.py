@@ -176,11 +176,16 @@ def stop_and_keep():
         "offered": stopped.offered() is not None,
         "bake": hand.volume().leaflight.bake_id == first,
     }
-    # Keep Bake replaces Bake, once the header is drawn. A busy machine draws it late.
+    # Keep Bake replaces Bake, once the header is drawn. A busy machine draws it late, and takes
+    # clicks later still; a second one would bake again.
+    yield from stepwise.wait(1.0)
     while stopped.offered() is not None:
-        yield from stepwise.wait(1.0)
-        if jobs.running() is None:
-            yield from click(header_button(386))
+        yield from click(header_button(386))
+        end = time.perf_counter() + 60
+        yield from stepwise.until(
+            lambda end=end: jobs.running() is not None or time.perf_counter() > end
+        )
+        yield from stepwise.until(lambda: jobs.running() is None)
     yield from stepwise.until(lambda: hand.volume().leaflight.bake_id != first)
     yield from stepwise.until(lambda: jobs.running() is None)
     found["first"], found["second"] = first, hand.volume().leaflight.bake_id
