@@ -21,23 +21,36 @@ from waiting import started, wait_for
 ERROR = 0.3
 
 
+# The kind of a part that is a block, its first byte (core/src/bake/plan/workers.h).
+BLOCK = 5
+
+
 class Canceller:
-    """Workers that return no block, so that the bake traces all itself, and cancels one."""
+    """Workers that return no part, so that the bake computes all itself, and cancel one block."""
 
     def __init__(self, progress, blocks):
         self.progress, self.blocks = progress, blocks
+        self.parts = []
 
     def tracing(self, *_):
         return nullcontext(self)
 
-    def begin(self, *_):
+    def send(self, *_):
         pass
 
+    def announce(self, parts):
+        self.parts += parts
+        return len(self.parts) - len(parts)
+
     def take(self, number):
-        if self.blocks == 0:
-            self.progress.cancel()
-        self.blocks -= 1
+        if self.parts[number][0] == BLOCK:
+            if self.blocks == 0:
+                self.progress.cancel()
+            self.blocks -= 1
         return b""
+
+    def drop(self, *_):
+        pass
 
 
 def interrupted(arguments, checkpoint, blocks):
