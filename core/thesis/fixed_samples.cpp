@@ -6,8 +6,8 @@
 #include <chrono>
 
 #include "bake/texels/texel_surface.h"
-#include "bake/walls/light_walls.h"
 #include "bake/walls/wall_light.h"
+#include "bake/walls/wall_parts.h"
 #include "base/platform.h"
 #include "base/sampling.h"
 #include "thesis/isosurface_passes.h"

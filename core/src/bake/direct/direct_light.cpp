@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bake/direct/direct_light.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -102,13 +103,15 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
     }
     groups.back().push_back(i);
   }
+  const bool reuses =
+      std::any_of(known.begin(), known.end(), [](int number) { return number >= 0; });
   for (int side = 0; side < (settings.back ? 2 : 1); ++side) {
     const bool back = side != 0;
     open(back, *maps);
     for (const std::vector<std::size_t>& group : groups) {
       put(sweeps.codes(group, back, progress), group, back, *maps, progress);
     }
-    if (earlier) take(*earlier, known, back, *maps, progress);
+    if (reuses) take(*earlier, known, back, *maps, progress);
     summarize(back, *maps, progress);
   }
   maps_ = std::move(maps);

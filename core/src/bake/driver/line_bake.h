@@ -7,7 +7,7 @@
 #include "bake/driver/texel_light.h"
 #include "bake/indirect/direct_lookup.h"
 #include "bake/indirect/photon_light.h"
-#include "bake/walls/light_walls.h"
+#include "bake/walls/wall_parts.h"
 
 namespace leaflight {
 

@@ -120,11 +120,19 @@ template <int D>
 void MeshDirectLight<D>::trace(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
                                const BakePart& vertices, Progress& progress,
                                MeshRays& traced) const {
-  const auto rays = static_cast<double>(sets_[0].size());
+  trace_vertices(tracer, mesh, vertices, 1, {}, progress, traced);
+}
+
+template <int D>
+void MeshDirectLight<D>::trace_vertices(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
+                                        const BakePart& vertices, std::size_t share,
+                                        const Known& known, Progress& progress,
+                                        MeshRays& traced) const {
+  const double rays = static_cast<double>(sets_[0].size()) / static_cast<double>(share);
   parallel_range(vertices.end - vertices.begin, rays_per_piece, points_of_lines_per_ray * rays,
                  progress, [&](std::size_t begin, std::size_t end) {
                    for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
-                     trace_vertex(tracer, mesh, vertices.begin + v, 1, {}, traced);
+                     trace_vertex(tracer, mesh, vertices.begin + v, share, known, traced);
                    }
                  });
 }
@@ -217,13 +225,9 @@ typename MeshDirectLight<D>::MeshRays MeshDirectLight<D>::trace_mesh(const Scene
                                                                      std::size_t share,
                                                                      const Known& known) const {
   MeshRays traced = opened(tracer, mesh, known);
-  const double rays = static_cast<double>(sets_[0].size()) / static_cast<double>(share);
-  parallel_range(mesh.vertices.size(), rays_per_piece, points_of_lines_per_ray * rays, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t v = begin; v < end && !progress.cancelled(); ++v) {
-                     trace_vertex(tracer, mesh, v, share, known, traced);
-                   }
-                 });
+  BakePart all{PartKind::shadows};
+  all.end = mesh.vertices.size();
+  trace_vertices(tracer, mesh, all, share, known, progress, traced);
   if (share > 1) take_from_neighbors(traced, share, known);
   return traced;
 }

@@ -86,6 +86,9 @@ class MeshDirectLight {
     return point.light < 0 ? lights() - 1 : static_cast<std::size_t>(point.light);
   }
   MeshRays opened(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, const Known& known) const;
+  void trace_vertices(const SceneTracer<D>& tracer, const FineMesh<D>& mesh,
+                      const BakePart& vertices, std::size_t share, const Known& known,
+                      Progress& progress, MeshRays& traced) const;
   void trace_vertex(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, std::size_t vertex,
                     std::size_t share, const Known& known, MeshRays& traced) const;
   MeshRays trace_mesh(const SceneTracer<D>& tracer, const FineMesh<D>& mesh, Progress& progress,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "bake/walls/light_walls.h"
+#include "bake/walls/wall_parts.h"
 
 #include <algorithm>
 
