@@ -1141,7 +1141,7 @@ def bake(scene: Scene, settings: BakeSettings, progress: Progress, on_pass: typi
     whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts
     announced later look up. announce(parts) begins parts, bytes each, and returns the
     number of the first. take(number) returns the result of a part, or b"" to make the bake
-    compute it. Raises LeaflightError, Cancelled.
+    compute it. drop(first, count) forgets parts. Raises LeaflightError, Cancelled.
     """
 def bake2(scene: Scene2, settings: BakeSettings2, progress: Progress, on_pass: typing.Any = None, previous: tuple[collections.abc.Sequence[RadianceGrid2], typing.SupportsInt | typing.SupportsIndex, typing.SupportsInt | typing.SupportsIndex] | None = None, checkpoint: tuple[os.PathLike | str | bytes, str, typing.SupportsFloat | typing.SupportsIndex] | None = None, resumed: os.PathLike | str | bytes | None = None, workers: typing.Any = None) -> Baked2:
     """
@@ -1153,7 +1153,7 @@ def bake2(scene: Scene2, settings: BakeSettings2, progress: Progress, on_pass: t
     whose PartTracers compute parts of it. send(kind, data) gives data to all, which parts
     announced later look up. announce(parts) begins parts, bytes each, and returns the
     number of the first. take(number) returns the result of a part, or b"" to make the bake
-    compute it. Raises LeaflightError, Cancelled.
+    compute it. drop(first, count) forgets parts. Raises LeaflightError, Cancelled.
     """
 def bump_box(n: typing.SupportsInt | typing.SupportsIndex) -> numpy.typing.NDArray[numpy.float32]:
     """
