@@ -35,16 +35,6 @@ py::object cap_layers(const GridObject<D>& grid) {
   return py::make_tuple(lattice.layers, lattice.layer_value(0), lattice.layer_step);
 }
 
-template <int D>
-void check_side(const RadianceGrid<D>& grid, bool back) {
-  if (back && !grid.has_back()) {
-    throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
-  }
-  if (!grid.has_light(back)) {
-    throw Error("The direct light of this bake is missing; load the bake again.");
-  }
-}
-
 // Returns all light of one side's texels, as baked.
 template <int D>
 std::vector<Vec<3, float>> all_light(const GridObject<D>& grid, bool back) {
@@ -58,10 +48,10 @@ std::vector<Vec<3, float>> texels_at(const GridObject<D>& grid,
                                      const std::vector<std::uint32_t>& slots, bool back,
                                      bool indirect_alone) {
   const RadianceGrid<D>& from = *grid.baked;
-  check_side(from, back);
+  const ShownGrid<D> shown = grid.shown();
+  check_light(shown, back);
   const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
-  const ShownGrid<D> shown = grid.shown();
   std::vector<Vec<3, float>> texels(slots.size());
   const py::gil_scoped_release unlocked;
   parallel_each(slots.size(), [&](std::size_t i) {
@@ -154,8 +144,8 @@ template <int D, class Array>
 py::array_t<float> lookup_of(const GridObject<D>& grid, const Field<D>& field, const Array& points,
                              bool back, bool indirect) {
   const py::ssize_t n = rows(points, D, "points");
-  check_side(*grid.baked, back);
   const ShownGrid<D> shown = grid.shown();
+  check_light(shown, back);
   std::vector<Vec<3, float>> radiance(n);
   {
     const auto* coordinates = points.data();
@@ -210,15 +200,16 @@ py::array_t<float> lookup_error_at(const GridObject<D>& grid, const Field<D>& fi
   return adopt<float>(std::move(error), {static_cast<py::ssize_t>(points.size())});
 }
 
-// Computes all light of the texels and keeps it. An atlas holds it, and a cut that follows its box
-// reads it at each step.
+// Computes all light of the texels as baked and keeps it. An atlas holds it, and a cut that follows
+// its box reads it at each step.
 void complete(const GridObject<3>& grid) {
+  if (grid.field) return;
   RadianceGrid<3>& baked = *grid.baked;
   for (const bool back : {false, true}) {
     if (back && !baked.has_back()) continue;
     std::vector<Vec<3, float>>& kept = back ? baked.radiance_back : baked.radiance;
     if (kept.size() == baked.texels()) continue;
-    check_side(baked, back);
+    check_light(ShownGrid<3>(baked), back);
     std::vector<Vec<3, float>> light = all_light(grid, back);
     // Another thread may have kept it meanwhile, and may read it.
     if (kept.size() != baked.texels()) kept = std::move(light);
@@ -239,8 +230,8 @@ py::tuple atlas(const GridObject<3>& grid, bool back) {
 }
 
 GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const Field<3>& now,
-                        const Index<3>& resolution, const Tuple<2>& isovalues) {
-  complete(grid);
+                        const Index<3>& resolution, const Tuple<2>& isovalues, bool direct) {
+  if (direct) complete(grid);
   RadianceGrid<3> shown;
   const RadianceGrid<3>* texels = grid.baked.get();
   if (grid.field || grid.texture) {
@@ -256,7 +247,7 @@ GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const
   }
   const py::gil_scoped_release unlocked;
   return GridObject<3>(
-      estimated_grid(*texels, before, now, resolution, {isovalues[0], isovalues[1]}));
+      estimated_grid(*texels, before, now, resolution, {isovalues[0], isovalues[1]}, direct));
 }
 
 template <int D>
@@ -380,11 +371,12 @@ void bind_grid(py::module_& module, const std::string& suffix) {
         "emission, is scaled by (r, g, b). field: the volume at its current position. Shares\n"
         "the texels.");
     grid.def("estimated", &estimated, py::arg("before"), py::arg("now"), py::arg("resolution"),
-             py::arg("isovalues"),
-             "Returns a grid without direct light for changed values of the volume. Near changes\n"
-             "it has the mean light of the isosurfaces that lights reach, by their normals.\n"
-             "before, now: the baked and the changed field, at one place. resolution: that of the\n"
-             "result. isovalues: the baked range, in values of the field.");
+             py::arg("isovalues"), py::arg("direct"),
+             "Returns a grid without visibility maps for changed values of the volume. Near\n"
+             "changes it has the mean light of the isosurfaces that lights reach, by their\n"
+             "normals. before, now: the baked and the changed field, at one place. resolution:\n"
+             "that of the result. isovalues: the baked range, in values of the field. direct:\n"
+             "False leaves out direct light, which is faster; moved() adds it.");
     grid.def("lit_contour", &lit_contour_of, py::arg("field"), py::arg("isovalue"),
              py::arg("normals") = false, py::arg("front") = true, py::arg("back") = false,
              py::arg("largest_step") = LitContourSettings{}.largest_step,

@@ -545,12 +545,13 @@ class RadianceGrid:
         radiance_error, the standard error of the mean over the channels: float32 [z, y, x].
         Inactive texels are zero. layer: one of cap_layers, which only texels on a cap have.
         """
-    def estimated(self, before: Field, now: Field, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], isovalues: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"]) -> RadianceGrid:
+    def estimated(self, before: Field, now: Field, resolution: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], isovalues: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], direct: bool) -> RadianceGrid:
         """
-        Returns a grid without direct light for changed values of the volume. Near changes
-        it has the mean light of the isosurfaces that lights reach, by their normals.
-        before, now: the baked and the changed field, at one place. resolution: that of the
-        result. isovalues: the baked range, in values of the field.
+        Returns a grid without visibility maps for changed values of the volume. Near
+        changes it has the mean light of the isosurfaces that lights reach, by their
+        normals. before, now: the baked and the changed field, at one place. resolution:
+        that of the result. isovalues: the baked range, in values of the field. direct:
+        False leaves out direct light, which is faster; moved() adds it.
         """
     def lit_contour(self, field: Field, isovalue: typing.SupportsFloat | typing.SupportsIndex, normals: bool = False, front: bool = True, back: bool = False, largest_step: typing.SupportsFloat | typing.SupportsIndex = ...) -> tuple:
         """

@@ -73,6 +73,8 @@ def test_direct_light_of_the_cut_is_exact_when_it_moves(bake, truth):
     error = np.sqrt(((found - surface.radiance) ** 2).mean())
     assert error < 0.15 * surface.radiance.mean()
     assert abs(found.mean() / surface.radiance.mean() - 1) < 0.05
+    indirect_alone = with_values(bake, [cut()], direct=False).moved([cut()], SCENE)
+    np.testing.assert_array_equal(indirect_alone.radiance(surface.vertices), found)
 
 
 @pytest.mark.parametrize("isovalue", [22.1, 47.1, 61.1])

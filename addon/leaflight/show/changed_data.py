@@ -47,7 +47,7 @@ def volume_in_bake(obj):
 def with_present_values(objects):
     """Returns a function of a bake that lights objects to one with their present values.
 
-    The function works in any thread. Raises as light_of().
+    The result may lack direct light. The function works in any thread. Raises as light_of().
     """
     objects = [obj for obj in objects if source_files.regions_alone_changed(obj.leaflight)]
     changed = {obj.leaflight.bake_index: volume_in_bake(obj) for obj in objects}
@@ -59,6 +59,6 @@ def with_present_values(objects):
         if estimate and bake is shown:
             return estimate
         volumes = [changed.get(number, volume) for number, volume in enumerate(bake.volumes)]
-        return with_values(bake, volumes) if changed else bake
+        return with_values(bake, volumes, direct=False) if changed else bake
 
     return changed_bake

@@ -32,6 +32,15 @@ bool touches_cut(const Field<D>& field, const TexelLattice<D>& lattice, std::uin
   return found;
 }
 
+// True if some of the texels have layers. Most have none, even in a volume with a cut.
+template <int D>
+bool reads_layers(const TexelLattice<D>& lattice, const TexelWeights<D>& texels) {
+  if (!lattice.has_layers()) return false;
+  return std::any_of(texels.slot.begin(), texels.slot.begin() + texels.count, [&](std::int32_t s) {
+    return lattice.capped[lattice.active[s]] != TexelLattice<D>::inactive;
+  });
+}
+
 }  // namespace
 
 template <int D>
@@ -76,7 +85,7 @@ template <int D>
 TexelWeights<D> surface_weights(const Field<D>& field, const TexelLattice<D>& lattice,
                                 const Vec<D>& index_position) {
   const TexelWeights<D> texels = linear_weights(lattice, index_position);
-  if (!lattice.has_layers()) return texels;
+  if (!reads_layers(lattice, texels)) return texels;
   const double isovalue = cap_isovalue(field, locate(field, index_position));
   return std::isnan(isovalue) ? texels : layer_weights(lattice, texels, isovalue);
 }

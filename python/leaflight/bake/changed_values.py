@@ -17,10 +17,11 @@ from .baked import Bake
 from .provenance import values_sha256
 
 
-def with_values(bake: Bake, volumes: Sequence[Volume]) -> Bake:
+def with_values(bake: Bake, volumes: Sequence[Volume], direct: bool = True) -> Bake:
     """Returns a Bake with other values of its volumes and an estimate of their light.
 
     volumes: As those of the bake and in their places, though with other voxels: cropped or cut.
+    direct: False estimates indirect light alone, which is faster, for moved().
     moved() then computes its direct light. Raises LeaflightError for another number of volumes.
     """
     if len(volumes) != len(bake.volumes):
@@ -28,8 +29,8 @@ def with_values(bake: Bake, volumes: Sequence[Volume]) -> Bake:
             f"The bake has {len(bake.volumes)} volumes, but {len(volumes)} are given: bake again."
         )
     grids = [
-        _grid(bake, number, volume) if volume.values is not baked.values else bake.grids[number]
-        for number, (volume, baked) in enumerate(zip(volumes, bake.volumes))
+        grid if volume.values is baked.values else _grid(bake, number, volume, direct)
+        for number, (grid, volume, baked) in enumerate(zip(bake.grids, volumes, bake.volumes))
     ]
     records = tuple(
         replace(
@@ -52,11 +53,13 @@ def with_values(bake: Bake, volumes: Sequence[Volume]) -> Bake:
     )
 
 
-def _grid(bake: Bake, number: int, volume: Volume) -> _core.RadianceGrid:
+def _grid(bake: Bake, number: int, volume: Volume, direct: bool) -> _core.RadianceGrid:
     low, high = (bake.isovalue_of(number, c) for c in bake.isovalues)
     before, grid = bake.volumes[number], bake.grids[number]
     resolution = resolution_on(volume, before, grid.resolution)
-    now = grid.estimated(before.field(), volume.field(), resolution, (low, high))
+    # Without visibility maps, texels contain all light.
+    direct = direct or not grid.map_resolution
+    now = grid.estimated(before.field(), volume.field(), resolution, (low, high), direct)
     return now.with_texture(bake.scene.isosurfaces[number].texture_on(volume.field()))
 
 

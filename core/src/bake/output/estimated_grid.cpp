@@ -137,24 +137,48 @@ class FittedLight {
   Vec3 mean_{0.0};
 };
 
-// Fits the light of a bake, or of one part of it, over the texels that lights reach. Takes all
+// Returns direct light at a texel. `radiance` is not read if maps have it, because another thread
+// may fill it.
+Rgb direct_at(const RadianceGrid<3>& baked, const Field<3>& field, std::size_t slot, bool back) {
+  if (baked.derives_radiance(back)) {
+    return baked.direct->radiance(field, baked.lattice.center(baked.lattice.active[slot]), back);
+  }
+  return back ? Rgb(baked.radiance_back[slot] - baked.radiance_back_indirect[slot])
+              : Rgb(baked.radiance[slot] - baked.radiance_indirect[slot]);
+}
+
+// Fits all light of one side, and its indirect part, over the texels that lights reach. Takes all
 // texels if lights reach none.
-FittedLight fitted(const TexelLattice<3>& lattice, const Field<3>& field, const Colors& light,
-                   const Colors& all, const Colors& indirect) {
+std::array<FittedLight, 2> fitted(const RadianceGrid<3>& baked, const Field<3>& field, bool back) {
+  const TexelLattice<3>& lattice = baked.lattice;
+  const Colors& indirect = back ? baked.radiance_back_indirect : baked.radiance_indirect;
   const std::size_t step = 1 + lattice.active.size() / most_fitted;
-  FittedLight of_lit, of_all;
+  std::array<FittedLight, 2> of_lit, of_every;
   for (std::size_t s = 0; s < lattice.active.size(); s += step) {
     const Vec3 normal = shading_normal(field, lattice.center(lattice.active[s]));
     if (normal == Vec3(0.0)) continue;
-    of_all.add(normal, light[s]);
-    if (largest(Rgb(all[s] - indirect[s])) > 0.1 * largest(Rgb(all[s]))) {
-      of_lit.add(normal, light[s]);
-    }
+    const Rgb direct = direct_at(baked, field, s, back);
+    const Vec<3, float> all = indirect[s] + Vec<3, float>(direct);
+    const auto add_to = [&](std::array<FittedLight, 2>& fits) {
+      fits[0].add(normal, all);
+      fits[1].add(normal, indirect[s]);
+    };
+    add_to(of_every);
+    if (largest(direct) > 0.1 * largest(Rgb(all))) add_to(of_lit);
   }
-  FittedLight found = of_lit.is_empty() ? of_all : of_lit;
-  if (!found.is_empty()) found.solve();
+  std::array<FittedLight, 2> found = of_lit[0].is_empty() ? of_every : of_lit;
+  if (!found[0].is_empty()) {
+    for (FittedLight& fit : found) fit.solve();
+  }
   return found;
 }
+
+// Light of a side, or its indirect part: that of a bake, its fit, and the estimate.
+struct Side {
+  const Colors& baked;
+  FittedLight fit;
+  Colors& found;
+};
 
 Index<3> nearest_voxel(const Field<3>& field, const Vec3& position) {
   Index<3> voxel;
@@ -174,7 +198,7 @@ Vec<3, float> mean(const TexelWeights<3>& near, const Colors& values) {
 
 RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& before,
                                const Field<3>& now, const Index<3>& resolution,
-                               const IsovalueRange& isovalue_range) {
+                               const IsovalueRange& isovalue_range, bool direct) {
   RadianceGrid<3> grid;
   grid.lattice = make_lattice(now, resolution, isovalue_range.min, isovalue_range.max);
   const TexelLattice<3>& lattice = grid.lattice;
@@ -185,32 +209,33 @@ RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& bef
   to_before.origin = before.world_to_index.point(now.index_to_world.origin);
   const std::vector<std::uint8_t> changed = near_changes(to_before, before, now);
 
-  // Estimate the light of each side, and its indirect part.
   const std::size_t count = lattice.active.size();
-  const auto estimate = [&](const Colors& all, const Colors& indirect, Colors& found_all,
-                            Colors& found_indirect) {
-    const FittedLight of_all = fitted(baked.lattice, before, all, all, indirect);
-    const FittedLight of_indirect = fitted(baked.lattice, before, indirect, all, indirect);
-    found_all.resize(count);
-    found_indirect.resize(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) {
-      const Vec3 center = lattice.center(lattice.active[s]);
-      if (changed[now.offset(nearest_voxel(now, center))]) {
-        const Vec3 normal = shading_normal(now, center);
-        found_all[s] = of_all.at(normal);
-        found_indirect[s] = of_indirect.at(normal);
-        return;
-      }
-      const TexelWeights<3> near = surface_weights(before, baked.lattice, to_before.point(center));
-      found_all[s] = mean(near, all);
-      found_indirect[s] = mean(near, indirect);
-    });
+  std::vector<Side> sides;
+  const auto add_side = [&](bool back) {
+    const std::array<FittedLight, 2> fits = fitted(baked, before, back);
+    const auto add = [&](const Colors& light, const FittedLight& fit, Colors& found) {
+      found.resize(count);
+      sides.push_back({light, fit, found});
+    };
+    if (direct) {
+      add(back ? baked.radiance_back : baked.radiance, fits[0],
+          back ? grid.radiance_back : grid.radiance);
+    }
+    add(back ? baked.radiance_back_indirect : baked.radiance_indirect, fits[1],
+        back ? grid.radiance_back_indirect : grid.radiance_indirect);
   };
-  estimate(baked.radiance, baked.radiance_indirect, grid.radiance, grid.radiance_indirect);
-  if (baked.has_back()) {
-    estimate(baked.radiance_back, baked.radiance_back_indirect, grid.radiance_back,
-             grid.radiance_back_indirect);
-  }
+  add_side(false);
+  if (baked.has_back()) add_side(true);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t s) {
+    const Vec3 center = lattice.center(lattice.active[s]);
+    if (changed[now.offset(nearest_voxel(now, center))]) {
+      const Vec3 normal = shading_normal(now, center);
+      for (const Side& side : sides) side.found[s] = side.fit.at(normal);
+    } else {
+      const TexelWeights<3> near = surface_weights(before, baked.lattice, to_before.point(center));
+      for (const Side& side : sides) side.found[s] = mean(near, side.baked);
+    }
+  });
   grid.radiance_error.assign(count, std::numeric_limits<float>::quiet_NaN());
   return grid;
 }

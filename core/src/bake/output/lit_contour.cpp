@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
 #include "surface/split_edges.h"
 
 namespace leaflight {
@@ -90,13 +89,8 @@ void split_and_look_up(const RadianceGrid<3>& grid, const Field<3>& field, doubl
 void lit_contour(const ShownGrid<3>& shown, const Field<3>& field, double isovalue,
                  const LitContourSettings& settings, LitMesh& mesh) {
   const RadianceGrid<3>& grid = shown.grid;
-  if (settings.radiance_back && !grid.has_back()) {
-    throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
-  }
-  if ((settings.radiance && !grid.has_light(false)) ||
-      (settings.radiance_back && !grid.has_light(true))) {
-    throw Error("The direct light of this bake is missing; load the bake again.");
-  }
+  if (settings.radiance) check_light(shown, false);
+  if (settings.radiance_back) check_light(shown, true);
   const MarchingCubes cubes(field, isovalue);
   const Lookup look_up(shown, field, settings, mesh);
   mesh.contoured = cubes.triangles();

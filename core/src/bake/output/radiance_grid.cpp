@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "field/cap_layers.h"
 #include "field/shading_gradient.h"
@@ -53,6 +54,16 @@ Vec<3, float> mean(const TexelWeights<D>& near, const Colors& values) {
 }
 
 }  // namespace
+
+template <int D>
+void check_light(const ShownGrid<D>& shown, bool back) {
+  if (back && !shown.grid.has_back()) {
+    throw Error("This bake does not hold the back of its isosurfaces; bake both sides.");
+  }
+  if (!shown.has_light(back)) {
+    throw Error("The direct light of this bake is missing; load the bake again.");
+  }
+}
 
 template <int D>
 Vec<3, float> lookup(const Field<D>& field, const TexelLattice<D>& lattice,
@@ -219,6 +230,8 @@ template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&
                                          bool);
 template std::vector<Vec<3, float>> all_light(const RadianceGrid<2>&, const Field<2>&, bool);
 template std::vector<Vec<3, float>> all_light(const RadianceGrid<3>&, const Field<3>&, bool);
+template void check_light<2>(const ShownGrid<2>&, bool);
+template void check_light<3>(const ShownGrid<3>&, bool);
 template Vec<3, float> lookup<2>(const Field<2>&, const TexelLattice<2>&,
                                  const std::vector<Vec<3, float>>&, const Vec<2>&);
 template Vec<3, float> lookup<3>(const Field<3>&, const TexelLattice<3>&,

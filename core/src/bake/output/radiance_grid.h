@@ -79,6 +79,8 @@ struct ShownGrid {
   const DirectLight<D>* direct_of(bool back) const {
     return direct && (!back || direct->has_back()) ? direct : nullptr;
   }
+  // True if the light of a side is known.
+  bool has_light(bool back) const { return direct_of(back) || grid.has_light(back); }
   // Multiplies light by the texture at an index position.
   Vec<3, float> textured(const Vec<3, float>& light, const Vec<D>& index_position) const {
     if (!texture) return light;
@@ -88,6 +90,10 @@ struct ShownGrid {
   Vec<3, float> scaled(const Vec<3, float>& light, const Field<D>& field,
                        const Vec<D>& index_position) const;
 };
+
+// Throws Error if the light of a side is not known.
+template <int D>
+void check_light(const ShownGrid<D>& shown, bool back);
 
 // Returns the radiance of the isosurface through an index position, on one of its sides. The field
 // must be the one that was lit, and the grid must contain that side.
