@@ -33,7 +33,7 @@ struct BakePart {
 inline void add_parts(std::vector<BakePart>& parts, BakePart alike, std::size_t count,
                       std::size_t at_once) {
   for (alike.begin = 0; alike.begin < count; alike.begin = alike.end) {
-    alike.end = std::min(count, alike.begin + at_once);
+    alike.end = std::min<std::uint64_t>(count, alike.begin + at_once);
     parts.push_back(alike);
   }
 }
