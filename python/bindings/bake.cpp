@@ -62,7 +62,9 @@ void bind_statistics(py::module_& module) {
           [](const Statistics& statistics) { return statistics.worst.percent; },
           "Estimated error at worst_isovalue in percent.")
       .def_readonly("stopped", &Statistics::stopped,
-                    "True if time or the caller ended it before the target error.");
+                    "True if time or the caller ended it before the target error.")
+      .def_readonly("continued", &Statistics::continued,
+                    "True if it contains the light of the previous bake.");
 }
 
 template <int D>

@@ -51,6 +51,16 @@ py::array_t<std::uint8_t> codes(const Direct& direct, std::size_t point, bool ba
 }  // namespace
 
 void bind_direct_light(py::module_& module) {
+  module.def(
+      "map_resolution",
+      [](const Field<3>& field, const Tuple<2>& isovalues, const Index<3>& texels,
+         std::size_t points) {
+        return map_resolution(field, {isovalues[0], isovalues[1]}, texels, points);
+      },
+      py::arg("field"), py::arg("isovalues"), py::arg("texels"), py::arg("points"),
+      py::call_guard<py::gil_scoped_release>(),
+      "Returns the resolution of maps for this number of light points: that of the texels, or\n"
+      "a coarser one if it would take too much memory.");
   py::class_<Direct, std::shared_ptr<Direct>>(
       module, "DirectLight",
       "Direct light of every isosurface of one volume, from visibility maps. For each texel\n"
@@ -59,9 +69,6 @@ void bind_direct_light(py::module_& module) {
       .def(py::init([](const Scene<3>& scene, int volume, const Index<3>& resolution, bool back,
                        Progress& progress, double spacing, const Direct* earlier) {
              const py::gil_scoped_release unlocked;
-             if (!fits_maps(scene.volumes.at(volume).field, resolution)) {
-               throw Error("The maps of direct light are of another volume; bake it again.");
-             }
              const SceneTracer<3> tracer(scene);
              const std::vector<LightPoint<3>> points = split_light(tracer).points;
              progress.expect_more((back ? 2 : 1) * static_cast<double>(points.size()) *

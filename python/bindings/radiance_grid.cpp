@@ -52,6 +52,8 @@ std::vector<Vec<3, float>> texels_at(const GridObject<D>& grid,
   check_light(shown, back);
   const std::vector<Vec<3, float>>& indirect =
       back ? from.radiance_back_indirect : from.radiance_indirect;
+  const std::vector<Vec<3, float>>& kept = back ? from.radiance_back : from.radiance;
+  const bool is_kept = kept.size() == from.texels();
   std::vector<Vec<3, float>> texels(slots.size());
   const py::gil_scoped_release unlocked;
   parallel_each(slots.size(), [&](std::size_t i) {
@@ -62,8 +64,10 @@ std::vector<Vec<3, float>> texels_at(const GridObject<D>& grid,
     if (grid.field) {
       light = shown.scaled(part, *grid.field, center);
       if (!indirect_alone) light += Vec<3, float>(grid.direct->radiance(*grid.field, center, back));
+    } else if (indirect_alone) {
+      light = part;
     } else {
-      light = indirect_alone ? part : radiance_of_texel(from, *grid.lit, s, back);
+      light = is_kept ? kept[s] : radiance_of_texel(from, *grid.lit, s, back);
     }
     texels[i] = shown.textured(light, center);
   });
@@ -123,12 +127,6 @@ py::array_t<float> dense(const GridObject<D>& grid, const std::string& name, int
   throw Error("A bake has no grid '" + name +
               "'; choose radiance, radiance_indirect, radiance_back, radiance_back_indirect or "
               "radiance_error.");
-}
-
-// True if lookups add the direct light of points, because texels do not contain it.
-template <int D>
-bool scales(const RadianceGrid<D>& grid) {
-  return grid.direct && (!grid.has_back() || grid.direct->has_back());
 }
 
 template <int D>
@@ -234,14 +232,16 @@ GridObject<3> estimated(const GridObject<3>& grid, const Field<3>& before, const
   if (direct) complete(grid);
   RadianceGrid<3> shown;
   const RadianceGrid<3>* texels = grid.baked.get();
-  if (grid.field || grid.texture) {
-    // Texels hold the light as baked, not as shown.
+  if (grid.field) {
+    // Texels hold the light as baked, not as shown. Lookups multiply by the texture.
+    GridObject<3> plain = grid;
+    plain.texture = nullptr;
     shown.lattice = texels->lattice;
-    shown.radiance = texels_of(grid, false, false);
-    shown.radiance_indirect = texels_of(grid, false, true);
+    shown.radiance = texels_of(plain, false, false);
+    shown.radiance_indirect = texels_of(plain, false, true);
     if (texels->has_back()) {
-      shown.radiance_back = texels_of(grid, true, false);
-      shown.radiance_back_indirect = texels_of(grid, true, true);
+      shown.radiance_back = texels_of(plain, true, false);
+      shown.radiance_back_indirect = texels_of(plain, true, true);
     }
     texels = &shown;
   }
@@ -269,13 +269,15 @@ void bind_grid(py::module_& module, const std::string& suffix) {
           "Resolution of the visibility maps from which lookups compute direct light; None:\n"
           "texels contain all light.")
       .def_property_readonly(
-          "can_be_relit", [](const Grid& g) { return scales(*g.baked); },
+          "can_be_relit",
+          [](const Grid& g) { return g.baked->derives_radiance(g.baked->has_back()); },
           "True if the direct light of all sides is exact.")
       .def(
           "relit",
           [](const Grid& g, const std::shared_ptr<Field<D>>& field,
              const std::vector<Tuple<3>>& lights, const Tuple<3>& indirect) {
-            if (!scales(*g.baked)) throw Error("Texels hold direct light; it cannot be scaled.");
+            if (!g.baked->derives_radiance(g.baked->has_back()))
+              throw Error("Texels hold direct light; it cannot be scaled.");
             Grid relit = g;
             relit.field = field;
             relit.direct =

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PartTracer', 'PointLight', 'PointLight2', 'PolygonEdges', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'mesh_hits', 'noise_to_reach', 'normals', 'part_tracer_memory', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
+__all__: list[str] = ['AreaLight', 'AreaLight2', 'BakeSettings', 'BakeSettings2', 'BakeStatistics', 'Baked', 'Baked2', 'Cancelled', 'DirectLight', 'Environment', 'Environment2', 'Field', 'Field2', 'IndirectShares', 'LeaflightError', 'Mesh', 'Mesh2', 'PartTracer', 'PointLight', 'PointLight2', 'PolygonEdges', 'Progress', 'RadianceGrid', 'RadianceGrid2', 'ReplacedFiles', 'Scene', 'Scene2', 'SunLight', 'SunLight2', 'Texture', 'Volume', 'Volume2', 'VolumeTexture', 'WallRadiance', 'WallRadiance2', 'attach_walls', 'bake', 'bake2', 'bump_box', 'bump_box2', 'coarser_values', 'components', 'connected_parts', 'contour', 'contour2', 'fitting_resolution', 'has_seal', 'isosurface_hits', 'large_array', 'large_memory', 'large_parts', 'libraries', 'light_memory', 'limit_large_memory', 'machine_memory', 'map_resolution', 'mesh_hits', 'noise_to_reach', 'normals', 'part_tracer_memory', 'photon_balance', 'photon_balance2', 'photon_points', 'photon_points2', 'project_along', 'project_to_isosurface', 'read_bake', 'read_bake_header', 'read_checkpoint', 'read_exr', 'read_exr_comments', 'read_vdb_volume', 'reference', 'reference2', 'reference_walls', 'reference_walls2', 'seen_from_outside', 'skipped_passes', 'skipped_passes2', 'trace', 'write_bake', 'write_exr']
 class LeaflightError(Exception):
     pass
 class Cancelled(Exception):
@@ -863,6 +863,11 @@ class BakeStatistics:
         Number of averaged blocks of indirect light.
         """
     @property
+    def continued(self) -> bool:
+        """
+        True if it contains the light of the previous bake.
+        """
+    @property
     def error_percent(self) -> float:
         """
         Estimated error in percent, including noise.
@@ -1243,6 +1248,11 @@ def limit_large_memory(limit: typing.SupportsInt | typing.SupportsIndex, folder:
 def machine_memory() -> int:
     """
     Returns the memory that this process may use, in bytes; 0: unknown.
+    """
+def map_resolution(field: Field, isovalues: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(2)"], texels: typing.Annotated[collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], "FixedSize(3)"], points: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[list[int], "FixedSize(3)"]:
+    """
+    Returns the resolution of maps for this number of light points: that of the texels, or
+    a coarser one if it would take too much memory.
     """
 def mesh_hits(mesh: Mesh, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> tuple:
     """

@@ -81,6 +81,7 @@ TEST(PartTracer, BakesAreTheSameWhoeverComputesTheirParts) {
   const Scene<3> scene = test::cornell(test::torus(17), {0.6, 0.95});
   BakeSettings<3> settings = all_light(17);
   settings.error /= 4;
+  settings.walls = true;
   TwoTracers others(scene, settings);
   std::vector<Baked<3>> bakes{test::baked(scene, settings)};
   bakes.push_back(test::baked<3>(scene, settings, {{}, nullptr, nullptr, &others.calls()}));

@@ -13,6 +13,7 @@ import nibabel
 import numpy as np
 import pytest
 from leaflight import load_bake
+from leaflight.cli import batch_command
 from outcomes import written
 from waiting import HANG, started, wait_for
 
@@ -62,6 +63,16 @@ from leaflight_command import main
 Workers.__init__.__defaults__ = (None, None, {HANG})
 sys.exit(main(sys.argv[1:]))
 """
+
+
+def test_the_end_of_a_batch_leaves_the_bakes_of_others(monkeypatch):
+    def is_ended(ended, _threads, progress):
+        batch_command.end_batch(ended)
+        return progress.cancelled
+
+    monkeypatch.setattr(batch_command, "_bake_line", is_ended)
+    assert batch_command.bake_line("mine", "mine", 1)
+    assert not batch_command.bake_line("mine", "another", 1)
 
 
 @pytest.mark.slow

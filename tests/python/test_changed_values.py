@@ -96,6 +96,19 @@ def test_a_smaller_volume_has_texels_of_the_same_width(bake):
     assert surface.radiance.mean(axis=1).min() > 0
 
 
+@pytest.mark.slow
+def test_a_much_larger_volume_has_texels_as_wide_as_voxels():
+    whole = leaflight.bump_box(170)
+    center, half = np.asarray(whole.field().bounds).mean(axis=0), 10 * whole.spacing[0]
+    inside = changed(whole, [Box.between(center - half, center + half, "inside", "open")])
+    scene = leaflight.fit_scene(leaflight.cornell_box(), whole)
+    bake = leaflight.bake(inside, scene, error=8.0, isovalues=ISOVALUES)
+    assert min(bake.grid.resolution) > max(inside.values.shape)
+    assert max(bake.grid.map_resolution) > max(inside.values.shape)
+    moved = with_values(bake, [whole], direct=False).moved([whole], scene)
+    assert moved.grid.resolution == moved.grid.direct.resolution == list(whole.values.shape)
+
+
 def test_a_removed_cut_is_lit(bake, truth):
     estimate = with_values(truth, [WHOLE])
     points = bake.surface(ISOVALUE).vertices
@@ -133,6 +146,22 @@ def test_relit_bakes_are_estimated_with_their_lamps(bake):
         with_values(bake.relit({name: factor}), [cut()]).radiance(points) for factor in (1.0, 0.5)
     )
     assert dim == pytest.approx(0.5 * bright, rel=0.01, abs=1e-3)
+    relit = with_values(bake.relit({name: 0.5}), [cut()])
+    refused("other lamps", lambda: relit.moved([cut()], SCENE))
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_colors_of_another_volume_count_once(moves):
+    scene = SCENE.colored_by(leaflight.texture_of(WHOLE, "VIRIDIS", (0.0, 200.0)))
+    bake = leaflight.bake(WHOLE, scene, error=8.0, isovalues=ISOVALUES, resolution=24)
+    now = with_values(bake, [cut(share=0.85)], direct=not moves)
+    if moves:
+        now = now.moved([cut(share=0.85)], scene)
+    low, high = np.asarray(WHOLE.field().bounds)
+    points = bake.surface(ISOVALUE).vertices
+    points = points[(points < 0.5 * (low + high)).any(axis=1)]
+    found, before = now.radiance(points).mean(axis=0), bake.radiance(points).mean(axis=0)
+    assert found == pytest.approx(before, rel=0.03)
 
 
 def test_an_estimate_is_neither_saved_nor_made_of_other_volumes(bake, tmp_path):

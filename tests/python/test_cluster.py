@@ -99,6 +99,15 @@ def test_nobody_is_left(volume, alone):
 
 
 @pytest.mark.slow
+def test_a_scheduler_loses_its_workers(volume, alone):
+    with LocalCluster(1, dashboard_address="127.0.0.1:0", memory_limit=0) as cluster:
+        with Workers(scheduler=cluster.scheduler_address, patience_seconds=5) as workers:
+            leave = {"on_pass": lambda _bake: cluster.scale(0)}
+            assert_same_light(leaflight.bake(volume, workers=workers, **leave, **SETTINGS), alone)
+            assert workers.traced > 0 and workers.lost > 0
+
+
+@pytest.mark.slow
 def test_going_on_with_a_bake(volume, workers):
     progress = Progress()
     part = leaflight.bake(
@@ -121,7 +130,6 @@ def never_done():
     part_tracer._Tracer.traced = traced_forever
 
 
-@pytest.mark.slow
 def test_cancel_goes_through(volume, workers):
     """Checks that workers stop with a cancelled bake, and are free for the next."""
     workers.client.run(never_done)

@@ -111,6 +111,13 @@ def test_a_first_picture_begins_anew(bump_scene, tmp_path):
         assert_same_light(refine(first), whole)
 
 
+def test_a_first_picture_is_not_continued(box):
+    first = box(time=1e-3)
+    again = refine(first, time=1e-3)
+    assert again.provenance.continued == "" and again.id == first.id
+    assert again.statistics.rays == first.statistics.rays
+
+
 def test_what_is_good_enough_is_not_continued(box):
     baked = box(error=8.0)
     with pytest.raises(SettingError, match="already") as caught:

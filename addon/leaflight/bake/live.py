@@ -18,7 +18,8 @@ from leaflight.bake.moved_scene import QUICK, WHOLE, lit_walls, moved
 
 from ..operators import checks, failures, jobs
 from ..props import BoolProperty
-from ..show import changed_data, isovalues, preview, surface_object, walls, whole_detail
+from ..show import changed_data, isovalues, preview, surface_material, surface_object, walls
+from ..show import whole_detail
 from ..stage import staleness
 from ..store import cache
 from ..store.reading import StillReading
@@ -286,11 +287,14 @@ def _go_on():
         work.show()
         return
     _job = _work = None
+    is_baked = False
     try:
         work.result()
+        is_baked = True
         job.apply()
     except leaflight.Cancelled:
         work.show()
+        surface_material.forget_first_light()
         if not job.is_outdated:
             _left, _why = (
                 job.state,
@@ -300,6 +304,10 @@ def _go_on():
             )
     except Exception as error:
         _left, _why = job.state, failures.sentence_of(error)
+        if is_baked:
+            job.failed()
+        else:
+            surface_material.forget_first_light()
     if job.is_outdated:
         _has_changed = True
         _look()

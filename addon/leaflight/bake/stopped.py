@@ -71,6 +71,9 @@ class KeepJob(jobs.Job):
         offer(None)
         return self._job.apply()
 
+    def failed(self):
+        self._job.failed()
+
     def ended(self):
         return "The bake was not saved; you can still keep it"
 

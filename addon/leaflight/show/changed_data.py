@@ -4,6 +4,7 @@
 It is an estimate (leaflight.bake.changed_values), until Live or a bake follows.
 """
 
+import bpy
 import numpy as np
 from leaflight.bake.changed_values import with_values
 
@@ -26,6 +27,8 @@ def light_of(obj):
         volumes = list(bake.volumes)
         volumes[settings.bake_index] = volume_in_bake(obj)
         known = with_values(bake, volumes)
+        for name in set(_estimates) - {each.name_full for each in bpy.data.objects}:
+            del _estimates[name]
         _estimates[obj.name_full] = bake, cache.volume_of(obj).values, known
     return known
 

@@ -133,4 +133,11 @@ struct TexelWeights {
 template <int D>
 TexelWeights<D> linear_weights(const TexelLattice<D>& lattice, const Vec<D>& index_position);
 
+template <int D, class Value>
+Value mean(const TexelWeights<D>& near, const std::vector<Value>& values) {
+  Value mean(0);
+  for (int i = 0; i < near.count; ++i) mean += values[near.slot[i]] * near.weight[i];
+  return mean;
+}
+
 }  // namespace leaflight

@@ -234,8 +234,8 @@ def lit(
     def as_bake(baked: _core.Baked) -> Bake:
         statistics = statistics_of(baked)
         grids, continued = baked.grids, ""
-        # A previous bake with other texels, a first coarse result, is not continued.
-        if previous is not None and grids[0].resolution == previous.grid.resolution:
+        # A first coarse result is not continued.
+        if previous is not None and baked.statistics.continued:
             continued = previous.id
             statistics = replace(
                 statistics,

@@ -5,6 +5,7 @@ Light away from the changes is that of the bake. Near them, what the bake has li
 there. Isosurfaces there get an estimate: the mean light of those that the lamps reach, by normals.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,6 +16,9 @@ from ..volume.regions import cuts_to_record, frozen
 from ..volume.volume import Volume
 from .baked import Bake
 from .provenance import values_sha256
+
+# As in the core's pass_texels.cpp: more texels are not finer than voxels.
+MOST_FINE_TEXELS = 32_000_000
 
 
 def with_values(bake: Bake, volumes: Sequence[Volume], direct: bool = True) -> Bake:
@@ -64,6 +68,13 @@ def _grid(bake: Bake, number: int, volume: Volume, direct: bool) -> _core.Radian
 
 
 def resolution_on(volume: Volume, before: Volume, resolution: Sequence[int]) -> list[int]:
-    """Returns the resolution of texels as wide as those of a resolution on another volume."""
-    dims = zip(volume.values.shape[::-1], before.values.shape[::-1], resolution)
-    return [max(2, round((now - 1) * (n - 1) / (then - 1)) + 1) for now, then, n in dims]
+    """Returns the resolution of texels as wide as those of a resolution on another volume.
+
+    Where a large volume would have too many, they are as wide as voxels.
+    """
+    dims = volume.values.shape[::-1]
+    each = zip(dims, before.values.shape[::-1], resolution)
+    found = [max(2, round((now - 1) * (n - 1) / (then - 1)) + 1) for now, then, n in each]
+    if math.prod(found) > MOST_FINE_TEXELS:
+        found = [min(n, now) for n, now in zip(found, dims)]
+    return found

@@ -127,6 +127,10 @@ def _check(
     isovalue_range: tuple[float, float],
 ) -> None:
     before, now = bake.scene.isosurfaces, description.isosurfaces
+    if bake.factors is not None and bake.original:
+        raise LeaflightError(
+            "This bake has other values and other lamps: give with_values() the bake as baked."
+        )
     if not can_be_relit(bake.original or bake, diffuse_alone=True):
         raise LeaflightError(
             "This bake has no exact direct light, so objects cannot move in it: bake to a target "
@@ -191,13 +195,15 @@ def _grid(
     if not earlier.map_resolution:
         # Mirrors and glass store no light.
         return grid
+    resolution = resolution_on(volume, baked, earlier.map_resolution)
+    if earlier.direct and resolution != list(earlier.map_resolution):
+        low, high = (bake.isovalue_of(number, c) for c in bake.isovalues)
+        points = len(earlier.direct.light_points)
+        resolution = _core.map_resolution(volume.field(), (low, high), resolution, points)
     direct = _core.DirectLight(
         scene,
         number,
-        [
-            max(2, (n - 1) // detail.wider + 1)
-            for n in resolution_on(volume, baked, earlier.map_resolution)
-        ],
+        [max(2, (n - 1) // detail.wider + 1) for n in resolution],
         grid.has_back,
         progress,
         detail.spacing,

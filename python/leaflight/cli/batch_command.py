@@ -8,6 +8,7 @@ Workers run `bake_line` of this module. Workers of a scheduler need the same sha
 import csv
 import os
 import shlex
+import uuid
 from argparse import Namespace
 from collections.abc import Sequence
 from concurrent.futures import CancelledError
@@ -76,10 +77,20 @@ def run_batch(options: Namespace) -> Output:
     ]
 
 
-def bake_line(options: Namespace, threads: int) -> dict[str, Any]:
-    """Bakes a line of the list in a worker, unless its file is complete. Returns its results."""
-    global _under_way
-    _under_way = progress = Progress()
+def bake_line(key: str, options: Namespace, threads: int) -> dict[str, Any]:
+    """Bakes a line of the list in a worker, unless its file is complete. Returns its results.
+
+    key: Key for end_batch().
+    """
+    progress = Progress()
+    _under_way.append((key, progress))
+    try:
+        return _bake_line(options, threads, progress)
+    finally:
+        _under_way.remove((key, progress))
+
+
+def _bake_line(options: Namespace, threads: int, progress: Progress) -> dict[str, Any]:
     volumes, scene = to_light(options, ".vdb")
     settings = {**bake_settings(options), "threads": threads}
     asked = task_of(volumes, scene, **settings).provenance
@@ -97,13 +108,14 @@ def bake_line(options: Namespace, threads: int) -> dict[str, Any]:
     return _results(baked, was_complete=False)
 
 
-_under_way: Progress | None = None
+_under_way: list[tuple[str, Progress]] = []  # the bakes of this worker
 
 
-def cancel_bake() -> None:
-    """Ends the bake of this worker; its checkpoint stays."""
-    if _under_way is not None:
-        _under_way.cancel()
+def end_batch(key: str) -> None:
+    """Ends the bakes of a batch in this worker; their checkpoints stay."""
+    for other, progress in list(_under_way):
+        if other == key:
+            progress.cancel()
 
 
 def _results(baked: Bake, was_complete: bool) -> dict[str, Any]:
@@ -123,9 +135,10 @@ def _bake_all(
     """Returns the results of all bakes, in their order."""
     progress.begin("Bakes")
     progress.expect(len(bakes))
-    tasks = [(k, bake_line, (one.options, workers.threads)) for k, one in enumerate(bakes)]
+    key = uuid.uuid4().hex
+    tasks = [(k, bake_line, (key, one.options, workers.threads)) for k, one in enumerate(bakes)]
     done: list[dict[str, Any]] = [{}] * len(bakes)
-    with at_workers(workers, tasks, progress, cancel_bake) as finished:
+    with at_workers(workers, tasks, progress, end_batch, key) as finished:
         for k, future in finished:
             options = bakes[k].options
             names = {"file": " ".join(options.volumes) or options.scene, "output": options.out}

@@ -112,18 +112,18 @@ def load(array: Array | str) -> Array:
 class _Tracer:
     """The tracer of one bake."""
 
-    def __init__(self, recipe: Recipe) -> None:
+    def __init__(self, recipe: Recipe, progress: Progress) -> None:
         if recipe.version != __version__:
             raise OtherVersion(
                 f"A worker has Leaflight {__version__}, but this machine has {recipe.version}: "
                 "install the same version on all machines."
             )
-        self.key, self.progress = recipe.key, Progress()
+        self.key = recipe.key
         settings = _core.BakeSettings()
         for name, value in recipe.settings.items():
             setattr(settings, name, value)
         self._known: dict[int, str] = {}  # name of the data that it has read, by kind
-        self._core = _core.PartTracer(recipe.scene_of_core(), settings, self.progress)
+        self._core = _core.PartTracer(recipe.scene_of_core(), settings, progress)
 
     def traced(self, sent: Sequence[Sent], part: bytes) -> bytes:
         for one in sent:
@@ -135,19 +135,22 @@ class _Tracer:
 
 _lock = threading.Lock()
 _tracer: _Tracer | None = None
+_progress: dict[str, Progress] = {}  # of each bake, by its key
 
 
 def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:
     """Returns the passed() result of one part of a bake, bytes for _core.bake().
 
-    sent: Data for the part. Raises LeaflightError, and Cancelled after cancel().
+    sent: Data for the part. Raises LeaflightError, and Cancelled after end().
     """
     global _tracer
+    progress = _progress.setdefault(recipe.key, Progress())
     # All parts share one tracer, and each part uses all allowed threads.
     with _lock:
+        progress.check()
         if _tracer is None or _tracer.key != recipe.key:
             _tracer = None
-            _tracer = _Tracer(recipe)
+            _tracer = _Tracer(recipe, progress)
         try:
             return passed(_tracer.traced(sent, part), recipe.folder)
         except BaseException:
@@ -156,16 +159,10 @@ def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:
             raise
 
 
-def cancel(key: str) -> None:
-    """Ends the work of this worker for a bake, from another thread."""
-    tracer = _tracer
-    if tracer is not None and tracer.key == key:
-        tracer.progress.cancel()
-
-
-def forget(key: str) -> None:
-    """Frees the data of a bake in this worker."""
+def end(key: str) -> None:
+    """Ends the work of this worker for a bake, from another thread, and frees its data."""
     global _tracer
+    _progress.setdefault(key, Progress()).cancel()
     with _lock:
         if _tracer is not None and _tracer.key == key:
             _tracer = None

@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import tempfile
+import time
 import uuid
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -37,6 +38,7 @@ class Workers:
     count: Number of processes on this machine, which share its processors.
     scheduler: Address of a Dask scheduler instead, such as "tcp://10.0.0.1:8786". Its workers need
         the same Leaflight.
+    patience_seconds: The longest wait for a first worker, and for others when all have left.
     Use it as a context manager, or call close(). `traced` is the number of parts that workers
     computed, `lost` the number that bakes had to compute themselves. Raises LeaflightError without
     Dask or without workers.
@@ -79,11 +81,16 @@ class Workers:
             )
         else:
             self.threads = 0
+        self.patience_seconds = patience_seconds
         try:
             self.client: Any = Client(self._cluster or scheduler, timeout=patience_seconds)
             self.client.wait_for_workers(1, timeout=patience_seconds)
         except _GONE as error:
             self.close()
+            if scheduler is None:
+                raise LeaflightError(
+                    f"The workers of this machine do not start: {error}; bake without workers."
+                ) from None
             raise LeaflightError(
                 f"{scheduler}: no Dask scheduler with workers answers: {error}; check the address."
             ) from None
@@ -103,7 +110,7 @@ class Workers:
 
     def processes(self) -> int:
         """Returns the number of processes now."""
-        return len(self.client.scheduler_info()["workers"])
+        return len(self.client.nthreads())
 
     def tracing(
         self,
@@ -128,9 +135,10 @@ class Workers:
         try:
             np.save(path, np.ascontiguousarray(values))
         except OSError as error:
+            shutil.rmtree(folder, ignore_errors=True)
             raise LeaflightError(
-                f"{path}: the copy of the volume for workers cannot be written: {error.strerror}; "
-                "free disk space, or bake without workers."
+                f"{path}: the copy of the volume for workers cannot be written: "
+                f"{error.strerror or error}; free disk space, or bake without workers."
             ) from None
         return str(path)
 
@@ -178,16 +186,10 @@ class Tracing:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Ends all work that is left."""
-        futures, self._futures = self._futures, {}
-        try:
+        """Ends all work that is left. A worker that is gone has none."""
+        with contextlib.suppress(*_GONE):
             if self._is_connected():
-                if futures:
-                    self._client.cancel(list(futures.values()), force=True)
-                    self._client.run(part_tracer.cancel, self._recipe.key, on_error="ignore")
-                self._client.run(part_tracer.forget, self._recipe.key, on_error="ignore")
-        except _GONE:
-            pass  # A worker that is gone has nothing to end.
+                self._client.run(part_tracer.end, self._recipe.key, on_error="ignore")
         self._fetching.shutdown(wait=False)
         if self._recipe.folder is not None:
             shutil.rmtree(self._recipe.folder, ignore_errors=True)
@@ -262,14 +264,12 @@ class Tracing:
 
         Raises Cancelled, and LeaflightError for workers of another version.
         """
-        future = self._futures.pop(number, None)
+        future = self._futures.get(number)
         if future is not None:
             # Fetch in a thread: an interrupted transfer would start again after each poll.
             fetched = self._fetching.submit(future.result)
-            while not wait([fetched], timeout=POLL_SECONDS).done:
-                if self._progress.cancelled:
-                    self._futures[number] = future
-                    self._progress.check()
+            self._wait(fetched)
+            del self._futures[number]
             try:
                 found = received(fetched.result(), last=True)
                 self._workers.traced += 1
@@ -281,3 +281,22 @@ class Tracing:
                 self._described = None
         self._workers.lost += 1
         return b""
+
+    def _wait(self, fetched: Any) -> None:
+        """Waits for a part. Cancels all parts if there are no workers for a long time.
+
+        Raises Cancelled.
+        """
+        last_there = asked = time.monotonic()
+        while not wait([fetched], timeout=POLL_SECONDS).done:
+            self._progress.check()
+            now = time.monotonic()
+            if now < asked + self._workers.patience_seconds / 10:
+                continue
+            asked = now
+            with contextlib.suppress(*_GONE):
+                if self._workers.processes() > 0:
+                    last_there = now
+                elif now > last_there + self._workers.patience_seconds:
+                    self._end()
+                    self._client.cancel(list(self._futures.values()), force=True)

@@ -260,6 +260,18 @@ def check_stop_leaves_it_until_something_moves(lit, held):
     assert_shows(lit, 50.0)
 
 
+def check_light_that_cannot_be_shown_leaves_that_of_the_bake(lit, held, monkeypatch):
+    def broken(_):
+        raise leaflight.LeaflightError("broken on purpose")
+
+    before = colors_of(lit)
+    monkeypatch.setattr(live.LiveJob, "apply", broken)
+    move_lamp()
+    finish(held)
+    assert "broken on purpose" in live.sentence() and preview.of(lit) is None
+    close(colors_of(lit), before, 0)
+
+
 def check_undo_and_redo(lit, held):
     before, bake_id = colors_of(lit), lit.leaflight.bake_id
     bpy.ops.ed.undo_push(message="baked")

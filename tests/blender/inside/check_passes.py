@@ -221,6 +221,19 @@ def check_a_stopped_bake_is_kept(endless):
     assert "was not reached" in endless.leaflight.bake_outcome
 
 
+def check_a_stopped_bake_that_cannot_be_shown_leaves_the_light_before(endless, monkeypatch):
+    def broken(_):
+        raise leaflight.LeaflightError("broken on purpose")
+
+    before = state()
+    job, work = begin(endless)
+    job.show()
+    stop(job, work)
+    monkeypatch.setattr(type(job), "apply", broken)
+    assert "broken on purpose" in error_of(bpy.ops.leaflight.keep_bake)
+    assert state() == before and stopped.offered() is None
+
+
 @pytest.mark.parametrize("was_baked", [False, True])
 def check_a_stopped_bake_is_thrown_away(endless, was_baked):
     if was_baked:

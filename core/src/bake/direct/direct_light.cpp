@@ -44,27 +44,18 @@ IsosurfacePoint<D> isosurface_point(const Field<D>& field, const Vec<D>& index_p
 template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
                         const Index<D>& texels, std::size_t points) {
-  const auto bytes = [&](const Index<D>& resolution) {
-    return active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points;
+  const auto fits = [&](const Index<D>& resolution, std::size_t most) {
+    return cell_count<D>(resolution) * points <= most ||
+           active_texels(field, resolution, isovalue_range.min, isovalue_range.max) * points <=
+               most;
   };
   Index<D> found;
   for (int a = 0; a < D; ++a) found[a] = std::min(field.dims[a], texels[a]);
   if (found != texels && cell_count<D>(texels) <= most_fine_texels &&
-      bytes(texels) <= most_finer_bytes) {
+      fits(texels, most_finer_bytes)) {
     return texels;
   }
-  return bytes(found) <= most_bytes ? found : coarser_resolution<D>(found, 2);
-}
-
-template <int D>
-bool fits_maps(const Field<D>& field, const Index<D>& resolution) {
-  bool is_coarse = true;
-  for (int a = 0; a < D; ++a) {
-    if (resolution[a] < 2 || resolution[a] > std::numeric_limits<std::uint16_t>::max())
-      return false;
-    is_coarse = is_coarse && resolution[a] <= field.dims[a];
-  }
-  return is_coarse || cell_count<D>(resolution) <= most_fine_texels;
+  return fits(found, most_bytes) ? found : coarser_resolution<D>(found, 2);
 }
 
 template <int D>
@@ -346,8 +337,6 @@ template Index<2> map_resolution<2>(const Field<2>&, const IsovalueRange&, const
                                     std::size_t);
 template Index<3> map_resolution<3>(const Field<3>&, const IsovalueRange&, const Index<3>&,
                                     std::size_t);
-template bool fits_maps(const Field<2>&, const Index<2>&);
-template bool fits_maps(const Field<3>&, const Index<3>&);
 template class DirectLight<2>;
 template class DirectLight<3>;
 

@@ -172,10 +172,6 @@ template <int D>
 Index<D> map_resolution(const Field<D>& field, const IsovalueRange& isovalue_range,
                         const Index<D>& texels, std::size_t points);
 
-// True if maps of a field may have this resolution.
-template <int D>
-bool fits_maps(const Field<D>& field, const Index<D>& resolution);
-
 // Returns the memory of the maps of one side.
 template <int D>
 std::size_t map_bytes(const Field<D>& field, const IsovalueRange& isovalue_range,

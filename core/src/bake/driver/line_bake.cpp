@@ -148,11 +148,6 @@ template <int D>
 void LineBake<D>::serialize(Archive& archive) {
   if (!indirect_) return;
   light_.serialize(archive);
-  serialize_indirect(archive);
-}
-
-template <int D>
-void LineBake<D>::serialize_indirect(Archive& archive) {
   const std::size_t texels = light_.lattice().active.size();
   for (std::vector<Rgb>& side : indirect_sides_) archive(side, texels);
   archive(back_direct_, texels);

@@ -49,7 +49,6 @@ class LineBake final : public Integrator<D> {
   void gather_bounces();
   void gather_bounces_here();
   void send(PartData kind, const std::function<void(Archive)>& write) const;
-  void serialize_indirect(Archive& archive);
   void serialize_lines(Archive& archive, bool is_dark);
   void make_wall_parts();
   void compute_radiance();

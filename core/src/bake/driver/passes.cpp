@@ -328,6 +328,7 @@ class Passes {
     baked.statistics.rays = rays();
     baked.statistics.passes = passes_;
     baked.statistics.blocks = bake.blocks();
+    baked.statistics.continued = previous_ != nullptr;
     errors_ = bake.errors();
     measured_->take_shared();
     measured_->add_to(errors_, baked.grids);

@@ -16,8 +16,9 @@ struct BakeStatistics {
   int passes = 1;
   int blocks = 0;  // averaged blocks of indirect light
   double noise_percent = 0, error_percent = 0;
-  WorstIsovalue worst;   // of the isosurfaces
-  bool stopped = false;  // true if time or the caller ended it before the target error
+  WorstIsovalue worst;     // of the isosurfaces
+  bool stopped = false;    // true if time or the caller ended it before the target error
+  bool continued = false;  // true if it contains the light of a previous bake
 };
 
 template <int D>

@@ -188,12 +188,6 @@ Index<3> nearest_voxel(const Field<3>& field, const Vec3& position) {
   return voxel;
 }
 
-Vec<3, float> mean(const TexelWeights<3>& near, const Colors& values) {
-  Vec<3, float> sum(0);
-  for (int i = 0; i < near.count; ++i) sum += values[near.slot[i]] * near.weight[i];
-  return sum;
-}
-
 }  // namespace
 
 RadianceGrid<3> estimated_grid(const RadianceGrid<3>& baked, const Field<3>& before,

@@ -46,13 +46,6 @@ void prefetch(const TexelWeights<D>& near, const Colors& values) {
   for (int i = 0; i < near.count; ++i) __builtin_prefetch(&values[near.slot[i]]);
 }
 
-template <int D>
-Vec<3, float> mean(const TexelWeights<D>& near, const Colors& values) {
-  Vec<3, float> mean(0);
-  for (int i = 0; i < near.count; ++i) mean += values[near.slot[i]] * near.weight[i];
-  return mean;
-}
-
 }  // namespace
 
 template <int D>
