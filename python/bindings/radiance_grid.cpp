@@ -38,8 +38,13 @@ py::object cap_layers(const GridObject<D>& grid) {
 // Returns all light of one side's texels, as baked.
 template <int D>
 std::vector<Vec<3, float>> all_light(const GridObject<D>& grid, bool back) {
+  // Another thread may keep the light meanwhile, so derive it.
   const py::gil_scoped_release unlocked;
-  return all_light(*grid.baked, *grid.lit, back);
+  std::vector<Vec<3, float>> light(grid.baked->texels());
+  parallel_each(light.size(), [&](std::size_t s) {
+    light[s] = derived_radiance(*grid.baked, *grid.lit, s, back);
+  });
+  return light;
 }
 
 // Returns the radiance of one side's texels at some slots, or its indirect part.
@@ -67,7 +72,7 @@ std::vector<Vec<3, float>> texels_at(const GridObject<D>& grid,
     } else if (indirect_alone) {
       light = part;
     } else {
-      light = is_kept ? kept[s] : radiance_of_texel(from, *grid.lit, s, back);
+      light = is_kept ? kept[s] : derived_radiance(from, *grid.lit, s, back);
     }
     texels[i] = shown.textured(light, center);
   });

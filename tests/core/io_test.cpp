@@ -256,6 +256,24 @@ TEST_F(Files, ExrComesBack) {
   expect_refused("EXR", [&] { read_exr(path("j.exr")); });
 }
 
+TEST_F(Files, ExrNeedsColorsOrGray) {
+  const std::vector<float> pixels{1, 2, 3, 4, 5, 6};
+  write_exr(path("i.exr"), pixels.data(), 2, 1, 3);
+  std::string content = this->content("i.exr");
+  // The list of channels has a size and then, 18 bytes each, B, G and R.
+  const std::size_t names = content.find("chlist") + std::string("chlist").size() + 1 + 4;
+  for (const std::size_t channel : {0, 1, 2}) {
+    const std::size_t at = names + 18 * channel;
+    ASSERT_EQ(content[at], "BGR"[channel]);
+    content[at] = "BGY"[channel];
+  }
+  write("j.exr", content);
+  expect_refused("has the channels B, G, Y;", [&] { read_exr(path("j.exr")); });
+  content[names] = 'V', content[names + 18] = 'W';
+  write("k.exr", content);
+  EXPECT_EQ(read_exr(path("k.exr")).pixels, (std::vector<float>{1, 1, 1, 4, 4, 4}));
+}
+
 TEST_F(Files, ExrOfManyRowsComesBack) {
   std::vector<float> pixels;
   for (int i = 0; i < 2 * 700 * 3; ++i) pixels.push_back(static_cast<float>(i % 1013));

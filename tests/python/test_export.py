@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import vtk_files
 from leaflight import Surface
+from leaflight.export.blend import _walls
 from leaflight.export.point_grid import point_grid
 from leaflight.export.ply import display_colors, write_ply
 from outcomes import refused
@@ -346,3 +347,12 @@ def test_errors_leave_nothing(tmp_path, tetrahedron):
     for path in (tmp_path / "mesh.obj", tmp_path / "nowhere" / "mesh.ply", tmp_path):
         refused(".", write_ply, path, tetrahedron, exposure=1)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_mirrors_among_walls_have_no_baked_light_in_blend(bump_scene):
+    first, *others = bump_scene.meshes
+    scene = replace(bump_scene, meshes=[replace(first, scattering="mirror"), *others])
+    bake = leaflight.bake(leaflight.bump_box(12), scene, error=20.0, resolution=8, walls=True)
+    objects, light = _walls(bake)
+    assert sorted(light) == [f"light{number}" for number in range(1, len(objects))]

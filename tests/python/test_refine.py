@@ -147,5 +147,6 @@ def test_the_command_line(cli, root, tmp_path):
     cli.refuses("(--error).", *continued)
     others = ("--isovalues", "30", "60", "--seed", "2", "--both-sides")
     cli.refuses("leave out --isovalues, --seed, --both-sides.", *continued, *others)
+    cli.refuses("leave out --level, --both-sides.", *continued, "--no-both-sides", "--level", "0")
     both = ("bump_box", "--continue", previous, "--estimate")
     cli.refuses("leave out VOLUME, --estimate.", "bake", *both)

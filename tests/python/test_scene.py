@@ -191,3 +191,41 @@ def test_every_kind_of_object_is_accepted_by_the_core():
 def test_the_core_names_what_is_wrong(objects, sentence):
     message = refused(sentence, build, **objects)
     assert message.endswith(".") and "\n" not in message
+
+
+def test_a_black_sky_is_no_light():
+    black = replace(WORLD, image=np.zeros((2, 4, 3), dtype=np.float32))
+    settings = {"isovalues": (0.2, 0.8), "error": 20.0, "resolution": 8}
+    refused("no light", leaflight.bake, brick(), replace(SCENE, lights=[], environment=black))
+    lit, alone = (
+        leaflight.bake(brick(), replace(SCENE, environment=sky), **settings)
+        for sky in (black, None)
+    )
+    points = lit.surface(0.5).vertices
+    np.testing.assert_array_equal(lit.radiance(points), alone.radiance(points))
+
+
+def test_a_lamp_far_away_lights_as_a_sun():
+    far = PointLight("star", (0.6e13, 0.0, 0.8e13), 0.0, (1e26, 1e26, 1e26))
+    sun = SunLight("sun", (-0.6, 0.0, -0.8), (1.0, 1.0, 1.0))
+    stars, suns = (
+        leaflight.bake(brick(), replace(SCENE, lights=[lamp], environment=None), error=20.0)
+        for lamp in (far, sun)
+    )
+    points = suns.surface(0.5).vertices
+    expected = suns.radiance(points)
+    assert expected.max() > 0.05
+    np.testing.assert_allclose(stars.radiance(points), expected, atol=0.02 * expected.max())
+
+
+def test_a_closed_white_room_ends():
+    """Checks photons of isovalues that no voxel has, which meet nothing that absorbs them."""
+    low, high = np.asarray(brick().field().bounds) + [[-1.0], [1.0]]
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float32)
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    triangles = np.uint32([(a, b, c) for s in sides for a, b, c in (s[:3], (s[0], *s[2:]))])
+    room = Mesh("room", np.float32(low + corners * (high - low)), triangles, (1.0, 1.0, 1.0))
+    lamp = PointLight("bulb", tuple(high - 0.1), 0.0, (1.0, 1.0, 1.0))
+    scene = replace(SCENE, meshes=[room], lights=[lamp], environment=None)
+    bake = leaflight.bake(brick(), scene, isovalues=(0.2, 1.02), error=20.0, walls=True)
+    assert np.isfinite(bake.walls.radiance(0, 0.5, False)).all()

@@ -10,6 +10,7 @@ import pytest
 from leaflight import Volume, _core
 from leaflight.io.sources import open_volume
 from leaflight.scene.scene import core_scene
+from leaflight.stills.first_view import default_isovalue_of
 from outcomes import refused
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
@@ -163,6 +164,10 @@ def test_volume_that_is_not_there(lapr_bake, volume):
         lambda: lapr_bake.surface(0.5, volume),
         lambda: lapr_bake.radiance(np.zeros((1, 3)), volume),
         lambda: lapr_bake.reference(np.zeros((1, 3)), 0.5, volume=volume),
+        lambda: lapr_bake.to_xarray(volume),
+        lambda: leaflight.export(lapr_bake, "x.vti", volume=volume),
+        lambda: leaflight.export(lapr_bake, "x.glb", volume=volume),
+        lambda: default_isovalue_of(lapr_bake, volume),
     ):
         refused(f"no volume {volume}: the bake holds 2", ask)
 

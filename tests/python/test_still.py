@@ -135,7 +135,9 @@ def test_sentences(cli, box_bake, box_file, tmp_path):
         cli.refuses(words, "still", box_file, *arguments)
     huge = '{"position": [1%s, 0, 0], "target": [1, 1, 1]}' % (400 * "0")
     short = '{"position": [0, 0], "target": [1, 1, 1]}'
-    for text in ("[]", "{}", short, huge, '{"angle": 20}', "x"):
+    whole = huge.replace(400 * "0", 20 * "0")
+    assert np.isfinite(load_camera(written(tmp_path / "camera.json", whole)).axes()).all()
+    for text in ("[]", "{}", short, huge, 10**5 * "[", '{"angle": 20}', "x"):
         path = written(tmp_path / "camera.json", text)
         refused("is not a camera", load_camera, path)
     mirror = replace(box_bake.scene.isosurfaces[0], scattering="mirror")

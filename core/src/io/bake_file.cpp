@@ -41,6 +41,8 @@ constexpr char type_key[] = "leaflight_type";
 constexpr std::size_t most_shown_texels = 2'500'000;
 
 constexpr int nodes = IsovalueNodes::count;
+// More than the vertices of the largest walls that a bake can light (SurfaceCache).
+constexpr int most_vertices = 1 << 22;
 
 openvdb::Vec3f to_vdb(const Vec<3, float>& v) { return {v.x, v.y, v.z}; }
 Vec<3, float> from_vdb(const openvdb::Vec3f& v) { return {v.x(), v.y(), v.z()}; }
@@ -165,7 +167,7 @@ void read_walls(const VdbGrids& file, const std::filesystem::path& path, WallRad
   const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   const int count = meshes ? meshes->value() : -1;
   if (count < 0 || (!box.empty() && (box.min().x() < 0 || box.min().y() < 0 || box.min().z() < 0 ||
-                                     box.max().x() >= 1 << 20 || box.max().y() >= nodes ||
+                                     box.max().x() >= most_vertices || box.max().y() >= nodes ||
                                      box.max().z() / 2 >= count))) {
     throw damaged_bake(path);
   }

@@ -52,13 +52,16 @@ class Threads {
 // memory for long rows, which a damaged file may claim.
 constexpr std::int64_t most_rows_at_once = 256, most_values_at_once = 1 << 25;
 
-Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels) {
+// `is_gray`: the first channel is Y.
+Imf::FrameBuffer frame_buffer(float* pixels, const Imath::Box2i& window, int channels,
+                              bool is_gray = false) {
   const std::size_t width = window.max.x - window.min.x + 1;
   const std::size_t x_stride = channels * sizeof(float), y_stride = width * x_stride;
   Imf::FrameBuffer buffer;
   for (int c = 0; c < channels; ++c) {
-    buffer.insert(channel_names[c], Imf::Slice::Make(Imf::FLOAT, pixels + c, window, x_stride,
-                                                     y_stride, 1, 1, c == 3 ? 1.0 : 0.0));
+    buffer.insert(is_gray && c == 0 ? "Y" : channel_names[c],
+                  Imf::Slice::Make(Imf::FLOAT, pixels + c, window, x_stride, y_stride, 1, 1,
+                                   c == 3 ? 1.0 : 0.0));
   }
   return buffer;
 }
@@ -164,7 +167,18 @@ Image read_exr(const std::filesystem::path& path) {
     Image image;
     image.width = static_cast<int>(width);
     image.height = static_cast<int>(height);
-    image.channels = file.header().channels().findChannel("A") ? 4 : 3;
+    const Imf::ChannelList& channels = file.header().channels();
+    const auto has = [&](const char* name) { return channels.findChannel(name) != nullptr; };
+    const bool is_gray = !has("R") && !has("G") && !has("B") && has("Y");
+    if (!is_gray && !(has("R") && has("G") && has("B"))) {
+      std::string names;
+      for (auto each = channels.begin(); each != channels.end(); ++each) {
+        names += (names.empty() ? "" : ", ") + std::string(each.name());
+      }
+      throw Error("The image '" + text_of(path) + "' has the channels " + names +
+                  "; save it with R, G and B, or with Y.");
+    }
+    image.channels = has("A") ? 4 : 3;
     // Grow the pixels as rows arrive, because a damaged file can claim more rows than it has.
     const std::size_t row = static_cast<std::size_t>(width) * image.channels;
     image.pixels.reserve(row * static_cast<std::size_t>(height));
@@ -173,9 +187,14 @@ Image read_exr(const std::filesystem::path& path) {
     for (std::int64_t begin = 0; begin < height; begin += rows_at_once) {
       const std::int64_t end = std::min(begin + rows_at_once, height);
       image.pixels.resize(row * static_cast<std::size_t>(end));
-      file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels));
+      file.setFrameBuffer(frame_buffer(image.pixels.data(), window, image.channels, is_gray));
       file.readPixels(static_cast<int>(window.min.y + begin),
                       static_cast<int>(window.min.y + end - 1));
+    }
+    if (is_gray) {
+      for (std::size_t i = 0; i < image.pixels.size(); i += image.channels) {
+        image.pixels[i + 1] = image.pixels[i + 2] = image.pixels[i];
+      }
     }
     return image;
   });

@@ -34,7 +34,7 @@ double SunLight<D>::power(const BoundingSphere<D>& bounds) const {
 template <int D>
 double SunLight<D>::largest_flux(const BoundingSphere<D>& bounds) const {
   // A photon's flux is the radiance times the area, over the constant density of its direction.
-  const double cap = 1 - std::cos(0.5 * angle);
+  const double cap = one_minus_cosine(std::sin(0.5 * angle));
   const double scale = angle > 0 ? unit_radiance() * cone_measure<D>(cap) : 1;
   return largest(irradiance) * bounds.parallel_area() * scale;
 }

@@ -108,7 +108,12 @@ bool has_light(const Scene<D>& scene) {
   for (const Volume<D>& volume : scene.volumes) {
     if (volume.emission.largest() > 0) return true;
   }
-  return scene.environment && largest(scene.environment->radiance) > 0;
+  if (!scene.environment || !(largest(scene.environment->radiance) > 0)) return false;
+  if (!scene.environment->image) return true;
+  const auto& pixels = scene.environment->image->pixels;
+  return std::any_of(pixels.begin(), pixels.end(), [](const auto& pixel) {
+    return std::max({pixel.x, pixel.y, pixel.z}) > 0;
+  });
 }
 
 void check_ramp(const ColorRamp& ramp, const std::string& name, const char* what) {

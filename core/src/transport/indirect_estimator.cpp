@@ -73,7 +73,7 @@ class PathEstimator final : public IndirectEstimator<D> {
     SurfacePoint<D> point = start;
     std::array<double, 2> sample = u;
     Rgb radiance(0), throughput(1);
-    for (;;) {
+    for (int bounce = 0; bounce < most_diffuse_bounces; ++bounce) {
       throughput *= point.albedo;
       const Real survival = std::min(Real(1), largest(throughput));
       if (!(random.uniform() < survival)) return radiance;
@@ -106,6 +106,7 @@ class PathEstimator final : public IndirectEstimator<D> {
       sample[0] = random.uniform();
       sample[1] = random.uniform();
     }
+    return radiance;
   }
 
  private:

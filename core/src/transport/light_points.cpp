@@ -133,7 +133,8 @@ void add_environment(const SceneTracer<D>& tracer, const Environment<D>& environ
   Environment<D> beyond = environment;
   beyond.image = part_of(image, limit, true);
   const EnvironmentSampler<D> all(environment), sharp(beyond);
-  if (sharp.power(tracer.bounds()) < least_bright_share * all.power(tracer.bounds())) return;
+  const double power = sharp.power(tracer.bounds());
+  if (!(power > 0) || power < least_bright_share * all.power(tracer.bounds())) return;
   split.wide->image = part_of(image, limit, false);
   add_points<D>(sets, bright_points, no_light, [&](int set, int i) {
     return sharp.source(sobol_point(i + set * bright_points, 0));

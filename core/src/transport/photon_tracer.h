@@ -91,7 +91,8 @@ std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>&
     Vec<D> direction = start.direction;
     Arrival arrival = start.from_isosurface ? Arrival::indirect : Arrival::direct;
     SurfacePoint<D> from = start.from;
-    for (int specular = 0; specular < most_specular_bounces;) {
+    for (int specular = 0, diffuse = 0;
+         specular < most_specular_bounces && diffuse < most_diffuse_bounces;) {
       ++rays;
       const Hit<D> hit = tracer.intersect(from, direction);
       if (hit.kind == HitKind::none) {
@@ -108,6 +109,7 @@ std::uint64_t trace_photons(const SceneTracer<D>& tracer, const LightSampler<D>&
         if (paths == PhotonPaths::caustics) break;
         flux_height *= point.albedo;
         arrival = Arrival::indirect;
+        ++diffuse;
         // Sample the cosine about the geometric normal, through which flux leaves. The flux already
         // includes the factor of the shading normal.
         from = point;

@@ -7,6 +7,8 @@ namespace leaflight {
 
 // A ray ends after this number of mirrors and glass surfaces.
 inline constexpr int most_specular_bounces = 64;
+// A path ends after this number of diffuse surfaces. It would not end in a closed white room.
+inline constexpr int most_diffuse_bounces = 1024;
 
 // Returns the unpolarized reflectance of a dielectric at the given cosine to the normal; 1 beyond
 // the critical angle. `ior`: index of the far side relative to the near one.

@@ -231,7 +231,7 @@ class Bake:
         It is zero where no isosurface passes.
         back: takes the backs. Raises LeaflightError.
         """
-        self._check_volume(volume)
+        self.check_volume(volume)
         if self._is_dark(volume, back):
             return np.zeros((np.shape(points)[0], 3), dtype=np.float32)
         return self.grids[volume].lookup(self.volumes[volume].field(), points, back)
@@ -249,7 +249,7 @@ class Bake:
 
     def radiance_error(self, points: ArrayLike, volume: int = 0) -> Array:
         """Returns the standard error of the mean of radiance() over the channels: float32 (n,)."""
-        self._check_volume(volume)
+        self.check_volume(volume)
         return self.grids[volume].lookup_error(self.volumes[volume].field(), points)
 
     def reference(
@@ -321,7 +321,7 @@ class Bake:
 
     def check_isovalue(self, isovalue: float, volume: int = 0) -> None:
         """Raises LeaflightError unless the baked range and the data include the isovalue."""
-        self._check_volume(volume)
+        self.check_volume(volume)
         self._check_isovalue(isovalue)
         low, high = self.volumes[volume].field().range
         local = self.isovalue_of(volume, isovalue)
@@ -340,7 +340,7 @@ class Bake:
     def _check_isovalue(self, isovalue: float) -> None:
         check_is_baked(isovalue, self.isovalues)
 
-    def _check_volume(self, volume: int) -> None:
+    def check_volume(self, volume: int) -> None:
         if not 0 <= volume < len(self.volumes):
             raise SettingError(
                 f"There is no volume {volume}: the bake holds {len(self.volumes)}, "

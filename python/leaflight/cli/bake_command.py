@@ -148,8 +148,14 @@ def _given(options: Namespace, ignored: Collection[str]) -> list[str]:
     return [
         "VOLUME" if name == "volumes" else f"--{name.replace('_', '-')}"
         for name, value in vars(options).items()
-        if name not in ignored and value not in (None, False, 0, [])
+        if name not in ignored and _is_given(name, value)
     ]
+
+
+def _is_given(name: str, value: Any) -> bool:
+    if value is False:
+        return name == "both_sides"  # its default is None
+    return value not in (None, []) and (name, value) != ("seed", 0)
 
 
 def _output(baked: Bake, options: Namespace) -> Output:

@@ -221,8 +221,14 @@ def _read_folder(options: Namespace) -> list[Listed]:
 
 
 def _words(text: str, place: str, comments: bool = False) -> list[str]:
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
+    lexer.whitespace_split = True
+    if not comments:
+        lexer.commenters = ""
+    if os.name == "nt":
+        lexer.escape = ""  # paths have backslashes
     try:
-        return shlex.split(text, comments=comments)
+        return list(lexer)
     except ValueError as error:
         raise LeaflightError(f"{place}: {error}") from None
 
@@ -260,7 +266,7 @@ def _anywhere(options: Namespace) -> Namespace:
     """Returns the options with absolute paths."""
     options.volumes = [path_anywhere(volume) for volume in options.volumes]
     options.color_by = source_anywhere(options.color_by)
-    for name in ("scene", "out"):
+    for name in ("scene", "out", "label_table"):
         value = getattr(options, name)
         setattr(options, name, value and os.path.abspath(value))
     return options

@@ -80,7 +80,9 @@ def _walls(bake: Bake) -> tuple[list[SceneObject], dict[str, Array]]:
     objects = [wall(mesh) for mesh in bake.scene.meshes]
     light = {}
     if bake.walls is not None:
-        for number, one in enumerate(objects):
+        for number, (one, mesh) in enumerate(zip(objects, bake.scene.meshes)):
+            if mesh.scattering != "diffuse":
+                continue  # their picture depends on the view, so a bake cannot hold it
             vertices, triangles = bake.walls.mesh(number)
             one.vertices, one.corners = {"vertices": vertices}, {"triangles": triangles}
             light[f"light{number}"] = np.array(

@@ -91,8 +91,11 @@ def export(
             "coarser",
             "embed",
         )
+    bake.check_volume(volume)
     check_writable(path, suffix)
     if suffix == PAGE:
+        if volume:
+            raise SettingError(f"{path}: a web page shows all volumes: leave out volume.", "volume")
         first = isovalues[0] if isovalues else None
         export_page(bake, path, first, progress=progress, **page)
         return {}

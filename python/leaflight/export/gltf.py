@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from .._core import LeaflightError
 from ..arrays import Array
 from ..bake.baked import Surface
 from ..io.output import check_writable, replaced
@@ -106,6 +107,11 @@ class _File:
         text = json.dumps(document, separators=(",", ":")).encode("ascii")
         text += b" " * (-len(text) % 4)
         length = 12 + 8 + len(text) + 8 + len(self.body)
+        if length >= 1 << 32:
+            raise LeaflightError(
+                f"The .glb would have {length / 2**30:.1f} GiB, but the format allows 4: export "
+                "fewer isovalues, or .usdc."
+            )
         return b"".join(
             [
                 struct.pack("<4sII", b"glTF", 2, length),

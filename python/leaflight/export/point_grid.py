@@ -44,6 +44,7 @@ class PointGrid:
 
 def point_grid(bake: Bake, volume: int = 0) -> PointGrid:
     """Returns the PointGrid of a volume (its number) of a Bake: its voxels, or finer texels."""
+    bake.check_volume(volume)
     field, grid = bake.volumes[volume].field(), bake.grids[volume]
     voxels, texels = np.array(field.dims), np.array(grid.resolution)
     values = np.asarray(bake.volumes[volume].values, np.float32)

@@ -72,9 +72,8 @@ def load_camera(path: AnyPath) -> Camera:
     """Reads a JSON object with the names and values of a Camera's fields. Raises LeaflightError."""
     text = read_text(path)
     try:
-        given = json.loads(text)
-        known = asdict(Camera(**given))
-    except (TypeError, ValueError):
+        known = asdict(Camera(**json.loads(text)))
+    except (RecursionError, TypeError, ValueError):
         known = {}
     angle = known.pop("angle", None)
     right = isinstance(angle, (int, float)) and 0.0 < angle < 180.0
@@ -87,7 +86,11 @@ def load_camera(path: AnyPath) -> Camera:
             f'{path}: this is not a camera: give {{"position": [x, y, z], "target": [x, y, z]}}, '
             'and optionally "up" and the "angle" of view in degrees.'
         )
-    return Camera(**given)
+    position, target, up = (
+        (float(x), float(y), float(z))
+        for x, y, z in (known[name] for name in ("position", "target", "up"))
+    )
+    return Camera(position, target, up, float(angle))
 
 
 def _unit(vector: Array) -> Array:

@@ -66,6 +66,7 @@ class Framing:
 
 def default_isovalue_of(bake: Bake, volume: int = 0) -> float:
     """Returns the common isovalue of a Bake that is shown first, within the range."""
+    bake.check_volume(volume)
     low, high = bake.isovalues
     middle = 0.5 * (low + high)
     if len(bake.volumes) > 1:

@@ -18,6 +18,9 @@ namespace {
 
 // Code of masked voxels; no isosurface passes next to them.
 constexpr float masked_code = -1e9f;
+// Lines from a light that is this many voxels away count as parallel. Numbers of lines between it
+// and the volume would exceed 32 bits.
+constexpr double parallel_from = 1e9;
 
 // A plane of codes, axis `u` fastest.
 struct CodePlane {
@@ -362,9 +365,15 @@ VisibilitySweep<D>::VisibilitySweep(const SceneTracer<D>& tracer, int volume,
 }
 
 template <int D>
-void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode& code,
+void VisibilitySweep<D>::run(const LightSource<D>& given, const VisibilityCode& code,
                              std::vector<std::uint8_t>& found, Progress& progress) const {
   found.assign(nodes_.texels(), 0);
+  LightSource<D> source = given;
+  const Affine<D> to_index = inverse(tracer_.index_to_frame(volume_));
+  if (!source.infinite && to_index.point(source.position).length() > parallel_from) {
+    source.infinite = true;
+    source.direction = (tracer_.bounds().center - source.position).normalized();
+  }
   const bool meshes =
       meshes_ && (source.infinite ? !tracer_.meshes().empty()
                                   : meshes_near(tracer_, volume_, &source.position));
@@ -375,7 +384,7 @@ void VisibilitySweep<D>::run(const LightSource<D>& source, const VisibilityCode&
     AxisSweep<D>(swept, source, code, meshes, axis, sense).run(found, progress);
   };
   if (source.infinite) {
-    const Vec<D> direction = inverse(tracer_.index_to_frame(volume_)).vector(source.direction);
+    const Vec<D> direction = to_index.vector(source.direction);
     int along = 0;
     for (int a = 1; a < D; ++a) {
       if (std::abs(direction[a]) > std::abs(direction[along])) along = a;

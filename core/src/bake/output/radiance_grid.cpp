@@ -19,13 +19,18 @@ using Colors = std::vector<Vec<3, float>>;
 }  // namespace
 
 template <int D>
-Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
-                                std::size_t slot, bool back) {
-  const Colors& stored = back ? grid.radiance_back : grid.radiance;
-  if (!stored.empty()) return stored[slot];
+Vec<3, float> derived_radiance(const RadianceGrid<D>& grid, const Field<D>& field, std::size_t slot,
+                               bool back) {
   const Colors& indirect = back ? grid.radiance_back_indirect : grid.radiance_indirect;
   const Vec<D> center = grid.lattice.center(grid.lattice.active[slot]);
   return Vec<3, float>(grid.direct->radiance(field, center, back) + Rgb(indirect[slot]));
+}
+
+template <int D>
+Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
+                                std::size_t slot, bool back) {
+  const Colors& stored = back ? grid.radiance_back : grid.radiance;
+  return stored.empty() ? derived_radiance(grid, field, slot, back) : stored[slot];
 }
 
 template <int D>
@@ -217,6 +222,8 @@ float lookup_error(const Field<D>& field, const TexelLattice<D>& lattice,
   return std::sqrt(variance);
 }
 
+template Vec<3, float> derived_radiance(const RadianceGrid<2>&, const Field<2>&, std::size_t, bool);
+template Vec<3, float> derived_radiance(const RadianceGrid<3>&, const Field<3>&, std::size_t, bool);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<2>&, const Field<2>&, std::size_t,
                                          bool);
 template Vec<3, float> radiance_of_texel(const RadianceGrid<3>&, const Field<3>&, std::size_t,

@@ -51,7 +51,13 @@ struct RadianceGrid {
   std::size_t texels() const { return lattice.active.size(); }
 };
 
-// Returns all light of a texel, on one side. The field must be the one that was lit.
+// Returns all light of a texel, on one side, as the sum of direct and indirect light. The field
+// must be the one that was lit.
+template <int D>
+Vec<3, float> derived_radiance(const RadianceGrid<D>& grid, const Field<D>& field, std::size_t slot,
+                               bool back);
+
+// Returns the same from `radiance`, if that is known.
 template <int D>
 Vec<3, float> radiance_of_texel(const RadianceGrid<D>& grid, const Field<D>& field,
                                 std::size_t slot, bool back);
