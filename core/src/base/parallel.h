@@ -23,6 +23,15 @@ void parallel_range(std::size_t n, std::size_t grain, double work, Progress& pro
   progress.check();
 }
 
+// Calls body(i) for each i of [0, n), in pieces of `grain`, until the progress is cancelled. Throws
+// Cancelled.
+template <class Body>
+void parallel_each(std::size_t n, std::size_t grain, Progress& progress, Body body) {
+  parallel_range(n, grain, 0, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(i);
+  });
+}
+
 // Calls body(i) for each i of [0, n), in parallel.
 template <class Body>
 void parallel_each(std::size_t n, Body body) {

@@ -189,11 +189,9 @@ void IsosurfaceCache<D>::finish(Progress& progress) {
   for (int a = 0; a < D; ++a) texel_volume *= lattice_.voxels_per_texel[a];
   const Scene<D>& scene = tracer_.scene();
   std::vector<float> measure(n);
-  parallel_range(n, 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      measure[s] = coarea_measure(scene.volumes[volume_], scene.isovalue_range, lattice_,
-                                  lattice_.active[s], frame_to_index, texel_volume);
-    }
+  parallel_each(n, 1024, progress, [&](std::size_t s) {
+    measure[s] = coarea_measure(scene.volumes[volume_], scene.isovalue_range, lattice_,
+                                lattice_.active[s], frame_to_index, texel_volume);
   });
   // Both sides use the radius of the front's photons.
   const int radius = radius_for(static_cast<double>(sides_[0].indirect.stored.load()), n,

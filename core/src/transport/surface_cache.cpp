@@ -205,15 +205,13 @@ Rgb SurfaceCache<D>::density(const FluxAccumulator& flux, std::size_t entry) con
 // walls.
 template <int D>
 void SurfaceCache<D>::collect_photons(bool smooth, Progress& progress) {
-  parallel_range(facets_.size(), 1, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const std::vector<Beside<D>> beside = Patches<D>::beside(facets_[f].cuts);
-      const std::size_t stride = facets_[f].sides() * nodes, first = facets_[f].first_entry;
-      std::vector<Rgb> light(beside.size() * stride);
-      for (std::size_t e = 0; e < light.size(); ++e) light[e] = density(indirect_sides_, first + e);
-      if (smooth) spread_over_patches<D>(beside, stride, light);
-      std::copy(light.begin(), light.end(), radiance_.begin() + first);
-    }
+  parallel_each(facets_.size(), 1, progress, [&](std::size_t f) {
+    const std::vector<Beside<D>> beside = Patches<D>::beside(facets_[f].cuts);
+    const std::size_t stride = facets_[f].sides() * nodes, first = facets_[f].first_entry;
+    std::vector<Rgb> light(beside.size() * stride);
+    for (std::size_t e = 0; e < light.size(); ++e) light[e] = density(indirect_sides_, first + e);
+    if (smooth) spread_over_patches<D>(beside, stride, light);
+    std::copy(light.begin(), light.end(), radiance_.begin() + first);
   });
   if (smooth) indirect_sides_ = FluxAccumulator(0, 1, 1);
 }

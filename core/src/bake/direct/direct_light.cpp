@@ -118,32 +118,25 @@ template <int D>
 void DirectLight<D>::put(const PointCodes& codes, const std::vector<std::size_t>& numbers,
                          bool back, Maps& maps, Progress& progress) const {
   const std::size_t count = points_.size(), some = numbers.size();
-  parallel_range(maps.lattice.active.size(), 4096, 0, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t s = begin; s < end; ++s) {
-                     for (std::size_t i = 0; i < some; ++i) {
-                       maps.codes[back][s * count + numbers[i]] = codes[s * some + i];
-                     }
-                   }
-                 });
+  parallel_each(maps.lattice.active.size(), 4096, progress, [&](std::size_t s) {
+    for (std::size_t i = 0; i < some; ++i) {
+      maps.codes[back][s * count + numbers[i]] = codes[s * some + i];
+    }
+  });
 }
 
 template <int D>
 void DirectLight<D>::take(const DirectLight& earlier, const std::vector<int>& numbers, bool back,
                           Maps& maps, Progress& progress) const {
   const std::size_t count = points_.size();
-  parallel_range(
-      maps.lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s) {
-          const std::int32_t slot =
-              nearest_active_slot(earlier.lattice(), maps.lattice.center(maps.lattice.active[s]));
-          if (slot == TexelLattice<D>::inactive) continue;
-          for (std::size_t i = 0; i < count; ++i) {
-            if (numbers[i] >= 0)
-              maps.codes[back][s * count + i] = earlier.code(numbers[i], slot, back);
-          }
-        }
-      });
+  parallel_each(maps.lattice.active.size(), 4096, progress, [&](std::size_t s) {
+    const std::int32_t slot =
+        nearest_active_slot(earlier.lattice(), maps.lattice.center(maps.lattice.active[s]));
+    if (slot == TexelLattice<D>::inactive) return;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (numbers[i] >= 0) maps.codes[back][s * count + i] = earlier.code(numbers[i], slot, back);
+    }
+  });
 }
 
 template <int D>
@@ -151,13 +144,11 @@ void DirectLight<D>::summarize(bool back, Maps& maps, Progress& progress) const 
   const std::size_t count = points_.size(), active = maps.lattice.active.size();
   std::atomic<bool> any_dark{maps.has_dark};
   maps.least[back].assign(active, VisibilityCode::dark);
-  parallel_range(active, 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::uint8_t code = maps.codes[back][s * count + i];
-        maps.least[back][s] = std::min(maps.least[back][s], code);
-        if (code == VisibilityCode::dark) any_dark = true;
-      }
+  parallel_each(active, 4096, progress, [&](std::size_t s) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint8_t code = maps.codes[back][s * count + i];
+      maps.least[back][s] = std::min(maps.least[back][s], code);
+      if (code == VisibilityCode::dark) any_dark = true;
     }
   });
   maps.has_dark = any_dark;

@@ -80,14 +80,11 @@ PointCodes MapSweeps<D>::codes(const std::vector<std::size_t>& numbers, bool bac
                    }
                  });
   PointCodes codes(lattice_.active.size() * some);
-  parallel_range(lattice_.active.size(), 4096, 0, progress,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t s = begin; s < end; ++s) {
-                     for (std::size_t i = 0; i < some; ++i) {
-                       codes[s * some + i] = found[i][lattice_.active[s]];
-                     }
-                   }
-                 });
+  parallel_each(lattice_.active.size(), 4096, progress, [&](std::size_t s) {
+    for (std::size_t i = 0; i < some; ++i) {
+      codes[s * some + i] = found[i][lattice_.active[s]];
+    }
+  });
   return codes;
 }
 

@@ -40,12 +40,9 @@ template <int D>
 void LineBake<D>::compute_texture() {
   const TexelLattice<D>& lattice = light_.lattice();
   texture_.resize(lattice.active.size());
-  parallel_range(texture_.size(), 2048, 0, scene_.progress,
-                 [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t s = begin; s < end; ++s) {
-                     texture_[s] = volume().texture->at(lattice.center(lattice.active[s]));
-                   }
-                 });
+  parallel_each(texture_.size(), 2048, scene_.progress, [&](std::size_t s) {
+    texture_[s] = volume().texture->at(lattice.center(lattice.active[s]));
+  });
 }
 
 template <int D>

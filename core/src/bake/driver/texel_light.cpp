@@ -81,13 +81,11 @@ RadianceGrid<D> TexelLight<D>::grid() {
     if (back && !scene_.plan.back) continue;
     auto& means = back ? result.radiance_back_indirect : result.radiance_indirect;
     means.resize(count);
-    parallel_range(count, 1024, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) {
-        const Average found = finished(light[back].averages, s);
-        means[s] = light_precision.rounded(Vec<3, float>(found.mean));
-        if (!back) {
-          result.radiance_error[s] = error_precision.rounded(std::sqrt(found.variance));
-        }
+    parallel_each(count, 1024, scene_.progress, [&](std::size_t s) {
+      const Average found = finished(light[back].averages, s);
+      means[s] = light_precision.rounded(Vec<3, float>(found.mean));
+      if (!back) {
+        result.radiance_error[s] = error_precision.rounded(std::sqrt(found.variance));
       }
     });
     // A side without maps has no direct light.
@@ -120,10 +118,8 @@ std::vector<Rgb> TexelLight<D>::direct_at(const TexelLattice<D>& lattice, bool b
   std::vector<Rgb> found(lattice.active.size(), Rgb(0));
   if (back && !direct_->has_back()) return found;
   const Field<D>& field = volume_.volume().field;
-  parallel_range(found.size(), 1024, 0, scene_.progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      found[s] = direct_->radiance(field, lattice.center(lattice.active[s]), back);
-    }
+  parallel_each(found.size(), 1024, scene_.progress, [&](std::size_t s) {
+    found[s] = direct_->radiance(field, lattice.center(lattice.active[s]), back);
   });
   return found;
 }

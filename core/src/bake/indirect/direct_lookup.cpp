@@ -65,34 +65,31 @@ DirectLookup<D>::DirectLookup(const LineVolume<D>& volume, const TexelLattice<D>
     }
   }
   reflected_.assign(choices[0].size(), std::vector<std::uint32_t>(lattice.active.size(), 0u));
-  parallel_range(lattice.active.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> position = slot_position(field, lattice, s);
-      const Vec<D> gradient =
-          to_index.pull_back_gradient(slot_gradient(field, lattice, s, position));
-      const double steep = gradient.length();
-      if (!(steep > 0)) continue;
-      const Vec<D> normal = gradient / -steep, place = to_frame.point(position);
-      const TexelWeights<D> near = linear_weights(direct.lattice(), position);
-      const std::vector<StandIn>& chosen = choices[choice(s)];
-      for (std::size_t k = 0; k < chosen.size(); ++k) {
-        const LightSource<D>& source = direct.point(chosen[k].point).source;
-        Vec<D> direction = source.direction;
-        double distance = 1;
-        if (!source.infinite) {
-          direction = place - source.position;
-          distance = direction.length();
-          direction /= distance;
-        }
-        const double cosine = -direction.dot(normal);
-        if (!(cosine > 0)) continue;
-        const auto share = static_cast<float>(source.strength(direction, distance) * cosine /
-                                              projected_hemisphere<D>);
-        const float greatest = direct.greatest(chosen[k].point, near, false);
-        std::uint32_t& packed = reflected_[k][s];
-        std::memcpy(&packed, &share, sizeof share);
-        packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);
+  parallel_each(lattice.active.size(), 4096, progress, [&](std::size_t s) {
+    const Vec<D> position = slot_position(field, lattice, s);
+    const Vec<D> gradient = to_index.pull_back_gradient(slot_gradient(field, lattice, s, position));
+    const double steep = gradient.length();
+    if (!(steep > 0)) return;
+    const Vec<D> normal = gradient / -steep, place = to_frame.point(position);
+    const TexelWeights<D> near = linear_weights(direct.lattice(), position);
+    const std::vector<StandIn>& chosen = choices[choice(s)];
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      const LightSource<D>& source = direct.point(chosen[k].point).source;
+      Vec<D> direction = source.direction;
+      double distance = 1;
+      if (!source.infinite) {
+        direction = place - source.position;
+        distance = direction.length();
+        direction /= distance;
       }
+      const double cosine = -direction.dot(normal);
+      if (!(cosine > 0)) continue;
+      const auto share = static_cast<float>(source.strength(direction, distance) * cosine /
+                                            projected_hemisphere<D>);
+      const float greatest = direct.greatest(chosen[k].point, near, false);
+      std::uint32_t& packed = reflected_[k][s];
+      std::memcpy(&packed, &share, sizeof share);
+      packed = (packed & ~0xffu) | static_cast<std::uint32_t>(greatest);
     }
   });
 }

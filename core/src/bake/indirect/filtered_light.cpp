@@ -21,14 +21,6 @@ constexpr std::array<Step, 3> steps{{{1, false}, {2, false}, {1, true}}};
 // Distance in texels at which the weight of another isosurface is a quarter.
 constexpr float quarter_distance = 0.75f;
 
-// Calls body(slot) for all texels, in parallel.
-template <class Body>
-void for_each_texel(std::size_t count, Progress& progress, Body body) {
-  parallel_range(count, grain, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) body(s);
-  });
-}
-
 // The light of a texel and the difference of its halves, adjacent in memory for reads of neighbors.
 struct Texel {
   Rgb light;
@@ -114,13 +106,13 @@ void shrink(const TexelNeighbors<D>& neighbors, const std::vector<Offset>& offse
   const std::size_t count = texels.size();
   // `changes`: squared offsets, and their part by noise. `noise`: noise of texels before and after.
   std::vector<Weighed> changes(count), noise(count);
-  for_each_texel(count, progress, [&](std::size_t s) {
+  parallel_each(count, grain, progress, [&](std::size_t s) {
     const HalfDifference& halves = texels[s].halves;
     changes[s] = weighed(square(offsets[s].light), noise_of(offsets[s].halves, halves.first_share),
                          halves.weight);
   });
   std::vector<float> bias(count);
-  for_each_texel(count, progress, [&](std::size_t s) {
+  parallel_each(count, grain, progress, [&](std::size_t s) {
     const Weighed about = sums_about(neighbors, changes, s);
     HalfDifference& halves = texels[s].halves;
     // The noise of a texel decreases with its samples; the light does not.
@@ -135,7 +127,7 @@ void shrink(const TexelNeighbors<D>& neighbors, const std::vector<Offset>& offse
         weighed(before, noise_of(halves.first_less_second, halves.first_share), halves.weight);
     texels[s].light += Rgb(offsets[s].light * share);
   });
-  for_each_texel(count, progress, [&](std::size_t s) {
+  parallel_each(count, grain, progress, [&](std::size_t s) {
     float& variance = averages[s].variance;
     const Weighed about = sums_about(neighbors, noise, s);
     if (about.first > 0) variance *= std::min(1.0f, about.second / about.first);
@@ -156,7 +148,7 @@ void filter_along_isosurfaces(const IndexedLattice<D>& texels,
     std::vector<Offset> offsets(filtered.size());
     for (const Step& step : steps) {
       const TexelNeighbors<D> neighbors(texels, step.reach);
-      for_each_texel(filtered.size(), progress, [&](std::size_t s) {
+      parallel_each(filtered.size(), grain, progress, [&](std::size_t s) {
         offsets[s] = offset_of(neighbors, surfaces, filtered, step.across, s);
       });
       shrink(neighbors, offsets, filtered, light.averages, progress);

@@ -12,14 +12,12 @@ std::vector<Rgb> sharpened(const IndexedLattice<D>& texels, const std::vector<Rg
   constexpr float half = 0.5f;
   std::vector<Rgb> result(light.size());
   const TexelNeighbors<D> neighbors(texels, 1);
-  parallel_range(light.size(), 2048, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      Rgb difference(0);
-      neighbors.for_each_pair(s, [&](std::size_t a, std::size_t b, float weight) {
-        difference += (light[s] * 2 - light[a] - light[b]) * weight;
-      });
-      result[s] = light[s] + difference * half;
-    }
+  parallel_each(light.size(), 2048, progress, [&](std::size_t s) {
+    Rgb difference(0);
+    neighbors.for_each_pair(s, [&](std::size_t a, std::size_t b, float weight) {
+      difference += (light[s] * 2 - light[a] - light[b]) * weight;
+    });
+    result[s] = light[s] + difference * half;
   });
   return result;
 }

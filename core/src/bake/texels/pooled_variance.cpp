@@ -69,11 +69,9 @@ template <int D>
 void pool_variances(const TexelLattice<D>& lattice, std::vector<Average>& averages,
                     Progress& progress) {
   std::vector<Average> result(averages.size());
-  parallel_range(averages.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const bool sampled = averages[s].samples > 0;
-      result[s] = sampled ? pooled(lattice, averages, s) : filled(lattice, averages, s);
-    }
+  parallel_each(averages.size(), 1024, progress, [&](std::size_t s) {
+    const bool sampled = averages[s].samples > 0;
+    result[s] = sampled ? pooled(lattice, averages, s) : filled(lattice, averages, s);
   });
   averages = std::move(result);
 }
@@ -82,11 +80,9 @@ template <int D>
 std::vector<Rgb> filled_means(const TexelLattice<D>& lattice, const std::vector<Average>& averages,
                               Progress& progress) {
   std::vector<Rgb> means(averages.size());
-  parallel_range(averages.size(), 1024, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const bool sampled = averages[s].samples > 0;
-      means[s] = sampled ? averages[s].mean : filled(lattice, averages, s).mean;
-    }
+  parallel_each(averages.size(), 1024, progress, [&](std::size_t s) {
+    const bool sampled = averages[s].samples > 0;
+    means[s] = sampled ? averages[s].mean : filled(lattice, averages, s).mean;
   });
   return means;
 }

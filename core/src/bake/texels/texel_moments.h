@@ -49,9 +49,8 @@ class TexelMoments {
   void release() { leaflight::release(sums); }
   // Closes the open block. `number`: from 0; even and odd blocks form the halves.
   void close_block(int number, Progress& progress) {
-    parallel_range(sums.size(), 4096, 0, progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) blocks_[i].close(sums[i], number % 2);
-    });
+    parallel_each(sums.size(), 4096, progress,
+                  [&](std::size_t i) { blocks_[i].close(sums[i], number % 2); });
   }
   // Archives the closed blocks.
   void serialize(Archive& archive) {

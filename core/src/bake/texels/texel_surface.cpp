@@ -32,17 +32,15 @@ std::vector<TexelSurface<D>> texel_surfaces(const LineVolume<D>& volume,
   const Field<D>& field = volume.volume().field;
   const Affine<D> to_index = inverse(volume.tracer.index_to_frame(volume.number));
   std::vector<TexelSurface<D>> surfaces(lattice.active.size());
-  parallel_range(surfaces.size(), 2048, 0, progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const Vec<D> center = slot_position(field, lattice, s);
-      const Vec<D> per_voxel = mean_gradient(field, lattice, s, center);
-      const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
-      const double length = gradient.length();
-      const double h = slot_value(field, lattice, s);
-      if (!(length > 0) || std::isnan(h)) continue;
-      surfaces[s] = {Vec<D, float>(gradient / -length), static_cast<float>(h),
-                     static_cast<float>((per_voxel * lattice.voxels_per_texel).length())};
-    }
+  parallel_each(surfaces.size(), 2048, progress, [&](std::size_t s) {
+    const Vec<D> center = slot_position(field, lattice, s);
+    const Vec<D> per_voxel = mean_gradient(field, lattice, s, center);
+    const Vec<D> gradient = to_index.pull_back_gradient(per_voxel);
+    const double length = gradient.length();
+    const double h = slot_value(field, lattice, s);
+    if (!(length > 0) || std::isnan(h)) return;
+    surfaces[s] = {Vec<D, float>(gradient / -length), static_cast<float>(h),
+                   static_cast<float>((per_voxel * lattice.voxels_per_texel).length())};
   });
   return surfaces;
 }

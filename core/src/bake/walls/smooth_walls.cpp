@@ -40,10 +40,8 @@ class Pass {
         vertices_(vertices),
         nodes_(before[0].size() / vertices),
         variance_(nodes_) {
-    parallel_range(nodes_, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t node = begin; node < end; ++node) {
-        variance_[node] = variances(before, neighbors, node * vertices, vertices);
-      }
+    parallel_each(nodes_, 1, progress, [&](std::size_t node) {
+      variance_[node] = variances(before, neighbors, node * vertices, vertices);
     });
   }
 
@@ -101,11 +99,9 @@ Halves smooth(const FineMesh<D>& mesh, Halves halves, int passes, Progress& prog
   for (int i = 0; i < passes; ++i) {
     const Halves before = halves;
     const Pass pass(before, neighbors, n, progress);
-    parallel_range(nodes, 1, 0, progress, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t node = begin; node < end; ++node) {
-        for (int half = 0; half < 2; ++half) {
-          for (std::size_t v = 0; v < n; ++v) halves[half][node * n + v] = pass.mean(half, node, v);
-        }
+    parallel_each(nodes, 1, progress, [&](std::size_t node) {
+      for (int half = 0; half < 2; ++half) {
+        for (std::size_t v = 0; v < n; ++v) halves[half][node * n + v] = pass.mean(half, node, v);
       }
     });
   }
