@@ -178,11 +178,7 @@ double interpolate(const CellCorners<D>& corners, const Vec<D>& local) {
 
 template <int D>
 double value_at(const Field<D>& field, const Vec<D>& index_position) {
-  for (int a = 0; a < D; ++a) {
-    if (!(index_position[a] >= 0 && index_position[a] <= field.dims[a] - 1)) {
-      return std::numeric_limits<double>::quiet_NaN();
-    }
-  }
+  if (!inside(field, index_position)) return std::numeric_limits<double>::quiet_NaN();
   const CellPoint<D> at = locate(field, index_position);
   return interpolate(load_corners(field, at.cell), at.local);
 }

@@ -17,15 +17,10 @@ namespace {
 
 constexpr int paths = 1 << 14;
 
-std::array<double, 2> two(Random& random) {
-  const double u = random.uniform();
-  return {u, random.uniform()};
-}
-
 // True if a sampled diffuse reflection at a point hits an isosurface.
 template <int D>
 bool reaches_isosurface(const SceneTracer<D>& tracer, const SurfacePoint<D>& from, Random& random) {
-  const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, two(random));
+  const Vec<D> direction = sample_cosine_hemisphere<D>(from.geometric_normal, random.pair());
   return tracer.intersect(from, direction).kind == HitKind::isosurface;
 }
 
@@ -123,8 +118,8 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
   // Trace paths from each lamp.
   for (const Light<D>& light : tracer.lights()) {
     const auto emit = [&](Random& random) {
-      const auto u = two(random);
-      const auto v = two(random);
+      const auto u = random.pair();
+      const auto v = random.pair();
       return std::visit([&](const auto& l) { return l.emit(tracer.bounds(), u, v); }, light);
     };
     shares.lights.push_back(paths_from.mean_flux(emit, false));
@@ -135,16 +130,16 @@ IndirectShares indirect_shares(const SceneTracer<D>& tracer) {
     const MeshEmitter<D> mesh(tracer.meshes()[m]);
     const auto emit = [&](Random& random) {
       const double choice = random.uniform();
-      const auto u = two(random);
-      return mesh.emit(choice, u, two(random));
+      const auto u = random.pair();
+      return mesh.emit(choice, u, random.pair());
     };
     shares.others += paths_from.mean_flux(emit, is_wide[m] != 0);
   }
   if (scene.environment && largest(scene.environment->radiance) > 0) {
     const EnvironmentSampler<D> environment(*scene.environment);
     const auto emit = [&](Random& random) {
-      const auto u = two(random);
-      return environment.emit(tracer.bounds(), u, two(random));
+      const auto u = random.pair();
+      return environment.emit(tracer.bounds(), u, random.pair());
     };
     shares.others += paths_from.mean_flux(emit, true);
   }

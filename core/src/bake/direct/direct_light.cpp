@@ -98,7 +98,8 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
       std::any_of(known.begin(), known.end(), [](int number) { return number >= 0; });
   for (int side = 0; side < (settings.back ? 2 : 1); ++side) {
     const bool back = side != 0;
-    open(back, *maps);
+    // radiance() reads whole blocks.
+    maps->codes[back].resize(maps->lattice.active.size() * points_.size() + block);
     for (const std::vector<std::size_t>& group : groups) {
       put(sweeps.codes(group, back, progress), group, back, *maps, progress);
     }
@@ -106,12 +107,6 @@ DirectLight<D>::DirectLight(const SceneTracer<D>& tracer, int volume,
     summarize(back, *maps, progress);
   }
   maps_ = std::move(maps);
-}
-
-template <int D>
-void DirectLight<D>::open(bool back, Maps& maps) const {
-  // radiance() reads whole blocks.
-  maps.codes[back].resize(maps.lattice.active.size() * points_.size() + block);
 }
 
 template <int D>

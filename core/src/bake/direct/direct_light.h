@@ -126,8 +126,6 @@ class DirectLight {
   };
   struct Maps;
   DirectLight(const SceneTracer<D>& tracer, int volume, const std::vector<LightPoint<D>>& points);
-  // Makes room for the codes of a side.
-  void open(bool back, Maps& maps) const;
   // Stores the codes of the points with these numbers.
   void put(const PointCodes& codes, const std::vector<std::size_t>& numbers, bool back, Maps& maps,
            Progress& progress) const;
