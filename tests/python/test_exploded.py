@@ -91,6 +91,17 @@ def test_parts_move_apart_in_the_data(matrix, dtype):
     np.testing.assert_allclose(high, (vertices + whole).max(axis=0), atol=1.01 * size)
 
 
+def test_parts_are_ordered_by_their_places_in_the_world():
+    values = np.zeros((20, 8, 40), np.float32)
+    values[14, 5, 2], values[5, 5, 16], values[5, 5, 30] = 100, 200, 300
+    moved = cut(Volume(values, spacing=(1, 1, 5)), Apart((20.0, 0.0, 20.0), 50.0))
+    # Their shares of the direction are 1.8, 1.025 and 1.375.
+    places = [np.argwhere(moved.values == value)[0] for value in (200, 300, 100)]
+    first, last = places[0], places[2]
+    np.testing.assert_array_equal(last - first, [9 + 4, 0, -14 + 20])
+    np.testing.assert_array_equal(places[1] - first, [2, 0, 14 + 9])
+
+
 def test_parts_that_move_keep_their_edges():
     volume = balls(centers=CENTERS[::2], radii=(0.3, 0.3))
     moved = cut(volume, Apart((1.0, 0.0, 0.0), 500.0))

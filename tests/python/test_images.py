@@ -26,6 +26,23 @@ def test_stored_numbers(tmp_path, name, pixels):
     np.testing.assert_array_equal(read, pixels)
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_other_kinds_of_tiff(tmp_path, kind):
+    """Checks colors that are stored one after the other, WhiteIsZero, and a palette."""
+    path = tmp_path / "x.tif"
+    color, gray = COLOR.astype(kind), GRAY.astype(kind)
+    planes = np.moveaxis(color, 2, 0)
+    tifffile.imwrite(path, planes, photometric="rgb", planarconfig="separate")
+    np.testing.assert_array_equal(read_pixels(path), color)
+    tifffile.imwrite(path, gray, photometric="miniswhite")
+    read = read_pixels(path)
+    assert read.dtype == kind
+    np.testing.assert_array_equal(read, np.iinfo(kind).max - gray)
+    colors = np.random.default_rng(1).integers(0, 1 << 16, (3, 1 << 8 * gray.itemsize), np.uint16)
+    tifffile.imwrite(path, gray, photometric="palette", colormap=colors)
+    np.testing.assert_array_equal(read_pixels(path), colors.T[gray])
+
+
 @pytest.mark.parametrize("mode", ["RGBA", "P", "LA", "1"])
 def test_other_kinds_of_png(tmp_path, mode):
     path = tmp_path / "x.png"

@@ -60,6 +60,8 @@ def test_nibabel(values, tmp_path):
     check(as_volume(loaded), values, place, "cell", "µm")
     assert loaded.dataobj[INDEX] == as_volume(loaded).values[INDEX[::-1]]
     refused("has its own voxel size", leaflight.bake, image, spacing=2)
+    series = nibabel.Nifti1Image(values.T[:, :, None], AFFINE)
+    refused(r"\(4, 1, 5, 6\)", as_volume, series)
 
 
 class SimpleITKImage:
@@ -85,6 +87,11 @@ def test_simpleitk(values, monkeypatch):
     # SimpleITK's axes point left and back, ours right and front, as in NIfTI.
     left, back, up = image.TransformIndexToPhysicalPoint(INDEX)
     check(as_volume(image), values, [-left, -back, up], "image", "mm")
+    vectors = SimpleITKImage(values[None], (1.0,) * 3, (0,) * 3, np.eye(3).ravel())
+    refused(r"\(1, 4, 5, 6\)", as_volume, vectors)
+    for count in (2, 4):
+        other = SimpleITKImage(values, (1.0,) * count, (0,) * count, np.eye(count).ravel())
+        refused(f"has {count} axes", as_volume, other)
 
 
 def test_xarray(values):
@@ -96,16 +103,32 @@ def test_xarray(values):
     check(as_volume(data), values, place, "density")
     check(as_volume(data.transpose("x", "z", "y")), values, place, "density")
     check(as_volume(data.expand_dims("time")), values, place, "density")
-    # Coordinates have different units; lengths use that of z, the first.
-    for axis, unit in (("x", "micrometer"), ("z", "mm"), ("y", "mm")):
+    # Coordinates have different units; lengths use that of x, the first.
+    for axis, unit in (("x", "m"), ("z", "km"), ("y", "km")):
         data[axis].attrs["units"] = unit
-    check(as_volume(data), values, [place[0] / 1000, *place[1:]], "density", "mm")
+    check(as_volume(data), values, np.multiply(place, [1, 1e3, 1e3]), "density", "m")
     # Test other names of axes, and no coordinates.
     plain = xarray.DataArray(values, dims=("depth", "row", "column"))
     check(as_volume(plain, (1, 2, 3)), values, [4, 2, 6], "array")
     uneven = data.assign_coords(y=np.arange(5.0) ** 2)
     refused("density: .* y .*not even", as_volume, uneven)
     refused("Dataset", as_volume, data.to_dataset())
+
+
+def test_xarray_has_the_axes_of_netcdf(values):
+    xarray = pytest.importorskip("xarray", reason="xarray (python3-xarray) is not installed")
+    axes = {"lon": 2.0 * np.arange(6), "lat": 9 - np.arange(5), "height": 3.0 * np.arange(4)}
+    data = xarray.DataArray(values.T, axes, list(axes))
+    check(as_volume(data), values, [8, 8, 6], "array")
+    # Degrees are no lengths.
+    for axis, unit in (("lon", "degrees_east"), ("lat", "degrees_north"), ("height", "m")):
+        data[axis].attrs["units"] = unit
+    volume = as_volume(data)
+    check(volume, values, [4, -1, 2], "array")
+    assert "degrees, degrees, m, cannot be compared" in volume.notes[0]
+    check(as_volume(data, (1, 2, 3)), values, [4, 2, 6], "array")
+    refused("'band': 3", as_volume, xarray.DataArray(values[:3], dims=("band", "y", "x")))
+    refused("'time': 2", as_volume, xarray.concat([data, data], "time"))
 
 
 def vtk_image(values, cells=False):
@@ -136,6 +159,17 @@ def test_vtk_and_pyvista(values):
     check(as_volume(cells), values, np.reshape(bounds, (3, 2)).mean(axis=1), "density")
     cells.GetCellData().SetActiveScalars("nothing")
     refused("no active scalars", as_volume, cells)
+
+
+def test_a_flat_vtk_image_is_no_volume(values):
+    vtk = pytest.importorskip("vtkmodules.util.numpy_support", reason="VTK is not installed")
+    image = vtk_image(values[:1])
+    colors = np.repeat(values[:1].ravel(), 3).reshape(-1, 3)
+    image.GetPointData().SetScalars(vtk.numpy_to_vtk(colors))
+    refused(r"\(1, 5, 6, 3\)", as_volume, image)
+    image.GetPointData().SetScalars(None)
+    image.GetCellData().SetScalars(vtk.numpy_to_vtk(values[0, :4, :5].ravel()))
+    refused("1 voxel.* along axis z", as_volume(image).field)
 
 
 def test_zarr_and_others_that_become_arrays(values, tmp_path):

@@ -85,5 +85,6 @@ def test_names():
 @pytest.mark.parametrize("name", GENERATED)
 def test_bad_options(name):
     refused(f"{name[:4]}.*: .* nodes per side", open_volume, name, dims=[1])
-    refused(f"{name}: the size is not one number", open_volume, name, dims=[8, 8, 8])
+    for size in ([8, 8, 8], [2.5]):
+        refused(f"{name}: the size is not one whole number", open_volume, name, dims=size)
     refused(f"{name}: the option frame does not apply", open_volume, name, frame=1)

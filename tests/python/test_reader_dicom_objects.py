@@ -184,6 +184,15 @@ def test_segments_by_their_share(tmp_path, masks):
     np.testing.assert_allclose(read_volume(path).values, masks[0] * 0.5)
 
 
+def test_the_thickness_of_segments_is_no_distance(tmp_path, masks):
+    planes = [(1, k, masks[0, k]) for k in (0, 1, 4)]
+    measures = item(SliceThickness=1, PixelSpacing=[0.5, 0.25])
+    shared = pydicom.Sequence([items(PixelMeasuresSequence=measures)])
+    tags = {"SharedFunctionalGroupsSequence": shared}
+    volume = reads(masks[0], segments(tmp_path / "seg.dcm", planes, ["Liver"], **tags))
+    assert volume.spacing == (0.25, 0.5, 2)
+
+
 def test_two_slices_of_a_segment_at_one_place(tmp_path, masks):
     planes = [(1, k, masks[0, 0]) for k in (0, 1, 1)]
     path = segments(tmp_path / "seg.dcm", planes, ["Liver"])

@@ -187,3 +187,13 @@ def test_damaged_maps(tmp_path, values):
         (b"", "damaged|readable"),
     ):
         refused(f"x.ccp4: .*({sentence})", read_volume, written(path, broken))
+
+
+@pytest.mark.parametrize(
+    "words, sign", [({}, -1), ({FLAGS: 4}, 1), ({VERSION: 20140}, 1), ({IMOD: 0}, 1)]
+)
+def test_the_sign_of_the_origin_by_imod(tmp_path, values, words, sign):
+    places = np.array([3.0, -2.0, 1.0], "<f4")
+    origin = dict(zip((49, 50, 51), places.view("<i4")))
+    path = written(tmp_path / "x.mrc", ccp4(values, at={IMOD: STAMP, **words, **origin}))
+    np.testing.assert_array_equal(read_volume(path).index_to_world[:3, 3], sign * places)

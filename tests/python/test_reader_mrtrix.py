@@ -51,6 +51,17 @@ def test_layouts(tmp_path, values, layout, name, kind, dtype):
     assert volume.unit == "mm" and volume.patient and volume.name == "x"
 
 
+def test_a_sixth_axis_has_one_place(tmp_path, values):
+    for count in (1, 2):
+        sizes, layout = (6, 5, 4, 1, 1, count), "+0,+1,+2,+3,+4,+5"
+        data = np.stack([values.T] * count, -1).reshape(sizes).astype("<i2")
+        start = header(sizes, layout).ljust(500)
+        path = written(tmp_path / "x.mif", start + laid_out(data, layout))
+        if count == 1:
+            reads(values, path)
+    refused("shape 6 x 5 x 4 x 1 x 1 x 2", read_volume, path)
+
+
 @pytest.mark.parametrize("layout", ["+0,+1,+2,+3", "+1,-2,+3,+0", "-3,+2,-1,-0"])
 @pytest.mark.parametrize("pack", [bytes, gzip.compress])
 def test_frames(tmp_path, values, layout, pack):

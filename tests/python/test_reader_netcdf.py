@@ -85,6 +85,29 @@ def test_packed_and_missing_values(tmp_path, values):
     reads(values + 100, path)
 
 
+def test_packed_places(tmp_path, values):
+    """Checks coordinates that are packed as in files of GOES-R, in both formats."""
+    h5py = pytest.importorskip("h5py")
+    about = {"units": "mm", "scale_factor": 0.25, "add_offset": -7.5}
+    # The bytes of y are unsigned, and cross 128.
+    dimensions = {
+        "z": (np.arange(4, dtype=np.int16), about),
+        "y": (np.arange(126, 131, dtype=np.uint8).view(np.int8), {**about, "_Unsigned": "true"}),
+        "x": (np.arange(9, 3, -1, dtype=np.int16), about),
+    }
+    expected = [[-0.25, 0, 0, -5.25], [0, 0.25, 0, 24], [0, 0, 0.25, -7.5]]
+    volume = read_volume(classic(tmp_path / "3.nc", values, dimensions))
+    np.testing.assert_array_equal(volume.index_to_world[:3], expected)
+    with h5py.File(tmp_path / "4.nc", "w") as file:
+        data = file.create_dataset("h", data=values)
+        for place, (name, (places, attributes)) in enumerate(dimensions.items()):
+            file[name] = places
+            file[name].make_scale(name)
+            file[name].attrs.update(attributes)
+            data.dims[place].attach_scale(file[name])
+    np.testing.assert_array_equal(read_volume(tmp_path / "4.nc").index_to_world[:3], expected)
+
+
 def test_version_4(tmp_path, values):
     """Checks version 4, which is HDF5; dimensions without coordinates have a scale, too."""
     h5py = pytest.importorskip("h5py")

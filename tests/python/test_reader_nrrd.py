@@ -207,6 +207,19 @@ def test_time_as_a_fourth_dimension_of_space(tmp_path, shorts):
     assert volume.patient
 
 
+@pytest.mark.parametrize(
+    "space, unit, patient",
+    [("left-posterior-superior", "mm", True), ("LAS", "mm", True), ("3D-right-handed", "", False)]
+    + [("3D-left-handed-time", "", False), ("scanner-xyz", "", False)],
+)
+def test_spaces_of_a_patient(tmp_path, shorts, space, unit, patient):
+    fields = (f"space: {space}", f"space directions: {THREE}")
+    volume = reads(
+        shorts, write(tmp_path / "x.nrrd", header((6, 5, 4), "raw", *fields), shorts.tobytes())
+    )
+    assert (volume.unit, volume.patient) == (unit, patient)
+
+
 def test_channels_of_frames(tmp_path, shorts):
     data = np.stack([np.stack([shorts + 10 * t + c for c in range(3)], -1) for t in range(2)])
     start = header((3, 6, 5, 4, 2), "gzip", "kinds: vector domain domain domain time")

@@ -81,6 +81,18 @@ def test_vectors_of_nifti_have_channels(tmp_path, shorts, suffix, slope):
         reads(expected, tmp_path / f"x{suffix}", channel=2, frame=frame)
 
 
+@pytest.mark.parametrize("kind", ["Nifti1Image", "Nifti2Image"])
+def test_nifti_without_orientation(tmp_path, shorts, kind):
+    image = getattr(nibabel, kind)(shorts.T, np.diag([-2.0, 3, 4, 1]))
+    for code, patient in ((1, True), (0, False)):
+        image.set_sform(None, 0)
+        image.set_qform(image.affine, code)
+        volume = reads(shorts, written(tmp_path / "x.nii", image.to_bytes()))
+        assert volume.spacing == (2, 3, 4) and volume.patient == patient
+        assert [note for note in volume.notes if "right to left" in note] == list(volume.notes)
+        assert patient != bool(volume.notes)
+
+
 PAIRS = ("Nifti1Pair", "Nifti2Pair", "AnalyzeImage", "Spm99AnalyzeImage", "Spm2AnalyzeImage")
 
 

@@ -173,6 +173,29 @@ def test_scene_files_name_or_hold_textures(tmp_path):
     assert found.colors[0][0] == 0.0 and found.colors[-1][0] == 5.0
 
 
+def test_wrong_numbers_of_a_texture_are_refused(tmp_path):
+    data = json.loads(scene_to_json(scene_with(TEXTURES["labels"]())))
+    surface = data["volumes"][0]
+    channel = surface["texture"]["channels"][0]
+    channel["dims"] = [1e300, 1, 1]
+    refused("must be three numbers in 1..1048576", scene_from_json, json.dumps(data))
+    np.save(tmp_path / "values.npy", labels().values)
+    channel = {"name": "v", "source": "values.npy"}
+    surface["texture"]["channels"] = [channel]
+    for name, value, right in (
+        ("smooth", "1", "a number"),
+        ("spacing", "two", "one positive number or three"),
+        ("frame", [[1], 2], "a number"),
+        ("regions", 3, "a kind of box"),
+        ("regions", ["ball"], "a kind of box"),
+        ("regions", [{"kind": "within_labels", "label_map": "x", "labels": 3}], "whole numbers"),
+        ("regions", [{"kind": "within_labels", "label_map": 3}], "label map 3 is no path"),
+        ("regions", [{"kind": "within_labels", "label_map": "x", "reading": 3}], "its reading"),
+    ):
+        channel["reading"] = {name: value}
+        refused(right, scene_from_json, json.dumps(data), folder=tmp_path)
+
+
 def _after_texture(text):
     """Returns the text after the object of the texture."""
     start = text.index('"texture":') + len('"texture":')

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tests Zarr 2 by zarr, Zarr 3 by tensorstore, and a shard made by hand."""
 
+import base64
 import gzip
 import json
 import struct
@@ -117,6 +118,36 @@ def test_a_shard_that_is_made_by_hand(tmp_path):
     assert values.shape == (4, 6, 7) and (values[2:] == 9).all()
     (path / "c" / "0" / "0" / "0").write_bytes(first[:-9] + index)
     refused("x.zarr: .*damaged", read_volume, path)
+
+
+@pytest.mark.parametrize(
+    "kind, fill, about, missing",
+    [
+        # xarray encodes floating-point codes: base64 of a double.
+        ("float32", base64.b64encode(struct.pack("<d", -9.0)).decode(), {}, -9),
+        ("int16", -9, {"add_offset": 1.0}, -9),
+        ("int16", None, {"add_offset": 1.0}, None),
+    ],
+)
+def test_missing_data_of_xarray_in_zarr_3(tmp_path, kind, fill, about, missing):
+    """Checks that the value of absent chunks is no code for missing data there."""
+    stored = np.array([0, -9, 5, 6] * 6, kind).reshape(2, 3, 4)
+    path = tmp_path / "x.zarr"
+    (path / "c" / "0" / "0").mkdir(parents=True)
+    header = {
+        "zarr_format": 3,
+        "node_type": "array",
+        "shape": stored.shape,
+        "data_type": kind,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": stored.shape}},
+        "chunk_key_encoding": {"name": "default"},
+        "fill_value": 0,
+        "codecs": [LITTLE],
+        "attributes": about if fill is None else {"_FillValue": fill, **about},
+    }
+    (path / "zarr.json").write_text(json.dumps(header))
+    (path / "c" / "0" / "0" / "0").write_bytes(stored.tobytes())
+    reads(np.where(stored == missing, np.nan, stored + about.get("add_offset", 0)), path)
 
 
 def _zarr_2(path, **options):

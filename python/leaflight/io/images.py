@@ -17,13 +17,17 @@ from ..paths import AnyPath
 from ..srgb import linear_from_srgb, srgb_from_linear
 from .output import replaced
 
+# Photometric interpretations (TIFF 6.0, page 37).
+_WHITE_IS_ZERO, _PALETTE = 0, 3
+
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
 def read_pixels(path: AnyPath) -> Array:
     """Returns the numbers as stored: [row, column] or [row, column, RGB], top row first.
 
-    The type is uint8, uint16 or floating point. Alpha is left out. Raises LeaflightError.
+    The type is uint8, uint16 or floating point. Larger numbers are brighter, and a palette gives
+    RGB. Alpha is left out. Raises LeaflightError.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -100,7 +104,15 @@ def _read_tiff(path: Path) -> Array:
 
     try:
         with opened(path) as file:
-            pixels = read_page(path, file.pages[0])
+            page = file.pages[0]
+            pixels = read_page(path, page)
+            if page.axes.startswith("S"):
+                # The planar configuration 2 stores each color on its own.
+                pixels = np.moveaxis(pixels, 0, -1)
+            if page.photometric == _WHITE_IS_ZERO and pixels.dtype.kind == "u":
+                pixels = (1 << page.bitspersample) - 1 - pixels
+            if page.photometric == _PALETTE:
+                pixels = page.colormap.T[pixels]
     except ImportError as error:
         raise LeaflightError(
             f"{path}: this compression needs the Python package {error.name}, which is not "

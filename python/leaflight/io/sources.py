@@ -2,6 +2,7 @@
 """Sources of volumes: files, and generated volumes by name."""
 
 from collections.abc import Callable, Sequence
+from numbers import Integral
 from typing import Any
 
 from .._core import Progress
@@ -10,6 +11,7 @@ from ..volume.particles import hydrogen, lapr, neuron, nucleons
 from ..volume.regions import as_regions, changed
 from ..volume.setting_error import SettingError
 from ..volume.volume import Volume, bump_box
+from .readers.option_types import check_types
 from .readers.reading import read_volume, with_label_maps
 
 # Name -> function from the number of nodes per axis to a Volume; defaults are those of the thesis.
@@ -45,8 +47,9 @@ def open_volume(source: AnyPath, *, dims: Sequence[int] | None = None, **layout:
                 f"{source}: the option {name} does not apply to generated volumes; leave it out.",
                 name,
             )
-    if dims is not None and len(dims) != 1:
+    check_types(source, {"dims": dims})
+    if dims is not None and not (len(dims) == 1 and isinstance(dims[0], Integral)):
         raise SettingError(
-            f"{source}: the size is not one number: give the nodes per side.", "dims"
+            f"{source}: the size is not one whole number: give the nodes per side.", "dims"
         )
     return changed(_GENERATED[str(source)](*(dims or ())), regions)

@@ -18,6 +18,8 @@ from .json_object import JsonObject
 from .readers.reading import OPTIONS, read_volume
 from .sources import is_generated, open_volume
 
+# Upper bound on the nodes along an axis, so that their product can count bytes.
+_MOST_NODES = 1 << 20
 _TYPES = {np.dtype(kind).name: np.dtype(kind) for kind in VOXEL_TYPES}
 
 
@@ -76,8 +78,8 @@ def _channel(item: JsonObject, folder: AnyPath) -> Volume:
         return read_volume(Path(folder) / source, **reading)
     item.only("name", "type", "dims", "values", "index_to_world", "unit")
     dims = [int(n) for n in item.vector("dims")]
-    if min(dims) < 1:
-        raise item.error('"dims" must be three positive numbers')
+    if not all(1 <= n <= _MOST_NODES for n in dims):
+        raise item.error(f'"dims" must be three numbers in 1..{_MOST_NODES}')
     matrix = item.array("index_to_world")
     if matrix.shape != (4, 4):
         raise item.error('"index_to_world" must be a 4 x 4 matrix')

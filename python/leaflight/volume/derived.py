@@ -94,8 +94,4 @@ def _slope(before: Array, at: Array, after: Array) -> Array:
 
 def _without_layer(volume: Volume) -> Volume:
     """Returns the volume without the layer that capped() added."""
-    if not volume.layers:
-        return volume
-    matrix = np.array(volume.index_to_world, np.float64)
-    matrix[:3, 3] += volume.layers * matrix[:3, :3].sum(axis=1)
-    return replace(volume, values=volume.data(), index_to_world=matrix)
+    return volume.cropped(volume.data(), (1, 1, 1)) if volume.layers else volume

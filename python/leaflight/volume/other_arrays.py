@@ -7,22 +7,28 @@ It imports only libraries that the object has already loaded. Plain arrays are [
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .._core import LeaflightError
 from ..arrays import Array
+from .axes import CF, FROM_LPS, Axis, axis_at, grid_of
 from .memory import as_voxels
 from .setting_error import SettingError
-from .units import METERS, unit_of
+from .units import unit_of
 from .volume import Volume
 
-# Values, index_to_world or None, unit, name.
-_Read = tuple[Any, Array | None, str, str]
-# Matrix from the patient coordinates of ITK (left, back, up) to those of NIfTI (right, front, up).
-_TO_NIFTI = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+class _Read(NamedTuple):
+    """The parts of a Volume. index_to_world: None if the data have no voxel size."""
+
+    values: Any
+    index_to_world: Array | None
+    unit: str
+    name: str
+    notes: tuple[str, ...] = ()
 
 
 def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = None) -> Volume:
@@ -30,10 +36,10 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
     is.
 
     data: An array [z, y, x] of NumPy, Zarr, Dask, h5py or the like. Or an array of xarray with
-        evenly spaced coordinates; its dimensions x, y and z may be in any order. Or an image of
-        nibabel, SimpleITK, ITK, VTK or PyVista. Masked values become missing data. Further axes of
-        length 1 are dropped.
-    spacing: Voxel size of arrays that have none: one number or (x, y, z).
+        evenly spaced coordinates; names and CF attributes tell which are x, y and z. Or an image of
+        nibabel, SimpleITK, ITK, VTK or PyVista. Masked values become missing data. Axes of length 1
+        beyond the three in space are dropped.
+    spacing: Voxel size of arrays that have none, or a guessed one: one number or (x, y, z).
     name: Name for display. None is the name of the data.
     Raises LeaflightError.
     """
@@ -41,12 +47,14 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
         found = data
     else:
         reader = _reader(data)
-        values, index_to_world, unit, data_name = reader(data)
-        values = as_voxels(_scalars(values, data_name))
-        if index_to_world is None:
-            return Volume(values, None, name or data_name, spacing=spacing)
+        read = reader(data)
+        name, values = name or read.name, as_voxels(_scalars(read.values, read.name))
+        # Notes are about guesses, which a voxel size replaces.
+        if read.index_to_world is None or (read.notes and spacing is not None):
+            return Volume(values, None, name, spacing=spacing)
         is_patient = reader in (_of_nibabel, _of_itk)
-        found = Volume(values, index_to_world, name or data_name, unit=unit, patient=is_patient)
+        found = Volume(values, read.index_to_world, name, unit=read.unit, patient=is_patient)
+        found = found.noted(*read.notes)
     if spacing is not None:
         raise SettingError(
             f"{found.name}: the image has its own voxel size: leave spacing out.", "spacing"
@@ -68,9 +76,12 @@ def _reader(data: Any) -> Callable[[Any], _Read]:
 
 
 def _of_array(data: Any) -> _Read:
+    if isinstance(data, (str, Path)):
+        raise LeaflightError(f"{data}: this is a path, not a volume: read it with read_volume().")
     full_name = getattr(data, "name", None)
     name = full_name.strip("/").rpartition("/")[2] if isinstance(full_name, str) else ""
-    return data, None, "", name or "array"
+    # Axes before the three and after them may have length 1.
+    return _Read(_in_space(_in_space(_array(data)).T).T, None, "", name or "array")
 
 
 def _of_nibabel(image: Any) -> _Read:
@@ -78,20 +89,26 @@ def _of_nibabel(image: Any) -> _Read:
     header: Any = getattr(image, "header", None)
     unit = header.get_xyzt_units()[0] if hasattr(header, "get_xyzt_units") else ""
     path = image.get_filename() if hasattr(image, "get_filename") else None
-    values = _without_single_axes(_array(getattr(image, "dataobj", image)))
+    values = _in_space(_array(getattr(image, "dataobj", image)))
     affine = np.eye(4) if image.affine is None else np.array(image.affine, np.float64)
     # A header without a unit means millimeters, as is usual for the format.
-    return values.T, affine, unit_of(unit) or "mm", Path(path or "image").name.partition(".")[0]
+    name = Path(path or "image").name.partition(".")[0]
+    return _Read(values.T, affine, unit_of(unit) or "mm", name)
 
 
 def _of_itk(image: Any) -> _Read:
     module = sys.modules[type(image).__module__.partition(".")[0]]
     view = getattr(module, "GetArrayViewFromImage", _array)
-    matrix = np.eye(4)
+    matrix, spacing = np.eye(4), np.asarray(image.GetSpacing(), np.float64)
+    if len(spacing) != 3:
+        raise LeaflightError(
+            f"The image has {len(spacing)} axes, but a volume needs three: choose one frame, or "
+            "light a picture with flatland."
+        )
     axes = np.reshape(np.asarray(image.GetDirection(), np.float64), (3, 3))
-    matrix[:3, :3] = axes * np.asarray(image.GetSpacing(), np.float64)
+    matrix[:3, :3] = axes * spacing
     matrix[:3, 3] = image.GetOrigin()
-    return view(image), _TO_NIFTI @ matrix, "mm", "image"
+    return _Read(view(image), FROM_LPS @ matrix, "mm", "image")
 
 
 def _of_vtk(image: Any) -> _Read:
@@ -103,7 +120,8 @@ def _of_vtk(image: Any) -> _Read:
     scalars = image.GetPointData().GetScalars()
     if scalars is None:
         scalars = image.GetCellData().GetScalars()
-        shape -= 1
+        # A flat image has one layer of cells.
+        shape = np.maximum(shape - 1, 1)
         shift[:3, 3] += 0.5
     if scalars is None:
         raise LeaflightError(
@@ -111,48 +129,39 @@ def _of_vtk(image: Any) -> _Read:
         )
     matrix = image.GetIndexToPhysicalMatrix()
     matrix = [[matrix.GetElement(row, column) for column in range(4)] for row in range(4)]
-    values = vtk_to_numpy(scalars).reshape(*shape[::-1], -1)
-    return values, np.array(matrix) @ shift, "", scalars.GetName() or "image"
+    values = _in_space(vtk_to_numpy(scalars).reshape(*shape[::-1], -1))
+    return _Read(values, np.array(matrix) @ shift, "", scalars.GetName() or "image")
 
 
 def _of_xarray(data: Any) -> _Read:
-    name, data = str(data.name or "array"), data.squeeze()
-    if data.ndim != 3:
-        return data.data, None, "", name
-    by_name = {str(dim).lower(): dim for dim in data.dims}
-    known = {"x", "y", "z"} <= by_name.keys()
-    order = [by_name[axis] for axis in "zyx"] if known else list(data.dims)
-    data = data.transpose(*order)
-    # Times are not coordinates.
-    places = {d: data.coords[d] for d in order if d in data.coords and _is_real(data.coords[d])}
-    if not places:
-        return data.data, None, "", name
-    units = {dim: unit_of(one.attrs.get("units")) for dim, one in places.items()}
-    unit, matrix = next(filter(None, units.values()), ""), np.eye(4)
-    for axis, dim in enumerate(order[::-1]):
-        if dim in places:
-            first, step = _even(name, dim, places[dim].values)
-            scale = METERS[units[dim] or unit] / METERS[unit] if unit else 1.0
-            matrix[axis, axis], matrix[axis, 3] = scale * step, scale * first
-    return data.data, matrix, unit, name
+    name = str(data.name or "array")
+    axes = [_axis(name, data, dim) for dim in data.dims]
+    grid = grid_of(axes)
+    if grid is None or any(n > 1 and k not in "xyz" for n, k in zip(data.shape, grid.letters)):
+        raise LeaflightError(
+            f"{name}: the dimensions are {dict(data.sizes)}, but a volume needs x, y and z: choose "
+            "one frame and one channel, or light an image with flatland."
+        )
+    data = data.transpose(*(data.dims[grid.letters.index(letter)] for letter in "zyx"), ...)
+    matrix = grid.matrix if any(axis.step for axis in axes) else None
+    return _Read(_in_space(data.data), matrix, grid.unit, name, grid.notes)
 
 
-def _is_real(array: Any) -> bool:
-    return array.dtype.kind in "iuf"
-
-
-def _even(name: str, dim: object, places: ArrayLike) -> tuple[float, float]:
-    """Returns (first, step) of evenly spaced coordinates. Raises LeaflightError for others."""
-    places = np.asarray(places, np.float64)
-    step = (places[-1] - places[0]) / (len(places) - 1)
-    even = places[0] + step * np.arange(len(places))
-    slack = 1e-3 * abs(step) + 1e-6 * np.abs(places).max()
-    if not (step != 0 and (np.abs(places - even) <= slack).all()):
+def _axis(name: str, data: Any, dim: Any) -> Axis:
+    """Returns the axis of a dimension. Raises LeaflightError unless its coordinates are even."""
+    size = data.sizes[dim]
+    if dim not in data.coords:
+        return Axis(size, str(dim))
+    places = data.coords[dim]
+    about = {one: str(places.attrs[one]) for one in CF if one in places.attrs}
+    axis = axis_at(size, str(dim), places.values, about)
+    is_even = axis.even and axis.step is not None
+    if size > 1 and axis.letter != "t" and places.dtype.kind in "iuf" and not is_even:
         raise LeaflightError(
             f"{name}: the coordinates along {dim} are not evenly spaced: interpolate to even ones "
             "first (DataArray.interp)."
         )
-    return places[0], step
+    return axis
 
 
 # Attributes of an object -> its reader; the first match is used.
@@ -174,19 +183,20 @@ def _array(data: Any) -> Array:
         ) from None
 
 
-def _without_single_axes(values: Array) -> Array:
-    return np.squeeze(values) if values.ndim > 3 else values
+def _in_space(values: Any) -> Any:
+    """Returns an array without the axes of length 1 that follow the first three."""
+    while values.ndim > 3 and values.shape[-1] == 1:
+        values = values[..., 0]
+    return values
 
 
 def _scalars(data: Any, name: str) -> Array:
     """Returns an array of real numbers with three axes. Raises LeaflightError."""
-    if isinstance(data, (str, Path)):
-        raise LeaflightError(f"{data}: this is a path, not a volume: read it with read_volume().")
-    values = _without_single_axes(_array(data))
+    values = _array(data)
     if values.dtype.kind not in "biuf":
         raise LeaflightError(
-            f"{name}: {type(data).__name__} holds {values.dtype}, but a volume needs one real "
-            "number per voxel; convert it first."
+            f"{name}: the array holds {values.dtype}, but a volume needs one real number per "
+            "voxel; convert it first."
         )
     if values.ndim != 3:
         raise LeaflightError(

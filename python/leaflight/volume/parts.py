@@ -79,12 +79,14 @@ def shares_apart(middles: Array) -> Array:
     return (middles - 0.5 * (low + high)) / (high - low) if high > low else 0.0 * middles
 
 
-def offsets_apart(numbers: Array, along: Array) -> Array:
+def offsets_apart(numbers: Array, along: Array, toward: Array) -> Array:
     """Returns the offsets of parts in voxels, int64 (parts + 1, 3), [z, y, x]; row 0 is 0.
 
     along: Direction and distance of shares_apart() of their middles, in voxels [z, y, x].
+    toward: Step of a voxel [z, y, x] along this direction of the world, which differs from `along`
+        if voxels are no cubes.
     """
-    z, y, x = (np.arange(n) * (step / (along @ along)) for n, step in zip(numbers.shape, along))
+    z, y, x = (np.arange(n) * step for n, step in zip(numbers.shape, toward))
     places = z[:, None, None] + y[:, None] + x
     middles = (np.bincount(numbers.ravel(), places.ravel()) / np.bincount(numbers.ravel()))[1:]
     offsets = np.zeros((len(middles) + 1, 3), np.int64)

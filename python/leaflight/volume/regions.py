@@ -9,6 +9,7 @@ import dataclasses
 import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from os import PathLike
 from typing import Any
 
 import leaflight._core as _core
@@ -184,12 +185,13 @@ def _apart(volume: Volume, region: Apart, progress: _core.Progress) -> Volume:
     isovalue = default_isovalue(volume) if region.isovalue is None else region.isovalue
     numbers, _ = parts.parts_of(volume.values, isovalue, progress)
     along = (np.linalg.inv(volume.index_to_world)[:3, :3] @ region.along)[::-1]
+    toward = (volume.index_to_world[:3, :3].T @ region.along)[::-1]
     if (abs(along) > MOST_APART * np.asarray(volume.values.shape)).any():
         raise LeaflightError(
             f"{volume.source or volume.name}: its parts would move apart by more than "
             f"{MOST_APART} times its size: give a shorter distance."
         )
-    offsets = parts.offsets_apart(numbers, along)
+    offsets = parts.offsets_apart(numbers, along, toward)
     values, first = parts.apart(volume.values, numbers, offsets, progress.check)
     return volume.cropped(values, first)
 
@@ -222,8 +224,15 @@ def _kind(region: Region) -> str:
 def check(region: Region) -> None:
     """Raises LeaflightError for numbers or words that a region cannot have."""
     if isinstance(region, WithinLabels):
-        if not all(isinstance(label, int) and label > 0 for label in region.labels):
+        labels = region.labels if isinstance(region.labels, (tuple, list)) else (None,)
+        if not all(isinstance(label, int) and label > 0 for label in labels):
             raise LeaflightError(f"The labels {region.labels!r} are no whole numbers above 0.")
+        is_map = isinstance(region.label_map, (Volume, str, PathLike))
+        if not is_map or not isinstance(region.reading, dict):
+            raise LeaflightError(
+                f"The label map {region.label_map!r} is no path, or its reading is no object of "
+                "options: repair them."
+            )
         return
     for name, value in dataclasses.asdict(region).items():
         if name in _CHOICES:
@@ -278,7 +287,8 @@ def record_of(region: Region) -> dict[str, Any]:
 
 def as_regions(regions: Iterable[Any] | None) -> tuple[Region, ...]:
     """Returns regions for regions, records or a mix of both. Raises LeaflightError."""
-    return tuple(region_of(one) if isinstance(one, dict) else one for one in regions or ())
+    several = regions if isinstance(regions, Iterable) else [regions] if regions else ()
+    return tuple(one if isinstance(one, Region) else region_of(one) for one in several)
 
 
 def cuts_to_record(found: Cuts | None) -> dict[str, Any] | None:

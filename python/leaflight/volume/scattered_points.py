@@ -48,7 +48,7 @@ def interpolated(
         counts, step, first, places = grid
         array = np.full(counts[::-1], np.nan)
         array[tuple(places.T[::-1])] = values
-        return Volume(array, _matrix(step, first), name, source)
+        return Volume(array, None, name, source, spacing=step, origin=first)
     known = np.isfinite(points).all(axis=1) & np.isfinite(values)
     points, values = points[known], values[known]
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3),) * 2
@@ -62,7 +62,7 @@ def interpolated(
     # Center the nodes, because the sides need not be whole numbers of voxels.
     first = low + 0.5 * (sides - step * (counts - 1))
     array = _filled(*_averages((points - first) / step, values, counts))
-    return Volume(array.astype(np.float32), _matrix(step, first), name, source)
+    return Volume(array.astype(np.float32), None, name, source, spacing=step, origin=first)
 
 
 def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
@@ -97,12 +97,6 @@ def _regular(points: Array) -> tuple[Array, Array, Array, Array] | None:
 def _fits(nodes: Sequence[int] | None, counts: Array) -> bool:
     """Returns True if the chosen nodes equal those of a grid with these counts."""
     return nodes is None or list(nodes) in ([*counts], [max(counts)])
-
-
-def _matrix(step: Array, first: Array) -> Array:
-    matrix = np.diag([*step, 1.0])
-    matrix[:3, 3] = first
-    return matrix
 
 
 def _grid(

@@ -17,8 +17,6 @@ from ..._core import LeaflightError
 from ...arrays import Array
 from ...volume.setting_error import SettingError
 
-# From the world of ITK and DICOM (left-posterior-superior) to ours (right-anterior-superior).
-FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 # Upper bound on the ratio of deflate. A header that claims more is damaged.
 DEFLATE_MOST = 1032
 

@@ -38,16 +38,17 @@ class Slices:
     notes: tuple[str, ...] = ()
 
 
-def visible_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
-    """Returns the files of a folder with one of these suffixes, sorted, without hidden ones.
+def visible(folder: Path) -> list[Path]:
+    """Returns the files of a folder without hidden ones.
 
     macOS adds hidden files, ._NAME, to those that it copies to other disks.
     """
-    files = [
-        path
-        for path in folder.iterdir()
-        if path.suffix.lower() in suffixes and path.name[0] != "." and path.is_file()
-    ]
+    return [path for path in folder.iterdir() if path.name[0] != "." and path.is_file()]
+
+
+def visible_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
+    """Returns the visible() files with one of these suffixes, sorted."""
+    files = [path for path in visible(folder) if path.suffix.lower() in suffixes]
     return sorted(files, key=lambda path: _natural(path.name))
 
 

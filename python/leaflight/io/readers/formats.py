@@ -9,6 +9,7 @@ from ..._core import LeaflightError
 from ...paths import AnyPath
 from ...volume.setting_error import SettingError
 from .checks import listed
+from .file_names import visible
 from .sniffing import DIRECTORY, holds_dicom, is_dicom, module_of
 
 
@@ -143,7 +144,7 @@ def _of_folder(path: Path) -> Format:
     """Returns the Format of most files of a folder, without hidden ones and a few others."""
     if any((path / entry).exists() for entry in (".zgroup", ".zarray", "zarr.json")):
         return _BY_MODULE["ome_zarr"]
-    entries = _visible(path)
+    entries = visible(path)
     if any(entry.name.lower() == DIRECTORY for entry in entries):
         return _BY_MODULE["dicom"]
     counts = {
@@ -181,15 +182,7 @@ def left_out(path: Path, kind: Format) -> tuple[str, ...]:
         for suffix in _BY_MODULE[module].suffixes
         if kind.module in _OF_SLICES and module != kind.module
     }
-    names = [entry.name for entry in _visible(path) if entry.suffix.lower() in suffixes]
+    names = [entry.name for entry in visible(path) if entry.suffix.lower() in suffixes]
     if not names:
         return ()
     return (f"Files of other kinds in the folder are left out: {listed(sorted(names))}.",)
-
-
-def _visible(folder: Path) -> list[Path]:
-    """Returns the files of a folder without hidden ones.
-
-    macOS adds hidden files, ._NAME, to those that it copies to other disks.
-    """
-    return [entry for entry in folder.iterdir() if entry.name[0] != "." and entry.is_file()]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .axes import Axis, grid_of
+from ...volume.axes import Axis, grid_of
 from .channels import Channel, channel_of_json
 from .packing import Packing
 

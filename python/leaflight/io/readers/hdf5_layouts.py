@@ -11,12 +11,12 @@ from dataclasses import replace
 import h5py
 import numpy as np
 
-from .axes import CF, Axis, axis_at, grid_of
+from ...volume.axes import CF, Axis, axis_at, grid_of
 from .hdf5_image import Image, image_of
 from .hdf5_links import walked
 from .hdf5_microscopes import bdv_images, imaris_images
 from .hdf5_nexus import default_signal, is_nexus_data, signals
-from .packing import NAMES, attribute, numbers_of, packing_of, text_of
+from .packing import NAMES, Packing, attribute, numbers_of, packing_of, text_of
 
 # Attributes of the voxel size, z first, and its unit: ilastik and Fiji; CREMI.
 _SIZES = {"element_size_um": "µm", "voxel_size": "", "resolution": ""}
@@ -56,7 +56,7 @@ def array_image(data: h5py.Dataset, path: str, axes: Sequence[Axis] = ()) -> Ima
     notes: list[str] = []
     if not any(axis.step for axis in axes):
         axes, notes = _sized(data, axes)
-    packing = packing_of({name: attribute(data, name) for name in NAMES})
+    packing = _packing(data)
     image = image_of([(axes, [[path]])], data.dtype, packing)
     return None if image is None else replace(image, notes=[*notes, *image.notes])
 
@@ -91,8 +91,13 @@ def _scaled(data: h5py.Dataset) -> list[Axis]:
         known = scale.shape == (size,) and _NO_PLACES not in text_of(attribute(scale, "NAME"))
         about = {one: text_of(attribute(scale, one)) for one in CF}
         about = {one: text for one, text in about.items() if text}
-        axes.append(axis_at(size, name, scale[:] if known else np.empty(0), about))
+        places = _packing(scale).places(scale[:]) if known else np.empty(0)
+        axes.append(axis_at(size, name, places, about))
     return axes
+
+
+def _packing(data: h5py.Dataset) -> Packing:
+    return packing_of({name: attribute(data, name) for name in NAMES})
 
 
 def _sized(data: h5py.Dataset, axes: Sequence[Axis]) -> tuple[Sequence[Axis], list[str]]:

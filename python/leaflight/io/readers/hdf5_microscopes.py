@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 
-from .axes import Axis
+from ...volume.axes import Axis
 from .channels import Channel, channel_of
 from .hdf5_image import Image, image_of
 from .hdf5_links import resolved

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import h5py
 
-from .axes import Axis, axis_at
+from ...volume.axes import Axis, axis_at
 from .hdf5_links import resolved
 from .packing import attribute, text_of, texts_of
 

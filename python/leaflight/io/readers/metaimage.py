@@ -13,9 +13,10 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.axes import FROM_LPS
 from ...volume.units import unit_of
 from ...volume.volume import Volume
-from .checks import FROM_LPS, check_shape, matrix_at
+from .checks import check_shape, matrix_at
 from .encodings import NUMBERS
 from .stored import StoredVolume, lengths
 from .value_files import Index, ValueFiles, data_files

@@ -26,9 +26,10 @@ _HEADER, _LENGTH = 1024, 92
 # The stamp, which old files lack, and the modes of 8-bit and of 4-bit values.
 _STAMP, _MODES = b"MAP ", (0, 1, 2, 3, 4, 6, 12, 101)
 _BYTES, _HALVES = 0, 101
-# IMOD's stamp, its offset (flags follow it), and the flag for signed bytes.
-_IMOD, _IMOD_PLACE, _SIGNED = 1146047817, 152, 1
-# Version of the standard from which bytes are signed, and digits of the version for revisions.
+# IMOD's stamp, its offset (flags follow it), and the flags for signed bytes and for an origin with
+# the sign of the standard. https://bio3d.colorado.edu/imod/doc/mrc_format.txt
+_IMOD, _IMOD_PLACE, _SIGNED, _STANDARD_ORIGIN = 1146047817, 152, 1, 4
+# Version of the standard that defines the sign of bytes and of the origin.
 _MRC2014 = 2014
 # Number of values that are examined if the header does not tell if bytes are signed.
 _SAMPLED = 1 << 22
@@ -110,20 +111,31 @@ def _header(path: Path) -> Array:
 def _type_of_bytes(path: Path, header: Array, offset: int) -> tuple[np.dtype[Any], tuple[str, ...]]:
     """Returns (int8 or uint8, a note if it is a guess), because programs differ."""
     signed, unsigned = np.dtype(np.int8), np.dtype(np.uint8)
-    words = np.frombuffer(header.tobytes(), header["nsymbt"].dtype, 2, _IMOD_PLACE)
-    if words[0] == _IMOD:
-        return (signed if words[1] & _SIGNED else unsigned), ()
+    flags = _imod_flags(header)
+    if flags is not None:
+        return (signed if flags & _SIGNED else unsigned), ()
     # Use the lowest and the highest value, if they are given.
     low, high = float(header["dmin"]), float(header["dmax"])
     if -128 <= low < 0 and low <= high <= 127:
         return signed, ()
     if 0 <= low <= high and 127 < high <= 255:
         return unsigned, ()
-    if int(header["nversion"]) // 10 == _MRC2014:
+    if _version(header) == _MRC2014:
         return signed, ()
     dtype = signed if _cross_zero(path, offset) else unsigned
     limits = np.iinfo(dtype)
     return dtype, (_BY_HISTOGRAM.format(low=limits.min, high=limits.max),)
+
+
+def _imod_flags(header: Array) -> int | None:
+    """Returns IMOD's flags, None without its stamp."""
+    words = np.frombuffer(header.tobytes(), header["nsymbt"].dtype, 2, _IMOD_PLACE)
+    return int(words[1]) if words[0] == _IMOD else None
+
+
+def _version(header: Array) -> int:
+    """Returns the version of the standard, without the digit for revisions, or 0."""
+    return int(header["nversion"]) // 10
 
 
 def _cross_zero(path: Path, offset: int) -> bool:
@@ -158,5 +170,9 @@ def _matrix(path: Path, header: Array, axes: list[int]) -> Array:
         starts[axis] = int(header[name])
     # Microscopes write the origin, programs of crystallography the first index.
     origin = np.array([float(header["origin"][name]) for name in "xyz"])
+    flags = _imod_flags(header)
+    if flags is not None and not flags & _STANDARD_ORIGIN and _version(header) < _MRC2014:
+        # Such an origin of IMOD is the place of the world's origin in the volume.
+        origin = -origin
     has_origin = np.isfinite(origin).all() and origin.any()
     return matrix_at(path, cell * steps, origin if has_origin else cell * steps @ starts)

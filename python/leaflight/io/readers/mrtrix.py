@@ -31,7 +31,8 @@ def open_volume(path: Path) -> StoredVolume:
     """Opens three axes of space. The fourth axis counts frames, the fifth channels."""
     fields = _header(path)
     sizes = tuple(map(int, _words(fields, "dim")))
-    check_shape(path, sizes if len(sizes) < 4 else (*sizes[:3], prod(sizes[3:5])))
+    is_known = len(sizes) > 3 and prod(sizes[5:]) == 1
+    check_shape(path, (*sizes[:3], prod(sizes[3:5])) if is_known else sizes)
     dtype, bits = _type(path, fields)
     # Axes of the file, slowest first, and True for each that is reversed.
     axes, backwards = _layout(path, fields, len(sizes))

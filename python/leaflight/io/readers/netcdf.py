@@ -14,10 +14,10 @@ from nibabel.externals.netcdf import netcdf_file
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.axes import CF, Axis, Grid, axis_at, grid_of
 from ...volume.memory import new_voxels
 from ...volume.volume import Volume
 from . import hdf5
-from .axes import CF, Axis, Grid, axis_at, grid_of
 from .checks import check_matrix, choose_named, index_to_world
 from .packing import NAMES, Packing, packing_of, text_of
 from .stored import StoredVolume, lengths
@@ -88,8 +88,11 @@ def _variable(
     if data.dtype.kind not in "biuf" or not data.size:
         return None
     grid = grid_of([_axis(file, axis, n) for axis, n in zip(variable.dimensions, data.shape)])
-    attributes = {one: getattr(variable, one, None) for one in NAMES}
-    return None if grid is None else (grid, data.shape, data.dtype, packing_of(attributes))
+    return None if grid is None else (grid, data.shape, data.dtype, _packing(variable))
+
+
+def _packing(variable: Any) -> Packing:
+    return packing_of({one: getattr(variable, one, None) for one in NAMES})
 
 
 def _axis(file: _Classic, name: str, size: int) -> Axis:
@@ -98,9 +101,8 @@ def _axis(file: _Classic, name: str, size: int) -> Axis:
     if places is None or places.data.shape != (size,):
         return Axis(size, name)
     about = {one: text_of(getattr(places, one, None)) for one in CF}
-    return axis_at(
-        size, name, places.data.copy(), {one: text for one, text in about.items() if text}
-    )
+    about = {one: text for one, text in about.items() if text}
+    return axis_at(size, name, _packing(places).places(places.data.copy()), about)
 
 
 def _values(

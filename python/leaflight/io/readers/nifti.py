@@ -28,6 +28,10 @@ _ODD_UNIT = "The header's code {code} for the unit of length is unknown; millime
 _SIDES = (
     "Analyze files do not say which side is left; the x axis is read from right to left, as in SPM."
 )
+_NOT_ORIENTED = (
+    "The header has no orientation (its qform_code and sform_code are 0); the x axis is read from "
+    "right to left, as in SPM."
+)
 # Magic bytes: a pair of files, or one.
 _PAIRS = {
     **dict.fromkeys((b"n+1\0", b"ni1\0"), (nibabel.Nifti1Pair, nibabel.Nifti1Image)),
@@ -56,8 +60,12 @@ def open_volume(path: Path) -> StoredVolume:
             return np.asarray(stored, kind) if len(shape) == 3 else stored[index]
 
     unit, notes = _unit(image)
-    if isinstance(image, nibabel.Spm2AnalyzeImage) and not _matrix_file(header).exists():
+    is_analyze, patient = isinstance(image, nibabel.Spm2AnalyzeImage), True
+    if is_analyze and not _matrix_file(header).exists():
         notes += (_SIDES,)
+    elif not is_analyze and image.header["qform_code"] == image.header["sform_code"] == 0:
+        # Such coordinates have no orientation (nifti1.h, method 1).
+        notes, patient = (*notes, _NOT_ORIENTED), False
     return stored_scan(
         path,
         Scan(
@@ -69,6 +77,7 @@ def open_volume(path: Path) -> StoredVolume:
             scaled=None if (proxy.slope, proxy.inter) == (1, 0) else scaled,
             scaled_dtype=kind,
             unit=unit,
+            patient=patient,
             notes=notes,
         ),
     )

@@ -11,15 +11,16 @@ import numpy as np
 
 from ..._core import LeaflightError
 from ...arrays import Array
+from ...volume.axes import FROM_LPS
 from ...volume.units import METERS, unit_of
 from .checks import check_matrix, text
 
 _SPACES = {"ras": "right-anterior-superior", "las": "left-anterior-superior"}
 _SPACES["lps"] = "left-posterior-superior"
-# Signs that convert each space to right-anterior-superior.
+# Matrices that convert each space to right-anterior-superior.
 _TURNED = {
-    "left-posterior-superior": (-1.0, -1.0, 1.0, 1.0),
-    "left-anterior-superior": (-1.0, 1.0, 1.0, 1.0),
+    "left-posterior-superior": FROM_LPS,
+    "left-anterior-superior": np.diag([-1.0, 1.0, 1.0, 1.0]),
 }
 # Kinds of axes that are in space, and kinds that may be.
 _IN_SPACE, _UNKNOWN = ("space", "domain"), ("???", "none", "unknown")
@@ -68,8 +69,9 @@ def axes_of(path: Path, fields: dict[str, str], sizes: Sequence[int]) -> Axes:
         if unit and units[0]:
             row *= METERS[unit] / METERS[units[0]]
     check_matrix(path, matrix)
-    patient = "left" in name or "right" in name
-    matrix = np.diag(_TURNED.get(name, (1.0,) * 4)) @ matrix
+    # "3D-right-handed" and "3D-left-handed" are no spaces of a patient.
+    patient = "superior" in name
+    matrix = _TURNED.get(name, np.eye(4)) @ matrix
     unit = units[0] or ("mm" if patient else "")
     return Axes(space, frames, channels, matrix, unit, patient, notes)
 

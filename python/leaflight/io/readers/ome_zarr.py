@@ -13,9 +13,9 @@ import numpy as np
 
 from ..._core import LeaflightError, Progress
 from ...arrays import Array
+from ...volume.axes import Axis, Grid, grid_of
 from ...volume.memory import new_voxels
 from ...volume.volume import Volume
-from .axes import Axis, Grid, grid_of
 from .channels import Channel, bytes_of_hex, channel_of
 from .checks import check_matrix, choose_level, choose_named, text
 from .packing import packing_of

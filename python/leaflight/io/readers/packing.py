@@ -98,6 +98,13 @@ class Packing:
                 values[missing] = np.nan
         return values
 
+    def places(self, stored: Array) -> Array:
+        """Returns unpacked coordinates: in double precision, and none is missing (CF 8.1)."""
+        plain = stored.view(self._plain(stored.dtype))
+        if not self._is_scaled or plain.dtype.kind not in "iuf":
+            return plain
+        return self.offset + self.scale * plain.astype(np.float64)
+
     def note(self, values: Array) -> tuple[str, ...]:
         """Returns a sentence about missing values, if there are any."""
         if not self.fills:

@@ -30,6 +30,7 @@ from .checks import Undecided, choose, text, truncated
 from .formats import RAW, Format, format_of, left_out
 from .label_files import labels_for
 from .missing_package import MissingPackage
+from .option_types import check_types
 from .stored import StoredVolume
 from .usable import Usable, about_labels, downsampled, look_like_labels, usable
 from .watched import watched
@@ -124,6 +125,7 @@ def read_volume(
     """
     assert progress is not None
     _check_names(options, OPTIONS)
+    check_types(path, {**options, "frame": frame, "channel": channel})
     path = Path(path)
     wanted = _wanted(path, options)
     regions = with_label_maps(wanted.regions, progress)
@@ -214,15 +216,12 @@ def _wanted(path: Path, options: ReadOptions) -> _Wanted:
         raise SettingError(
             f"{path}: the field is {field}; choose one of {', '.join(FIELDS)}.", "field"
         )
-    hide = options.get("hide") or ()
-    if len(np.shape(hide)) != 1 or (len(hide) and np.asarray(hide).dtype.kind not in "iu"):
-        raise SettingError(f"{path}: hide is {hide!r}; give the numbers of labels.", "hide")
     return _Wanted(
         downsample or 1,
         checked(options.get("smooth") or 0.0, "smooth", path),
         checked(options.get("smooth_normals") or 0.0, "smooth_normals", path),
         field,
-        hide,
+        options.get("hide") or (),
         options.get("label_table"),
         as_regions(options.get("regions")),
     )
@@ -274,6 +273,7 @@ def probe(path: AnyPath, **stored: "Unpack[StoredOptions]") -> StoredVolume:
     Raises LeaflightError.
     """
     _check_names(stored, tuple(StoredOptions.__annotations__))
+    check_types(path, stored)
     path = Path(path)
     with _sentences(path, stored) as kind:
         return _opened(path, kind(), stored)

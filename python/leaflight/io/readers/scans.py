@@ -30,6 +30,7 @@ class Scan:
     file: File with the values from byte `offset` on, compressed or not.
     shape: Sizes (x, y, z) and then frames and channels, if any.
     affine: Matrix to right, anterior, superior.
+    patient: False if the header does not say where these are.
     scaled: Function that returns scaled values of the type scaled_dtype, if the header scales.
     """
 
@@ -41,6 +42,7 @@ class Scan:
     scaled: Scaled | None = None
     scaled_dtype: np.dtype[Any] = np.dtype(np.float32)
     unit: str = "mm"
+    patient: bool = True
     notes: tuple[str, ...] = ()
 
 
@@ -84,7 +86,6 @@ def stored_scan(path: Path, scan: Scan) -> StoredVolume:
         frames=shape[3] if len(shape) > 3 else 1,
         channels=colors or (shape[4] if len(shape) > 4 else 1),
         channel_list=(*RGB, Channel("alpha"))[:colors],
-        # Coordinates of all these formats are those of a patient.
-        patient=True,
+        patient=scan.patient,
         notes=scan.notes,
     )

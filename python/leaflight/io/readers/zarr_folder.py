@@ -4,8 +4,10 @@
 https://zarr-specs.readthedocs.io; zarr_values.py reads the values, in a subprocess.
 """
 
+import base64
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,9 @@ from ...arrays import Array
 from ..reader_process import ReaderProcess
 from .checks import check_scalar, text
 from .watched import STAGE, begin
+
+# Attributes of packed numbers.
+_PACKED = {"scale_factor", "add_offset"}
 
 
 @dataclass(frozen=True)
@@ -111,10 +116,22 @@ def open_zarr(path: Path) -> ZarrArray | ZarrGroup:
             f"{path}: the shape is {text(shape) or 'missing'}, so there are no values; fetch it "
             "again."
         )
-    if {"scale_factor", "add_offset"} & attributes.keys():
-        # xarray stores the fill value of packed numbers as the value of absent chunks.
-        attributes = {"_FillValue": header.get("fill_value"), **attributes}
-    return ZarrArray(path, shape, dtype, attributes, tuple(header.get("dimension_names") or ()))
+    names = tuple(header.get("dimension_names") or ())
+    return ZarrArray(path, shape, dtype, {**attributes, **_missing(header, attributes)}, names)
+
+
+def _missing(header: dict[str, Any], attributes: dict[str, Any]) -> dict[str, Any]:
+    """Returns the attribute _FillValue as a number, if xarray has stored it in another way."""
+    fill = attributes.get("_FillValue")
+    # In version 2 xarray stores the code for missing data as the value of absent chunks. Version 3
+    # requires a value of absent chunks, so it is no code there.
+    if fill is None and header.get("zarr_format") == 2 and _PACKED & attributes.keys():
+        return {"_FillValue": header.get("fill_value")}
+    if isinstance(fill, str):
+        # In version 3 xarray stores floating-point codes as base64 of a double.
+        with suppress(ValueError):
+            return {"_FillValue": np.frombuffer(base64.b64decode(fill, validate=True), "<f8")}
+    return {}
 
 
 def header_of(path: Path) -> dict[str, Any]:

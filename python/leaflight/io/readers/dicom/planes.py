@@ -42,6 +42,7 @@ class Plane:
     normal: Direction in which planes count up.
     spacing: Distances between rows, and between columns.
     step: Distance to the next plane, if positions do not give it; 0 if unknown.
+    between: The same without the thickness of slices, which may overlap or leave gaps.
     sparse: True if missing planes are 0.
     placed: True if the position is that of a patient.
     padding: Value of pixels without data, None if the header has none.
@@ -63,6 +64,7 @@ class Plane:
     normal: Floats
     spacing: Floats
     step: float
+    between: float
     sparse: bool
     placed: bool
     padding: float | None
@@ -170,8 +172,8 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         or header.get("NominalScannedPixelSpacing", None),
         2,
     )
-    gap = _number(tags.get("SpacingBetweenSlices", "PixelMeasuresSequence"))
-    gap = gap or _number(tags.get("SliceThickness", "PixelMeasuresSequence"))
+    between = _number(tags.get("SpacingBetweenSlices", "PixelMeasuresSequence"))
+    gap = between or _number(tags.get("SliceThickness", "PixelMeasuresSequence"))
     normal = np.cross(axes[:3], axes[3:])
     placed = position is not None
     stepped = pixels.pages > 1 and tags.own is None
@@ -204,6 +206,7 @@ def _plane(file: _File, tags: _Tags, page: int) -> Plane:
         normal=_tuple(normal),
         spacing=spacing or (1.0, 1.0),
         step=abs(gap),
+        between=abs(between),
         sparse=str(header.get("SOPClassUID", "")) in _SEGMENTATIONS,
         placed=placed,
         padding=None if padding is None else padding * slope + intercept,

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...._core import LeaflightError
 from ....arrays import Array
-from ..checks import FROM_LPS
+from ....volume.axes import FROM_LPS
+from ..checks import check_matrix
 from .pixels import digest
 from .planes import Plane
 
@@ -92,7 +93,7 @@ def _indices(path: Path, along: Array, first: Plane) -> Array:
     The distance in the header is used, or else the smallest between neighbors.
     """
     gaps = np.diff(along)
-    for step in (first.step, gaps.min(initial=np.inf)):
+    for step in (first.between, gaps.min(initial=np.inf)):
         counts = np.rint(gaps / step) if step else np.zeros(0)
         if len(counts) == len(gaps) and (counts > 0).all():
             apart = np.abs(gaps - counts * step).max(initial=0.0)
@@ -121,7 +122,9 @@ def _unplaced(path: Path, planes: list[Plane]) -> Stack:
     first = planes[0]
     matrix = _axes(first)
     matrix[:3, 2] = np.multiply(first.normal, step)
-    return Stack([list(planes)], _checked(path, FROM_LPS @ matrix), (note,))
+    matrix = FROM_LPS @ matrix
+    check_matrix(path, matrix)
+    return Stack([list(planes)], matrix, (note,))
 
 
 def _along(one: Plane, first: Plane) -> float:
@@ -235,10 +238,6 @@ def _matrix(path: Path, first: Plane, last: Plane, count: int) -> Array:
     if count > 1:
         # The direction between planes may be oblique if the gantry was tilted.
         matrix[:3, 2] = np.subtract(last.position or (), first.position or ()) / (count - 1)
-    return _checked(path, FROM_LPS @ matrix)
-
-
-def _checked(path: Path, matrix: Array) -> Array:
-    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) == 0:
-        raise LeaflightError(f"{path}: the matrix in the headers is not invertible; repair them.")
+    matrix = FROM_LPS @ matrix
+    check_matrix(path, matrix)
     return matrix

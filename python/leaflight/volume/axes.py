@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import Array
-from ...volume.units import common_unit
+from ..arrays import Array
+from .units import common_unit
 
+# From the world of ITK and DICOM (left-posterior-superior) to ours (right-anterior-superior).
+FROM_LPS = np.diag([-1.0, -1.0, 1.0, 1.0])
 # Attributes of coordinates along an axis that axis_at() uses.
 CF = ("units", "axis", "positive", "standard_name")
 # Tolerance of even spacing, in steps.
