@@ -69,6 +69,8 @@ def _key(settings):
 class EstimateJob(jobs.Job):
     """The first passes of the bake of an object, and the estimates from them."""
 
+    cancelled = "The estimate was cancelled"
+
     def __init__(self, context, obj):
         """Exports the scene. Raises LeaflightError if it cannot be baked with the settings."""
         scene, volumes, _ = scene_export.export_scene(context, obj)
@@ -91,9 +93,6 @@ class EstimateJob(jobs.Job):
     def apply(self):
         _pilots[self._name] = self._settings, self._error, self.pilot
         return sentence(self.pilot.estimate(self._asked, self._limit))
-
-    def ended(self):
-        return "The estimate was cancelled"
 
 
 class LEAFLIGHT_OT_estimate_bake(background.BackgroundOperator, bpy.types.Operator):

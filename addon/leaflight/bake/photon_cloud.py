@@ -11,7 +11,7 @@ from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import EnumProperty, FloatProperty, IntProperty
 from ..show import display, fill, isovalues, shader
-from ..stage import scene_export
+from ..stage import nodes, scene_export
 from ..store import cache
 
 # Attributes of the points: color, common isovalue, and True if a photon came straight from a light.
@@ -148,11 +148,7 @@ def _points(name, radius, material):
         tree.links.new(a.outputs[0], b.inputs[0])
     sphere = tree.nodes.new("GeometryNodeMeshIcoSphere")
     sphere.location.y = -200
-    tree.links.new(sphere.outputs[0], _socket(chain[1], "Instance"))
-    _socket(sphere, "Radius").default_value = radius
-    _socket(chain[3], "Material").default_value = material
+    tree.links.new(sphere.outputs[0], nodes.socket(chain[1], "Instance"))
+    nodes.socket(sphere, "Radius").default_value = radius
+    nodes.socket(chain[3], "Material").default_value = material
     return tree
-
-
-def _socket(node, identifier):
-    return next(socket for socket in node.inputs if socket.identifier == identifier)

@@ -55,6 +55,8 @@ def _save_copy(blend):
 class ComparisonJob(jobs.Job):
     """Renders the saved copy of the file that is open, and reads the figures from the child."""
 
+    cancelled = "The comparison was cancelled; nothing has changed"
+
     def __init__(self, isosurface, folder, samples, baked_samples, share):
         """Saves a copy of the open file. Raises LeaflightError."""
         self._files = tempfile.TemporaryDirectory(prefix="leaflight-")
@@ -142,9 +144,6 @@ class ComparisonJob(jobs.Job):
         while child.poll() is None and time.monotonic() < end:
             time.sleep(_POLL_SECONDS)
         return " ".join(words) or f"exit status {child.returncode}"
-
-    def ended(self):
-        return "The comparison was cancelled; nothing has changed"
 
     def apply(self):
         obj = bpy.data.objects.get((self.isosurface, None))

@@ -23,7 +23,7 @@ from leaflight.measure.flip import flip
 from leaflight.volume.setting_error import check_is_baked
 
 from .. import versions
-from ..show import display, fill, isosurface, isovalues, surface_material, surface_object
+from ..show import display, exploded, fill, isosurface, isovalues, surface_material, surface_object
 from ..stage import scene_export
 from ..store import source_files
 from . import render
@@ -230,10 +230,11 @@ def check_lit(volume, isovalue):
 
 @contextlib.contextmanager
 def _volumes_alone(scene):
-    """Shows only the first isosurface of each volume, uncut and opaque, as in the bake."""
+    """Shows only the first isosurface of each volume, uncut, closed and opaque, as in the bake."""
+    uncut = {"opacity": 1.0, "is_cut": False, "gloss": 0.0}
     with contextlib.ExitStack() as stack:
         for obj in isovalues.isosurfaces(scene):
-            shown = {"opacity": 1.0, "is_cut": False, "gloss": 0.0}
+            shown = uncut | ({} if display.is_added(obj) else {"explode_axis": exploded.CLOSED})
             stack.enter_context(render.overridden(obj.leaflight_look, **shown))
             if display.is_added(obj):
                 stack.enter_context(render.overridden(obj, hide_render=True))
@@ -254,11 +255,12 @@ def _path_traced(context, volume):
 def _own_material(context, volume):
     """Shows a volume with the unlit material of its isosurface and the normals of the bake."""
     isovalue = surface_object.shown_isovalue(volume)
-    vertices, normals, triangles = isosurface.isosurface_of(volume, isovalue).mesh()
+    surface = isosurface.isosurface_of(volume, isovalue)
+    vertices, normals, triangles = surface.mesh()
     shown = volume.data
     mesh = bpy.data.meshes.new("Leaflight Comparison")
     try:
-        fill.fill(mesh, vertices, triangles, {})
+        fill.fill(mesh, vertices, triangles, surface.texture(vertices))
         versions.set_normals(mesh, normals)
         mesh.materials.append(surface_material.isosurface_material(volume, isovalue))
         surface_object.mark_shown(mesh, shown)

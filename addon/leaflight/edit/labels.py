@@ -13,9 +13,9 @@ from mathutils import Matrix, Vector
 from ..operators import checks
 from ..operators.checks import active_volume
 from ..show import color_bar, display, label_parts, texture
+from ..show.display import LETTER, SCALE_BAR
 from ..store import cache, source_files
 
-_BAR, _LETTER = "scale bar", "letter"
 # Sides of a patient as (letter, axis, direction): right, left, front, back, up and down.
 SIDES = (("R", 0, 1), ("L", 0, -1), ("A", 1, 1), ("P", 1, -1), ("S", 2, 1), ("I", 2, -1))
 # Sizes of labels, as shares of the volume's longest side.
@@ -31,7 +31,7 @@ def add_scale_bar(context, volume):
             "one under Scale and Labels."
         )
     low, high, side = _box(volume)
-    _remove(volume, _BAR)
+    _remove(volume, SCALE_BAR)
     length = round_length(_LENGTH * side)
     across, deep = _axes(context, volume)
     width = _WIDTH * side
@@ -40,8 +40,8 @@ def add_scale_bar(context, volume):
     start[across] = 0.5 * (low + high - length)[across]
     size = np.full(3, width)
     size[across] = length
-    bar = _object(volume, _BAR, "Scale Bar", _cuboid(start, start + size))
-    text = _text(context, volume, _BAR, f"{length:g} {unit}", _TEXT * side)
+    bar = _object(volume, SCALE_BAR, "Scale Bar", _cuboid(start, start + size))
+    text = _text(context, volume, SCALE_BAR, f"{length:g} {unit}", _TEXT * side)
     text.location = start + 0.5 * size + np.array([0.0, 0.0, 0.5 * _TEXT * side + width])
     return bar
 
@@ -54,11 +54,11 @@ def add_letters(context, volume):
             "choose Up and Front under Stage."
         )
     low, high, side = _box(volume)
-    _remove(volume, _LETTER)
+    _remove(volume, LETTER)
     for letter, axis, direction in SIDES:
         place = 0.5 * (low + high)
         place[axis] = (high if direction > 0 else low)[axis] + direction * _GAP * side
-        _text(context, volume, _LETTER, letter, _TEXT * side).location = place
+        _text(context, volume, LETTER, letter, _TEXT * side).location = place
 
 
 def round_length(length):
@@ -103,7 +103,6 @@ def _text(context, volume, kind, words, size):
 def _object(volume, kind, name, data):
     obj = display.new_display(volume, kind, name, data)
     obj.parent = volume
-    obj.matrix_parent_inverse = Matrix()
     data.materials.append(label_parts.white_material())
     return obj
 
@@ -137,7 +136,7 @@ def add_cube(context, volume):
     height = opposite.y - corner.y
     edge = _EDGE * height
     cube = _cube_object(volume, "Orientation Cube", _cube_mesh(edge), _GRAYS)
-    cube.parent, cube.matrix_parent_inverse = camera, Matrix()
+    cube.parent = camera
     # Half of the cube's diagonal and the margin from two borders of the picture.
     cube.location = corner + (0.5 * 3**0.5 * edge + _MARGIN * height) * Vector((1, 1, 0))
     cube.constraints.new("COPY_ROTATION").target = volume
@@ -145,7 +144,7 @@ def add_cube(context, volume):
         letter = _cube_object(
             volume, f"Orientation {name}", label_parts.text_curve(name, 0.8 * edge), (_DARK,)
         )
-        letter.parent, letter.matrix_parent_inverse = cube, Matrix()
+        letter.parent = cube
         letter.matrix_local = _on_side(side, 0.51 * edge)
     return cube
 

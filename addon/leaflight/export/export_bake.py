@@ -40,6 +40,8 @@ _sizes = session.cache()
 class ExportJob(jobs.Job):
     """Writes an export in the background, because large volumes take long."""
 
+    cancelled = "The export was cancelled; nothing was written"
+
     def __init__(self, obj, path, values, **page):
         """Stores the bake and the isovalues to write. page: Other options of export()."""
         if not obj.leaflight.bake_id:
@@ -59,9 +61,6 @@ class ExportJob(jobs.Job):
             progress=progress,
             **self._page,
         )
-
-    def ended(self):
-        return "The export was cancelled; nothing was written"
 
     def apply(self):
         size = self._path.stat().st_size / 2**20

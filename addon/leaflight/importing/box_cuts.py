@@ -61,12 +61,26 @@ def boxes(scene):
 def _follow(obj):
     settings = obj.leaflight
     items = source_files.regions_of(settings)
-    now = [_present(obj, item) for item in items]
+    now = [_present(obj, _renamed(obj, item)) for item in items]
     if now != items and cache.progress_of(obj) is None:
         settings.regions = json.dumps(now)
         isovalues.limit_all(obj)
         staleness.forget()
         live.changed(bpy.context.scene)
+
+
+def _renamed(obj, item):
+    """Returns a region with the present name of its clip box, which the user may have renamed."""
+    box = obj.leaflight_look.box
+    is_gone = "place" in item and bpy.data.objects.get((item["object"], None)) is None
+    if is_gone and box is not None and box.users_scene and _stands(box, item):
+        return {**item, "object": box.name}
+    return item
+
+
+def _stands(box, item):
+    """True if a box has the place and size at which it last cut the data."""
+    return np.allclose(_place(box), item["place"], rtol=_ROUNDING, atol=_ROUNDING)
 
 
 def _present(obj, item):
@@ -77,7 +91,6 @@ def _present(obj, item):
     if box is None or not box.users_scene or not look.is_in_data(obj, box):
         return item
     keep = shown.keep if shown.box == box else item["keep"].upper()
-    stands = np.allclose(_place(box), item["place"], rtol=_ROUNDING, atol=_ROUNDING)
-    if stands and keep.lower() == item["keep"]:
+    if _stands(box, item) and keep.lower() == item["keep"]:
         return item
     return region_by(obj, box, keep, item["cut"])

@@ -34,6 +34,8 @@ def _list_files(operator, context):
 
 class LEAFLIGHT_OT_import_volume(
     volume_properties.ReadingChoices,
+    # The next file need not have the part that was chosen in the last one.
+    volume_properties.choice_of_part(options={"SKIP_SAVE"}),
     channels.Choices,
     background.AskingOperator,
     bpy.types.Operator,
@@ -141,6 +143,7 @@ class LEAFLIGHT_OT_import_volume(
     dataset: StringProperty(
         "Dataset",
         "Volume of the file, or series of the folder, to read if there are several",
+        options={"SKIP_SAVE"},
         search=lambda self, _context, _text: self._datasets(),
     )
 

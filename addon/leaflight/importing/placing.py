@@ -110,7 +110,7 @@ def put_beside(context, obj):
     own_low, own_high = isosurfaces.world_box(obj)
     names = volume_names(context)
     others = [context.scene.objects[name] for name in names if name != obj.name]
-    boxes = [isosurfaces.world_box(other) for other in others]
+    boxes = [_box_of(other) for other in others]
     boxes = boxes or _boxes_around(context, own_low, own_high)
     if not boxes:
         return
@@ -121,6 +121,20 @@ def put_beside(context, obj):
     shift = 0.5 * (low + high) - 0.5 * (own_low + own_high)
     shift[0], shift[2] = high[0] + gap - own_low[0], low[2] - own_low[2]
     obj.matrix_world = Matrix.Translation(shift) @ obj.matrix_world
+
+
+def _box_of(volume):
+    """Returns the box (2, 3) of a volume, or of its isosurface if its file is gone."""
+    try:
+        return isosurfaces.world_box(volume)
+    except LeaflightError:
+        return _box_of_mesh(volume)
+
+
+def _box_of_mesh(obj):
+    matrix = np.array(obj.matrix_world, np.float64)
+    corners = np.array(obj.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
 
 
 def _boxes_around(context, low, high):
@@ -135,9 +149,7 @@ def _boxes_around(context, low, high):
     for other in context.visible_objects:
         if other.type != "MESH" or _is_volume(other):
             continue
-        matrix = np.array(other.matrix_world, np.float64)
-        corners = np.array(other.bound_box) @ matrix[:3, :3].T + matrix[:3, 3]
-        box = np.array([corners.min(axis=0), corners.max(axis=0)])
+        box = _box_of_mesh(other)
         is_as_large = np.max(box[1] - box[0]) < _ROOM * np.max(high - low)
         if is_as_large and np.all(low < box[1]) and np.all(box[0] < high):
             boxes.append(box)

@@ -7,7 +7,7 @@ from ..bake import live
 from ..operators import background, checks, jobs
 from ..operators.checks import active_volume
 from ..props import EnumProperty
-from ..show import display, isovalues
+from ..show import isovalues
 from ..stage import staleness
 from ..store import cache, frame_bakes, source_files
 
@@ -43,10 +43,11 @@ class ReadAgainJob(jobs.Job):
             frame_bakes.end_wipe(settings)
         # Set the property without its update, and cache the volume for that update.
         settings[self._choice] = self._value
-        cache.keep_volume(obj, volume.capped() if settings.capped else volume)
+        # Another frame, for example, may be shown by now.
+        if source_files.choices_of(settings) == self._choices:
+            cache.keep_volume(obj, volume.capped() if settings.capped else volume)
         setattr(settings, self._choice, self._value)
-        for surface in display.surfaces_of(obj):
-            isovalues.limit(surface)
+        isovalues.limit_all(obj)
         cache.forget_unused()
         staleness.forget()
         live.changed(bpy.context.scene)

@@ -18,8 +18,7 @@ from leaflight.volume.regions import Box, record_of, sphere
 from ..operators import background, checks
 from ..operators.checks import active_volume
 from ..props import EnumProperty, FloatProperty, IntProperty, StringProperty
-from ..show import exploded, look
-from ..stage import camera
+from ..show import display, exploded, look
 from ..store import cache, source_files
 from ..translations import iface_
 from . import box_cuts, read_again
@@ -168,8 +167,12 @@ class LEAFLIGHT_OT_crop_to_shown(_Change, bpy.types.Operator):
 
     def changed(self, context, obj, regions):
         place = cache.volume_of(obj).index_to_world
-        to_index = np.linalg.inv(np.array(obj.matrix_world, np.float64) @ place)
-        points = camera.shown_points([obj]) @ to_index[:3, :3].T + to_index[:3, 3]
+        surfaces = display.surfaces_of(obj)
+        points = np.concatenate([exploded.closed_positions(each.data) for each in surfaces])
+        if not len(points):
+            raise LeaflightError(f'"{obj.name}" shows no isosurface: choose another isovalue.')
+        to_index = np.linalg.inv(place)
+        points = points @ to_index[:3, :3].T + to_index[:3, 3]
         low, high = points.min(axis=0) - self.margin, points.max(axis=0) + self.margin
         to_file = np.linalg.inv(source_files.from_file(obj.leaflight)) @ place
         region = crop(low, high, to_file)
@@ -350,9 +353,11 @@ class LEAFLIGHT_OT_switch_region(_Change, bpy.types.Operator):
     bl_description = "Turn this change of the data on or off, or remove it"
     done = "data changed"
 
-    index: IntProperty("Number", "Number of the change, from 0", min=0)
+    # A button that leaves a property unset must not take the value of the last click.
+    index: IntProperty("Number", "Number of the change, from 0", min=0, options={"SKIP_SAVE"})
     action: EnumProperty(
         "Action",
+        options={"SKIP_SAVE"},
         items=[
             ("SWITCH", "Switch", "Turn the change on or off"),
             ("REMOVE", "Remove", "Remove the change"),

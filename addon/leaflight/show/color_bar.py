@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 from leaflight import LeaflightError
 from leaflight.scene.color_bar import color_bar_of
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
 from . import display, fill, label_parts, shader, texture
+from .display import COLOR_BAR, VOLUME
 
-KIND = "color bar"
-_VOLUME, _MATERIAL = "leaflight_volume", "leaflight_color_bar"
+_MATERIAL = "leaflight_color_bar"
 # Cycles takes the name "color" for that of volumes.
 _COLOR = "bar_color"
 # Shares of the picture's height: length and width of the bar, its margin, size of the texts.
@@ -42,7 +42,7 @@ def add(scene, volume):
         bpy.data.meshes.remove(bar.data)
     material = shader.shared_material(_MATERIAL, "Leaflight Color Bar", _COLOR)
     bar = _object(volume, camera, bpy.data.meshes.new("Color Bar"), material)
-    bar[_VOLUME] = volume
+    bar[VOLUME] = volume
     low, high = label_parts.picture_corners(scene, camera)
     height = high.y - low.y
     # The bar's own unit is the height of the picture.
@@ -55,7 +55,7 @@ def add(scene, volume):
 def update(volume):
     """Shows the present colors and numbers of a volume in its color bar, if there is one."""
     for bar in _bars():
-        if bar.get(_VOLUME) == volume:
+        if bar.get(VOLUME) == volume:
             colors = None
             # An unreadable volume shows its error elsewhere.
             with suppress(LeaflightError):
@@ -64,7 +64,7 @@ def update(volume):
 
 
 def _bars():
-    return [obj for obj in bpy.data.objects if display.is_display(obj, KIND) and _VOLUME in obj]
+    return [obj for obj in bpy.data.objects if display.is_display(obj, COLOR_BAR) and VOLUME in obj]
 
 
 def _fill(bar, colors):
@@ -83,7 +83,7 @@ def _fill(bar, colors):
     shown = [label_parts.exposed(color) for _, color in colors.stops]
     faces, vertices = first + (0, 1, 3, 2), points.reshape(-1, 3)
     fill.fill(bar.data, vertices, faces, {_COLOR: np.repeat(shown, 2, axis=0)})
-    volume = bar[_VOLUME]
+    volume = bar[VOLUME]
     for share, words in colors.ticks:
         text = _text(volume, bar, words)
         text.location = Vector((-0.5 * _TEXT, share * _LENGTH, 0.0))
@@ -98,8 +98,8 @@ def _text(volume, bar, words):
 
 
 def _object(volume, parent, data, material):
-    obj = display.new_display(volume, KIND, data.name, data)
-    obj.parent, obj.matrix_parent_inverse = parent, Matrix()
+    obj = display.new_display(volume, COLOR_BAR, data.name, data)
+    obj.parent = parent
     obj.hide_select = True
     data.materials.append(material)
     return obj

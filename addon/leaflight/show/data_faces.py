@@ -14,8 +14,8 @@ from leaflight import LeaflightError, color_maps
 from mathutils import Color
 
 from .. import versions
-from ..store import cache
-from . import display, exploded, fill, look, shader
+from ..store import cache, source_files
+from . import display, exploded, fill, look, shader, surface_object
 
 
 def _linear(hexadecimal):
@@ -80,7 +80,9 @@ def clear(obj):
 
 def show(obj, data, label, faces):
     """Fills the object with Faces of a Volume. label: a text that is unique to the faces."""
-    label = f"{label} {data.name} {data.values.shape}"
+    settings = obj.parent.leaflight
+    values = f"{settings.frame} {settings.bake_id} {source_files.changes_of(settings)}"
+    label = f"{label} {data.name} {data.values.shape} {values}"
     if obj.data.get(_SHOWN) == label:
         return
     obj.data[_SHOWN] = label
@@ -179,7 +181,8 @@ def update_cut(volume, depsgraph=None):
     label = f"{local_from_box.round(6).tolist()} {corners.tolist()}"
     show(obj, data, label, _cut_faces(data, local_from_box, corners))
     surfaces = display.surfaces_of(volume)
-    cuts = [o.leaflight.isovalue for o in surfaces if look.view_of(o).cut is not None]
+    # In a render the isovalue of the original lags behind.
+    cuts = [surface_object.shown_isovalue(o) for o in surfaces if look.view_of(o).cut is not None]
     shade(obj, volume.leaflight_look.cut_colors, volume.leaflight, min(cuts))
 
 
@@ -251,7 +254,7 @@ def update_slices(volume, depsgraph=None):
     faces = [_slice(low, high, axis, place) for axis, place in places.items()]
     show(obj, data, f"{places}", faces)
     settings = volume.leaflight
-    least = settings.isovalue if wanted.slices_inside else settings.low
+    least = surface_object.shown_isovalue(volume) if wanted.slices_inside else settings.low
     shade(obj, wanted.slice_colors, settings, least)
 
 

@@ -16,6 +16,11 @@ from .. import session
 # Largest number of isosurfaces that a volume shows, including the first.
 MOST = 3
 
+# Kinds of the labels of a volume, which go with it.
+COLOR_BAR, SCALE_BAR, LETTER = "color bar", "scale bar", "letter"
+# Property of a display whose parent is not its volume: the volume.
+VOLUME = "leaflight_volume"
+
 _DISPLAY = "leaflight_display"
 _ISOSURFACE = "isosurface"
 # Property of a volume with added isosurfaces, which identifies its duplicates (isovalues.py).
@@ -32,6 +37,22 @@ def mark(obj, kind):
 def is_display(obj, kind=None):
     """True if an object only shows results, of this kind or, if kind is None, of any kind."""
     return _DISPLAY in obj and kind in (None, obj[_DISPLAY])
+
+
+def is_label(obj):
+    """True if an object is a color bar, a scale bar, a letter, or a part of them."""
+    return obj.get(_DISPLAY) in (COLOR_BAR, SCALE_BAR, LETTER)
+
+
+def is_left_behind(obj):
+    """True if the parent or the volume of a display is gone.
+
+    A deleted object is in no scene, but lives on while a property refers to it.
+    """
+    owners = {obj.parent, obj.get(VOLUME, obj.parent)}
+    if None in owners:
+        return True
+    return not all(owner.users_scene for owner in owners) and bool(obj.users_scene)
 
 
 def note(objects):
@@ -146,10 +167,10 @@ def new_display(volume, kind, name, data):
 
 
 def remove(obj):
-    mesh, volume = obj.data, obj.parent
+    data, volume = obj.data, obj.parent
     bpy.data.objects.remove(obj)
-    if not mesh.users:
-        bpy.data.meshes.remove(mesh)
+    if not data.users:
+        bpy.data.batch_remove((data,))
     if volume is not None and not added_to(volume):
         volume.pop(_MARK, None)
 

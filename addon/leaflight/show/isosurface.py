@@ -59,7 +59,7 @@ class Isosurface:
 
     def radiance(self, points):
         """Returns {name of an attribute: baked radiance, or color (n, 3)} at points (n, 3)."""
-        found = self._texture(points)
+        found = self.texture(points)
         if self.grid is None:
             return found
         field = self.volume.field()
@@ -68,7 +68,8 @@ class Isosurface:
             found[RADIANCE_BACK] = self.grid.lookup(field, points, back=True)
         return found
 
-    def _texture(self, points):
+    def texture(self, points):
+        """Returns {TEXTURE: color (n, 3)} at points (n, 3), or nothing without a texture."""
         return {} if self.colors is None else {TEXTURE: self.colors.at(points)}
 
     def made(self):
@@ -95,7 +96,7 @@ class Isosurface:
         vertices, triangles, *sides = self._without_dust(vertices, triangles, *sides)
         named = zip((RADIANCE, RADIANCE_BACK), sides)
         radiance = {name: side for name, side in named if side is not None}
-        radiance |= self._texture(vertices) | self._offsets(vertices, triangles)
+        radiance |= self.texture(vertices) | self._offsets(vertices, triangles)
         return vertices, triangles, radiance, count
 
     def _offsets(self, vertices, triangles):

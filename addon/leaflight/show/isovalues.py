@@ -52,7 +52,7 @@ def volumes(scene):
 def isosurfaces(scene):
     """Returns the volumes of a scene and their added isosurfaces."""
     found = [obj for obj in scene.objects if display.is_isosurface(obj)]
-    display.note(found)
+    display.note((*found, *filter(display.is_label, scene.objects)))
     return found
 
 
@@ -74,12 +74,15 @@ def limit_all(volume):
 
 def orphans():
     """Returns the displays of volumes that are gone."""
-    return [obj for obj in display.noted() if display.is_display(obj) and obj.parent is None]
+    displays = filter(display.is_display, display.noted())
+    return [obj for obj in displays if display.is_left_behind(obj)]
 
 
 def remove_orphans():
-    for obj in orphans():
-        display.remove(obj)
+    # The parts of a removed display are orphans, too.
+    while found := orphans():
+        for obj in found:
+            display.remove(obj)
 
 
 def partners(obj, scene):

@@ -38,7 +38,7 @@ def _can_color(settings, obj):
 
 
 def _texture_chosen(settings, context):
-    """Hides the volume of the colors, and shows its whole range, or its labels."""
+    """Hides the volumes of the colors, and shows their whole range, or the labels."""
     _show_whole_range(settings)
     others = texture.volumes_that_color(settings.id_data)
     if others and others[0].leaflight.labels:
@@ -48,19 +48,19 @@ def _texture_chosen(settings, context):
 
 def _show_whole_range(settings):
     obj = settings.id_data
-    others = texture.volumes_that_color(obj)
-    if others:
-        settings["texture_low"], settings["texture_high"] = texture.begin(others[0])
+    ranges = [texture.begin(other) for other in texture.volumes_that_color(obj)]
+    if ranges:
+        lows, highs = zip(*ranges)
+        settings["texture_low"], settings["texture_high"] = min(lows), max(highs)
     elif settings.texture_kind in texture.OWN and settings.is_volume:
         # An unreadable volume shows its error elsewhere.
         with suppress(LeaflightError):
             settings["texture_low"], settings["texture_high"] = texture.own_range(obj)
 
 
-def _channel_chosen(settings, _context):
-    for other in texture.volumes_that_color(settings.id_data)[1:]:
-        texture.begin(other)
-    _texture_changed(settings, _context)
+def _channel_chosen(settings, context):
+    _show_whole_range(settings)
+    _texture_changed(settings, context)
 
 
 def _kind_changed(settings, context):

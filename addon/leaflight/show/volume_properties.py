@@ -55,7 +55,7 @@ def shape_changed(obj):
 
 
 class ReadingChoices:
-    """Choices by which a volume is read from its file, at import or since."""
+    """The form of the values in a file, for its reading at import or since."""
 
     dims: IntVectorProperty("Dimensions", "Voxels along x, y and z of a .raw file", 3, min=0)
     value_type: EnumProperty("Type", "Type of the values in a .raw file", VALUE_TYPE_ITEMS)
@@ -72,19 +72,34 @@ class ReadingChoices:
         default=(1.0, 1.0, 1.0),
         min=1e-9,
     )
-    frame: IntProperty(
-        "Frame",
-        "Number of the volume in its series, counted from 0; -1 for a single volume",
-        -1,
-        min=-1,
-    )
-    channel: IntProperty(
-        "Channel", "Number of the channel to read, from 0; -1 if there is only one", -1, min=-1
-    )
-    level: IntProperty("Level", "Number of the resolution to read; 0 is the finest", min=0)
 
 
-class VolumeSource(ReadingChoices):
+def choice_of_part(**options):
+    """Returns a class with the choice of a volume in a file. options: of its properties."""
+
+    class Part:
+        frame: IntProperty(
+            "Frame",
+            "Number of the volume in its series, counted from 0; -1 for a single volume",
+            -1,
+            min=-1,
+            **options,
+        )
+        channel: IntProperty(
+            "Channel",
+            "Number of the channel to read, from 0; -1 if there is only one",
+            -1,
+            min=-1,
+            **options,
+        )
+        level: IntProperty(
+            "Level", "Number of the resolution to read; 0 is the finest", min=0, **options
+        )
+
+    return Part
+
+
+class VolumeSource(ReadingChoices, choice_of_part()):
     """The file of a volume, and how it is read."""
 
     source: StringProperty(

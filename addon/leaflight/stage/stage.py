@@ -21,6 +21,8 @@ from . import camera, facing, hidden, presets, scene_export, scene_objects, view
 # Property of data-blocks that Stage has made, with their name at that time. Copies and renamed ones
 # therefore belong to the user.
 _STAGED = "leaflight_stage"
+# Property of the collection of a stage: its preset. The panel may show another one.
+_PRESET = "leaflight_preset"
 
 
 class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
@@ -32,7 +34,9 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
 
     preset: EnumProperty("Stage", "Objects to add around the volumes", presets.ITEMS)
     collection: StringProperty(
-        "Collection", "Collection of your objects and lights around the volumes"
+        "Collection",
+        "Collection of your objects and lights around the volumes",
+        options={"SKIP_SAVE"},
     )
     hide_others: BoolProperty(
         "Hide Others",
@@ -68,6 +72,7 @@ class LEAFLIGHT_OT_stage(checks.VolumeOperator, bpy.types.Operator):
         volumes = scene_export.volume_objects(context, isosurface)
         own = self._own_collection()
         was_lit = build(context, isosurface, volumes, self.preset, own, self.hide_others)
+        scene.leaflight_stage.preset = self.preset
         versions.show_photographically(scene.view_settings)
         viewport.suit_baked_light(scene)
         viewport.show_stage(context)
@@ -122,9 +127,11 @@ class LEAFLIGHT_OT_frame_isosurface(checks.VolumeOperator, bpy.types.Operator):
 
 
 def _is_lit(obj):
-    """True if a volume shows the light of a bake."""
+    """True if a volume shows the light of a bake, or another of its frames has a bake."""
     settings = obj.leaflight
-    return bool(settings.bake_id) and not source_files.values_changed(settings)
+    if settings.frame_regions or not settings.bake_id:
+        return bool(frame_bakes.bakes_of(settings))
+    return not source_files.values_changed(settings)
 
 
 def build(context, isosurface, volumes, preset, collection=None, hide_others=None):
@@ -143,7 +150,7 @@ def build(context, isosurface, volumes, preset, collection=None, hide_others=Non
     description = None if collection else presets.fitted(preset, seen, scene.leaflight_stage.height)
     was_lit = _drop_baked_light(scene, volumes)
     failures.forget()
-    _remember(scene, preset, collection)
+    _remember(scene, collection)
     # Keep the camera of the previous stage, because viewports may look through it.
     kept = scene.camera if is_staged(scene.camera) and collection is None else None
     _remove_stage(scene, kept)
@@ -156,7 +163,7 @@ def build(context, isosurface, volumes, preset, collection=None, hide_others=Non
     if description is None:
         _use(scene, collection)
     else:
-        _build(scene, description, turn, volumes, kept)
+        _build(scene, preset, description, turn, volumes, kept)
     if scene.camera is None or is_staged(scene.camera):
         _use_camera(scene, isosurface, points)
     for obj in volumes:
@@ -168,9 +175,12 @@ def build(context, isosurface, volumes, preset, collection=None, hide_others=Non
 def follow(context, isosurface):
     """Builds the stage of the scene again, if it has one, around its present volumes."""
     scene = context.scene
-    if is_built(scene) and isosurface.name in scene.objects:
+    built = next(filter(is_staged, scene.collection.children), None)
+    if built is not None and isosurface.name in scene.objects:
         volumes = scene_export.volume_objects(context, isosurface)
-        build(context, isosurface, volumes, scene.leaflight_stage.preset)
+        # Files of an earlier Leaflight store the preset of the panel alone.
+        preset = built.get(_PRESET, scene.leaflight_stage.preset)
+        build(context, isosurface, volumes, preset)
 
 
 def is_built(scene):
@@ -183,10 +193,9 @@ def is_staged(thing):
     return thing is not None and thing.get(_STAGED) == thing.name
 
 
-def _remember(scene, preset, collection):
-    """Stores the choice, and the world and camera that the user had before."""
+def _remember(scene, collection):
+    """Stores the collection of My Scene, and the world and camera that the user had before."""
     remembered = scene.leaflight_stage
-    remembered.preset = preset
     if collection is not None:
         remembered.collection = collection
     if not is_staged(scene.world):
@@ -236,13 +245,13 @@ def _drop_baked_light(scene, volumes):
     return was_lit
 
 
-def _build(scene, description, turn, volumes, kept):
-    """Builds the objects, world and exposure of a description. turn: matrix about the origin.
+def _build(scene, preset, description, turn, volumes, kept):
+    """Builds the objects, world and exposure of a preset. turn: matrix about the origin.
 
     kept: the camera of the previous stage, or None.
     """
     collection = bpy.data.collections.new(description.name)
-    collection[_STAGED] = collection.name
+    collection[_STAGED], collection[_PRESET] = collection.name, preset
     scene.collection.children.link(collection)
     made = [scene_objects.mesh_object(mesh) for mesh in description.meshes]
     made += [scene_objects.light_object(light) for light in description.lights]

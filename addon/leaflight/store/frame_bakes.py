@@ -58,7 +58,8 @@ def switch(obj, frame):
     settings.frame = frame
     settings.frame_bakes = json.dumps(kept)
     if regions:
-        settings.regions = json.dumps(regions[frame])
+        # Setting the property by its name would read the bake for its update.
+        settings["regions"] = json.dumps(regions[frame])
     return True
 
 

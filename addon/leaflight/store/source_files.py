@@ -295,7 +295,15 @@ def regions_alone_changed(settings):
 
 def values_changed(settings):
     """True if the user has changed values or normals since the bake."""
-    return changes_of(settings) != settings.bake_changes
+    now, before = changes_of(settings), settings.bake_changes
+    return now != before and _without_names(now) != _without_names(before)
+
+
+def _without_names(changes):
+    """Returns the values of changes_of() by name, without the names of objects in regions."""
+    values = dict(zip(CHANGES, json.loads(changes or "[]")))
+    items = json.loads(values.get("regions") or "[]")
+    return {**values, "regions": [{**item, "object": ""} for item in items]}
 
 
 def changed_since_bake(obj):

@@ -76,11 +76,13 @@ def _after_change(scene, depsgraph):
     relit = may_shine and staleness.follow_lamps(scene, depsgraph)
     if shown_anew or relit or isovalues.any_is_behind(depsgraph):
         moved += _follow(scene, depsgraph, whole_detail.may_follow(depsgraph))
-    elif {change.what for change in changes} & _clip_boxes(scene):
+    changed, clip_boxes = {change.what for change in changes}, _clip_boxes(scene)
+    # A box with a new name is no longer among those of box_cuts.
+    if shown_anew or changed & (box_cuts.boxes(scene) | clip_boxes):
+        box_cuts.follow(scene)
+    if changed & clip_boxes:
         for volume in isovalues.volumes(scene):
             data_faces.update_cut(volume, depsgraph)
-    if shown_anew or {change.what for change in changes} & box_cuts.boxes(scene):
-        box_cuts.follow(scene)
     if shown_anew or relit or moved:
         # Blender redraws only the region in which the isovalue was moved, but two regions show it.
         jobs.redraw_panels()

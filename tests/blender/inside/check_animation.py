@@ -101,6 +101,15 @@ def check_a_lit_wipe_cuts_the_data_and_bakes_each_cut(boxed, tmp_path):
     close(starts(obj, 3), found[2], 1e-6)
 
 
+def check_a_frame_of_a_lit_wipe_is_chosen_without_its_surface(boxed, monkeypatch):
+    """Checks that saving, which visits each frame, need not read its bake."""
+    bpy.ops.leaflight.animate(kind="LIT_WIPE", frames=2)
+    before, updated = boxed.leaflight.regions, []
+    monkeypatch.setattr(surface_object, "update", lambda *given: updated.append(given))
+    assert frame_bakes.switch(boxed, 1)
+    assert boxed.leaflight.regions != before and not updated
+
+
 def check_a_lit_wipe_needs_a_file_of_one_frame(boxed):
     boxed.leaflight.frames = 2
     assert "changes over time: use Wipe" in error_of(bpy.ops.leaflight.animate, kind="LIT_WIPE")

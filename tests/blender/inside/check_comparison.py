@@ -16,8 +16,9 @@ from leaflight import _core
 from leaflight.measure import blender_versions
 from leaflight_addon import versions
 from leaflight_addon.compare import render, render_comparison, stills
+from leaflight_addon.show import texture
 from PIL import Image
-from tools import close, error_of, start, wait_while
+from tools import close, colors_of, error_of, start, vertices_of, wait_while
 
 
 def _render_settings():
@@ -251,6 +252,14 @@ def check_an_error_in_the_middle_restores_the_scene(baked, small_frame, tmp_path
     )
     assert "cancelled" in sentence and len(calls) == 6
     assert _render_settings() == before
+
+
+def check_the_path_traced_surface_has_the_colors(boxed):
+    boxed.leaflight.texture_kind = "HEIGHT"
+    with stills._path_traced(bpy.context, boxed):
+        colors = texture.local_texture(boxed).at(vertices_of(boxed))
+        close(colors_of(boxed, "texture"), colors, 1e-6)
+    assert np.ptp(colors) > 0.1
 
 
 def check_it_needs_a_bake_and_a_camera(boxed):

@@ -7,6 +7,7 @@ import pytest
 from blends import reopened
 from boxes import build_cornell_box
 from leaflight_addon import versions
+from leaflight_addon.compare import stills
 from leaflight_addon.importing import regions
 from leaflight_addon.show import surface_material, surface_object
 from leaflight_addon.store import cache
@@ -176,3 +177,20 @@ def check_exports_are_exploded(balls, tmp_path, monkeypatch):
     written = np.array([obj.matrix_world @ v.co for v in obj.data.vertices])
     close(np.ptp(written, axis=0), np.ptp(shown, axis=0), 1e-4)
     bpy.ops.leaflight.export(filepath=str(tmp_path / "all.vti"), file_type=".vti")
+
+
+def check_a_comparison_shows_the_closed_arrangement(balls):
+    closed = vertices_of(balls)
+    _explode(balls, 8.0)
+    with stills._volumes_alone(bpy.context.scene):
+        close(vertices_of(balls), closed, 0)
+    assert _is_apart(balls, closed, 8.0)
+
+
+def check_a_crop_keeps_the_closed_parts(balls):
+    closed = _ends(balls)
+    _explode(balls, 40.0)
+    assert bpy.ops.leaflight.crop_to_shown(margin=1) == {"FINISHED"}
+    balls.leaflight_look.explode_axis = "NONE"
+    close(_ends(balls), closed, 1e-3)
+    assert cache.volume_of(balls).values.shape[2] < N

@@ -2,6 +2,7 @@
 """Checks volumes that change over time: playback, and one bake for each frame."""
 
 import bpy
+import leaflight
 import nibabel
 import numpy as np
 import pytest
@@ -9,8 +10,9 @@ from blends import open_blend, open_saved
 from leaflight import blender
 from leaflight.scene.volume_texture import color_map
 from leaflight_addon.bake import load_bake
-from leaflight_addon.show import look, surface_material, surface_object
-from leaflight_addon.store import bake_files, cache, frame_bakes
+from leaflight_addon.importing import read_again
+from leaflight_addon.show import data_faces, look, surface_material, surface_object
+from leaflight_addon.store import bake_files, cache, frame_bakes, source_files
 from mathutils import Matrix
 from tools import (
     add_camera,
@@ -219,3 +221,25 @@ def check_all_frames_are_baked_kept_and_found_again(played, tmp_path):
         assert mesh_arrays(played)[2] is not None
     assert found == frame_bakes.bakes_of(played.leaflight) and len(found) == FRAMES
     assert not load_bake.unused()
+
+
+def check_a_frame_that_was_read_is_not_taken_for_another(played):
+    """Checks Smooth while the frame changes."""
+    job = read_again.ReadAgainJob(played, "Smooth", "smooth", 1.0, lambda obj: obj.name)
+    job.run(leaflight.Progress())
+    show_frame(2)
+    job.apply()
+    expected = source_files.read(played.leaflight).values
+    np.testing.assert_array_equal(cache.volume_of(played).values, expected)
+
+
+def check_a_slice_follows_the_frame(played):
+    played.leaflight_look.slice_axes = (True, False, False)
+    highest = []
+    for number in range(FRAMES):
+        show_frame(number)
+        faces = data_faces.slices_of(played).data
+        values = np.empty(len(faces.vertices), np.float32)
+        faces.attributes[data_faces.VALUE].data.foreach_get("value", values)
+        highest.append(values.max())
+    close(np.diff(highest), -12.0, 1e-3)

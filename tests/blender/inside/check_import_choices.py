@@ -269,3 +269,20 @@ def check_a_picture_is_painted_once(bumps, monkeypatch):
     bumps.leaflight.isovalue += 0.3 * (bumps.leaflight.high - bumps.leaflight.isovalue)
     data_picture.icon_of(bumps)
     assert len(painted) == 2
+
+
+def check_the_next_file_has_its_own_part():
+    properties = bpy.ops.leaflight.import_volume.get_rna_type().properties
+    for name in ("dataset", "frame", "channel", "level"):
+        assert properties[name].is_skip_save, name
+    assert not properties["dims"].is_skip_save
+
+
+def check_a_volume_without_its_file_keeps_its_place(tmp_path):
+    """Checks an import beside a volume whose file is gone."""
+    for name in ("a.npy", "b.npy"):
+        np.save(tmp_path / name, np.random.default_rng(0).normal(size=(9, 8, 7)))
+    first = imported(tmp_path / "a.npy")
+    (tmp_path / "a.npy").unlink()
+    low, _ = isosurfaces.world_box(imported(tmp_path / "b.npy"))
+    assert (np.array(first.matrix_world) @ [*first.bound_box[6], 1.0])[0] < low[0]

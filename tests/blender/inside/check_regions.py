@@ -15,7 +15,7 @@ from leaflight_addon.bake import estimate_bake
 from leaflight_addon.importing import regions, stored_facts
 from leaflight_addon.importing.cropping import Crop
 from leaflight_addon.show import data_faces, display, look, texture
-from leaflight_addon.stage import staleness
+from leaflight_addon.stage import camera, staleness
 from leaflight_addon.store import cache, source_files
 from leaflight_addon.ui import look_panel
 from passes import drawn
@@ -66,6 +66,11 @@ def check_a_cut_by_the_clip_box_is_flat_and_can_be_switched(boxed_with_clip_box)
     bpy.ops.leaflight.switch_region(index=0, action="REMOVE")
     assert not _records(obj)
     np.testing.assert_array_equal(cache.volume_of(obj).values, values)
+
+
+def check_buttons_of_regions_remember_no_click():
+    properties = bpy.ops.leaflight.switch_region.get_rna_type().properties
+    assert properties["index"].is_skip_save and properties["action"].is_skip_save
 
 
 def _cuts_picture(obj):
@@ -123,6 +128,23 @@ def check_the_cut_follows_the_box(boxed_with_clip_box):
     box.location[0] += 0.2
     bpy.context.view_layer.update()
     assert _records(obj)[0]["place"] == records[0]["place"]
+
+
+def check_the_cut_follows_the_name_of_the_box(boxed_with_clip_box):
+    obj, box = boxed_with_clip_box
+    bpy.ops.leaflight.cut_data(cut="capped")
+    bpy.ops.leaflight.bake()
+    obj = bpy.context.object
+    first = vertices_of(obj)[:, 0].max()
+    box.name = "Renamed"
+    bpy.context.view_layer.update()
+    assert _records(obj)[0]["object"] == "Renamed" and not _cuts_picture(obj)
+    assert staleness.change_since_bake(bpy.context, obj) == ""
+    box.location[0] -= 0.1
+    bpy.context.view_layer.update()
+    assert len(_records(obj)) == 1
+    moved = vertices_of(obj)[:, 0].max()
+    assert abs(first - moved - 0.1 / obj.matrix_world.median_scale) < 0.01
 
 
 def check_a_baked_cut_is_lit_and_stays_in_files(boxed_with_clip_box, tmp_path):
@@ -272,7 +294,9 @@ def check_only_the_largest_part_stays(balls):
     close(vertices_of(balls), left, 0)
 
 
-def check_crops(balls):
+def check_crops(balls, monkeypatch):
+    # The small ball is no large part, but it is shown.
+    monkeypatch.setattr(camera, "_SHARE", 0.5)
     whole, place = vertices_of(balls), balls.matrix_world.copy()
     before = cache.volume_of(balls).values
     bpy.ops.leaflight.crop_to_shown(margin=2)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blends import reopened
 from leaflight_addon import versions
-from leaflight_addon.show import data_faces
+from leaflight_addon.show import data_faces, surface_object
 from leaflight_addon.stage import scene_export, staleness
 from leaflight_addon.store import cache, source_files
 from tools import camera_rays_down, close, displayed_gray, look_down, render_exr, vertices_of
@@ -92,3 +92,33 @@ def check_no_bake_sees_slices_and_they_go_with_their_volume(baked):
     bpy.data.objects.remove(baked)
     bpy.context.view_layer.update()
     assert name not in bpy.data.objects
+
+
+def _values_of(faces):
+    values = np.empty(len(faces.data.vertices), np.float32)
+    faces.data.attributes[data_faces.VALUE].data.foreach_get("value", values)
+    return values
+
+
+def check_slices_and_cut_faces_follow_the_data(baked):
+    baked.leaflight_look.slice_axes = (True, False, False)
+    bpy.ops.leaflight.add_clip_box()
+    bpy.context.view_layer.update()
+    faces = data_faces.slices_of(baked), data_faces.cut_faces_of(baked)
+    before = [_values_of(each) for each in faces]
+    bpy.ops.leaflight.smooth(amount="2")
+    bpy.context.view_layer.update()
+    for each, values in zip(faces, before):
+        assert len(values) and np.abs(_values_of(each) - values).max() > 1.0
+
+
+def check_faces_have_the_isovalue_of_the_surface(baked, monkeypatch):
+    """Checks an isovalue that the original object does not have, as in a render."""
+    baked.leaflight_look.slice_axes, baked.leaflight_look.slices_inside = (True, False, False), True
+    bpy.ops.leaflight.add_clip_box()
+    shaded = []
+    monkeypatch.setattr(data_faces, "shade", lambda *of_face: shaded.append(of_face[-1]))
+    surface_object.update(baked, baked.leaflight.isovalue + 5.0)
+    data_faces.update_slices(baked)
+    data_faces.update_cut(baked)
+    assert shaded == [baked.leaflight.isovalue + 5.0] * 2

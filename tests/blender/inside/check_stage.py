@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from leaflight_addon.show import look
 from leaflight_addon.stage import camera, facing, hidden, presets, scene_export, stage, world
-from leaflight_addon.store import cache, source_files
+from leaflight_addon.store import cache, frame_bakes, source_files
 from mathutils import Matrix
 from tools import (
     add_light,
@@ -350,3 +350,30 @@ def check_my_scene_is_left_as_it_is(bumps):
     own.objects.link(camera)
     _stage("MY_SCENE", collection="Own")
     assert scene.camera == camera and not _staged()
+
+
+def check_a_built_stage_counts_not_the_chosen_one(bumps):
+    _stage("CORNELL")
+    chosen, walls = bpy.context.scene.leaflight_stage, _staged()
+    for preset in ("STUDIO", presets.MY_SCENE):
+        chosen.preset = preset
+        assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
+        assert bpy.ops.leaflight.turn_volume(way="TURN") == {"FINISHED"}
+        assert _staged() == walls and chosen.preset == preset
+
+
+def check_no_collection_is_remembered_by_a_button():
+    properties = bpy.ops.leaflight.stage.get_rna_type().properties
+    assert properties["collection"].is_skip_save
+
+
+def check_a_frame_without_a_bake_keeps_those_of_others(ball):
+    _stage("STUDIO")
+    ball.leaflight.resolution, ball.leaflight.error = 8, 20.0
+    bpy.ops.leaflight.bake()
+    bpy.ops.leaflight.animate(kind="LIT_WIPE", frames=3)
+    bpy.context.scene.frame_set(2)
+    bakes = frame_bakes.bakes_of(ball.leaflight)
+    assert bakes and not frame_bakes.is_baked(ball.leaflight)
+    assert bpy.ops.leaflight.frame_isosurface() == {"FINISHED"}
+    assert frame_bakes.bakes_of(ball.leaflight) == bakes

@@ -337,6 +337,19 @@ def check_three_channels_are_red_green_and_blue(colored, tmp_path):
     assert np.abs(colors[:, 1] - shares).max() > 0.2 and green.hide_render
 
 
+def check_channels_are_chosen_from_red_to_blue(boxed, tmp_path):
+    obj, others = boxed, []
+    for high in (1.0, 3.0, 2.0):
+        x = np.broadcast_to(np.linspace(0.0, high, N, dtype="<f4"), (N, N, N))
+        path = tmp_path / f"to_{high:g}.raw"
+        others.append(_import(obj, np.ascontiguousarray(x), path, "float32"))
+    settings = obj.leaflight
+    settings.texture_kind = "CHANNELS"
+    settings.texture_volume, settings.texture_green, settings.texture_blue = others
+    assert all(other.hide_render for other in others)
+    assert (settings.texture_low, settings.texture_high) == (0.0, 3.0)
+
+
 def check_fractions_are_no_labels(colored):
     obj, other = colored
     obj.leaflight.texture_kind = "LABELS"
@@ -351,6 +364,24 @@ def check_a_deleted_volume_no_longer_colors(colored):
     assert texture.volumes_that_color(obj) == []
     obj.leaflight.isovalue += 1.0
     assert "texture" not in obj.data.attributes
+
+
+def check_displays_go_with_a_deleted_volume(colored):
+    """Checks a volume that the color bar keeps in the file."""
+    obj, other = colored
+    obj.leaflight.unit = "mm"
+    obj.leaflight_look.slice_axes = (True, False, False)
+    bpy.ops.leaflight.add_isosurface()
+    bpy.ops.leaflight.add_scale_bar()
+    bpy.ops.leaflight.add_color_bar()
+    bpy.context.view_layer.update()
+    scene = bpy.context.scene
+    assert len({o["leaflight_display"] for o in scene.objects if display.is_display(o)}) == 4
+    display.select(bpy.context, [obj], obj)
+    bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+    assert other.name in scene.objects
+    assert not any(map(display.is_display, scene.objects))
 
 
 def check_a_saved_scene_opens_in_color(colored, tmp_path):
