@@ -102,7 +102,7 @@ def _text(context, volume, kind, words, size):
 
 def _object(volume, kind, name, data):
     obj = display.new_display(volume, kind, name, data)
-    obj.parent = volume
+    obj.parent = obj[display.VOLUME] = volume
     data.materials.append(label_parts.white_material())
     return obj
 

@@ -57,7 +57,7 @@ class ExportJob(jobs.Job):
             texture.retextured(self._bake(progress), self._textures),
             self._path,
             self._isovalues,
-            volume=self._index,
+            volume=0 if self._path.suffix.lower() == PAGE else self._index,
             progress=progress,
             **self._page,
         )

@@ -18,7 +18,7 @@ MOST = 3
 
 # Kinds of the labels of a volume, which go with it.
 COLOR_BAR, SCALE_BAR, LETTER = "color bar", "scale bar", "letter"
-# Property of a display whose parent is not its volume: the volume.
+# Property of a label: its volume. A user may give a label another parent.
 VOLUME = "leaflight_volume"
 
 _DISPLAY = "leaflight_display"
@@ -45,14 +45,17 @@ def is_label(obj):
 
 
 def is_left_behind(obj):
-    """True if the parent or the volume of a display is gone.
+    """True if the volume of a display is gone, or for a part of another display its parent.
 
     A deleted object is in no scene, but lives on while a property refers to it.
     """
-    owners = {obj.parent, obj.get(VOLUME, obj.parent)}
-    if None in owners:
-        return True
-    return not all(owner.users_scene for owner in owners) and bool(obj.users_scene)
+    owner = obj[VOLUME] if VOLUME in obj else obj.parent
+    return owner is None or (_is_in_a_scene(obj) and not _is_in_a_scene(owner))
+
+
+def _is_in_a_scene(obj):
+    # users_scene compares with every object of each scene.
+    return any(scene.objects.get(obj.name) == obj for scene in bpy.data.scenes)
 
 
 def note(objects):

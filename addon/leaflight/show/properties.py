@@ -33,6 +33,10 @@ SCATTERING_ITEMS = [
 _shading_changed = display.on_volume(surface_object.shade_all)
 
 
+# The ends of a color map before a volume is chosen.
+_NO_RANGE = 0.0, 1.0
+
+
 def _can_color(settings, obj):
     return obj.leaflight.is_volume and obj != settings.id_data
 
@@ -59,7 +63,10 @@ def _show_whole_range(settings):
 
 
 def _channel_chosen(settings, context):
+    chosen = settings.texture_low, settings.texture_high
     _show_whole_range(settings)
+    if chosen != _NO_RANGE:
+        settings["texture_low"], settings["texture_high"] = chosen
     _texture_changed(settings, context)
 
 
@@ -123,7 +130,7 @@ class Isosurfaces:
     texture_high: FloatProperty(
         "To",
         "Value at the upper end of the color map, in data units",
-        1.0,
+        _NO_RANGE[1],
         update=_texture_changed,
     )
     texture_reverse: BoolProperty(

@@ -240,8 +240,9 @@ def place_of_file(obj):
 
 def key_of(settings):
     """Returns a key of a volume, which changes with its file and with each option of reading."""
-    choices = (*choices_of(settings).values(), settings.capped, *settings.origin)
-    return (path_of(settings), *choices, file_state(settings))
+    choices = {**choices_of(settings), "regions": json.dumps(_nameless(settings.regions))}
+    others = settings.capped, *settings.origin, file_state(settings)
+    return (path_of(settings), *choices.values(), *others)
 
 
 def file_state(settings):
@@ -302,8 +303,11 @@ def values_changed(settings):
 def _without_names(changes):
     """Returns the values of changes_of() by name, without the names of objects in regions."""
     values = dict(zip(CHANGES, json.loads(changes or "[]")))
-    items = json.loads(values.get("regions") or "[]")
-    return {**values, "regions": [{**item, "object": ""} for item in items]}
+    return {**values, "regions": _nameless(values.get("regions"))}
+
+
+def _nameless(regions):
+    return [{**item, "object": ""} for item in json.loads(regions or "[]")]
 
 
 def changed_since_bake(obj):

@@ -135,7 +135,7 @@ class _Tracer:
 
 _lock = threading.Lock()
 _tracer: _Tracer | None = None
-_progress: dict[str, Progress] = {}  # of each bake, by its key
+_progress: dict[str, Progress] = {}  # by the keys of bakes
 
 
 def trace(recipe: Recipe, sent: Sequence[Sent], part: bytes) -> Passed:

@@ -29,6 +29,7 @@ class _Read(NamedTuple):
     unit: str
     name: str
     notes: tuple[str, ...] = ()
+    patient: bool = False
 
 
 def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = None) -> Volume:
@@ -52,8 +53,8 @@ def as_volume(data: Any, spacing: ArrayLike | None = None, name: str | None = No
         # Notes are about guesses, which a voxel size replaces.
         if read.index_to_world is None or (read.notes and spacing is not None):
             return Volume(values, None, name, spacing=spacing)
-        is_patient = reader in (_of_nibabel, _of_itk)
-        found = Volume(values, read.index_to_world, name, unit=read.unit, patient=is_patient)
+        placed = read.index_to_world, name
+        found = Volume(values, *placed, unit=read.unit, patient=read.patient)
         found = found.noted(*read.notes)
     if spacing is not None:
         raise SettingError(
@@ -93,7 +94,10 @@ def _of_nibabel(image: Any) -> _Read:
     affine = np.eye(4) if image.affine is None else np.array(image.affine, np.float64)
     # A header without a unit means millimeters, as is usual for the format.
     name = Path(path or "image").name.partition(".")[0]
-    return _Read(values.T, affine, unit_of(unit) or "mm", name)
+    # Method 1 of nifti1.h has no orientation.
+    codes = [header[code] for code in ("qform_code", "sform_code") if code in (header or ())]
+    is_patient = not codes or any(codes)
+    return _Read(values.T, affine, unit_of(unit) or "mm", name, (), is_patient)
 
 
 def _of_itk(image: Any) -> _Read:
@@ -108,7 +112,7 @@ def _of_itk(image: Any) -> _Read:
     axes = np.reshape(np.asarray(image.GetDirection(), np.float64), (3, 3))
     matrix[:3, :3] = axes * spacing
     matrix[:3, 3] = image.GetOrigin()
-    return _Read(view(image), FROM_LPS @ matrix, "mm", "image")
+    return _Read(view(image), FROM_LPS @ matrix, "mm", "image", (), True)
 
 
 def _of_vtk(image: Any) -> _Read:

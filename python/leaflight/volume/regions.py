@@ -7,7 +7,7 @@ region as JSON holds it: {"kind": "part", "point": [0, 0, 0], "isovalue": 300}.
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import Any
@@ -224,7 +224,8 @@ def _kind(region: Region) -> str:
 def check(region: Region) -> None:
     """Raises LeaflightError for numbers or words that a region cannot have."""
     if isinstance(region, WithinLabels):
-        labels = region.labels if isinstance(region.labels, (tuple, list)) else (None,)
+        is_text = isinstance(region.labels, (str, dict))
+        labels = region.labels if isinstance(region.labels, Collection) and not is_text else (None,)
         if not all(isinstance(label, int) and label > 0 for label in labels):
             raise LeaflightError(f"The labels {region.labels!r} are no whole numbers above 0.")
         is_map = isinstance(region.label_map, (Volume, str, PathLike))

@@ -54,9 +54,11 @@ def check_the_box_surrounds_both(pair):
 
 
 @pytest.mark.parametrize("active", [0, 1])
-def check_one_bake_holds_both(pair, active):
+def check_one_bake_holds_both(pair, active, tmp_path):
     _activate(pair[active])
     bpy.ops.leaflight.bake()
+    page = str(tmp_path / "both.html")
+    assert bpy.ops.leaflight.export_page(filepath=page) == {"FINISHED"}
     (path,) = {obj.leaflight.bake_path for obj in pair}
     assert [obj.leaflight.bake_index for obj in pair] == [0, 1]
     assert len({obj.leaflight.bake_id for obj in pair}) == 1

@@ -377,6 +377,12 @@ def check_displays_go_with_a_deleted_volume(colored):
     bpy.context.view_layer.update()
     scene = bpy.context.scene
     assert len({o["leaflight_display"] for o in scene.objects if display.is_display(o)}) == 4
+    # A label with another parent, or none, stays.
+    labels = [o for o in scene.objects if display.is_display(o, display.SCALE_BAR)]
+    for label in labels:
+        label.parent = None
+    bpy.context.view_layer.update()
+    assert labels and all(label.name in scene.objects for label in labels)
     display.select(bpy.context, [obj], obj)
     bpy.ops.object.delete()
     bpy.context.view_layer.update()
