@@ -17,7 +17,7 @@ from ..volume.volume import Volume
 from .baked import Bake
 from .provenance import values_sha256
 
-# As in the core's pass_texels.cpp: more texels are not finer than voxels.
+# The core's pass_texels.cpp has the same limit for texels finer than voxels.
 MOST_FINE_TEXELS = 32_000_000
 
 
@@ -70,7 +70,7 @@ def _grid(bake: Bake, number: int, volume: Volume, direct: bool) -> _core.Radian
 def resolution_on(volume: Volume, before: Volume, resolution: Sequence[int]) -> list[int]:
     """Returns the resolution of texels as wide as those of a resolution on another volume.
 
-    Where a large volume would have too many, they are as wide as voxels.
+    If it would have more than MOST_FINE_TEXELS texels, each is at least as wide as a voxel.
     """
     dims = volume.values.shape[::-1]
     each = zip(dims, before.values.shape[::-1], resolution)

@@ -127,7 +127,7 @@ def _check(
     isovalue_range: tuple[float, float],
 ) -> None:
     before, now = bake.scene.isosurfaces, description.isosurfaces
-    if bake.factors is not None and bake.original:
+    if bake.factors is not None:
         raise LeaflightError(
             "This bake has other values and other lamps: give with_values() the bake as baked."
         )
